@@ -1,4 +1,4 @@
-//! Tells the program which compiler built it, for what `sonoglyph bench` writes, and from which commit.
+//! Passes version, commit and compiler to the program, for `--version` and benchmark reports.
 
 use std::process::Command;
 

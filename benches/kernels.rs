@@ -1,5 +1,4 @@
-//! Pairs (sample times element) per second of every evaluator, with the f64 reference as the baseline, and the stages that
-//! take turns with them. `sonoglyph bench field` measures whole maps.
+//! Speed of the inner loops: field evaluators (sample-element pairs per second), stages of a map, and 3D pictures.
 
 use std::hint::black_box;
 use std::sync::Arc;
@@ -56,7 +55,7 @@ fn kernels(criterion: &mut Criterion) {
     }
 }
 
-/// The CPU's other inner loops: a table's product with a drive, and interpolation.
+/// Other inner loops of the CPU: the product of a table with a drive, and interpolation.
 fn stages(criterion: &mut Criterion) {
     let scene = Scene::default();
     let aperture = Aperture::new(&scene);
@@ -96,7 +95,8 @@ fn stages(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Space: a cube of 10 cm about a focus, coarse as while it is dragged and fine as at rest, on 512 x 512 pixels and as few as are drawn soon.
+/// 3D pictures of a cube of 10 cm about a focus: sampled coarsely as in a drag or finely as at rest, with the pixels of
+/// a draft or of the final picture.
 fn space(criterion: &mut Criterion) {
     let mut scene = Scene::default();
     scene.targets = vec![Target::new(Shape::Point { at: scene.plane.centre })];
@@ -136,8 +136,8 @@ fn space(criterion: &mut Criterion) {
     let gpu = adapter::open_best(true).ok();
     for (name, body) in [("surface", Body::Surface(0.5)), ("projection", Body::Projection)] {
         for (what, volume, side, is_smooth) in [
-            ("soon, coarse", &coarse, 257, false),
-            ("soon, fine", &fine, 257, false),
+            ("draft, coarse", &coarse, 257, false),
+            ("draft, fine", &fine, 257, false),
             ("at rest", &fine, 512, true),
         ] {
             let (shot, scenery) = (shot(volume, body, side), scenery(body));

@@ -1,4 +1,4 @@
-//! A word in focus, as a PNG: the library alone, without the window's crates or a GPU.
+//! Draws the field of a word as a PNG with the library alone, without window or GPU.
 //!
 //! `cargo run --release --example field --no-default-features`
 
@@ -23,6 +23,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     std::fs::write("field.png", export::png(&picture)?)?;
 
     let map = stages.map(&request)?;
-    println!("field.png: up to {:.0} Pa RMS, {:.1e} of it off at most", map.peak, map.error);
+    println!("field.png: peak {:.0} Pa RMS, error at most {:.1e} of it", map.peak, map.error);
     Ok(())
 }

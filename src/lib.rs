@@ -24,9 +24,9 @@
 //! ```
 //!
 //! # Features
-//! Without any there is the library of [`scene`], [`acoustics`], [`solver`], [`drive`], [`field`], [`force`],
+//! Without features, the crate has [`scene`], [`acoustics`], [`solver`], [`drive`], [`field`], [`force`],
 //! [`surface`] and the colours and PNG files of [`picture`]. `gpu` adds a second evaluator of the field, `studio`
-//! operations on scenes (files that it names, figures, films, boards), `cli`, `window` and `serial` (the default) the
+//! operations on scenes (named files, figures, films, boards), `cli`, `window` and `serial` (the default) the
 //! program itself, which is not part of the public interface.
 
 pub mod acoustics;

@@ -1,4 +1,4 @@
-//! The program `sonoglyph`: starts the command line, the window or the measurements.
+//! The program `sonoglyph`: runs the command line, then the window if requested, and sets the exit status.
 
 use std::path::Path;
 use std::process::ExitCode;
@@ -10,7 +10,7 @@ use sonoglyph::studio::output::mention;
 /// Called by the loader before Rust opens /dev/null for a closed standard output.
 #[cfg(target_os = "linux")]
 #[used]
-#[expect(unsafe_code, reason = "what is called there needs nothing of Rust's runtime")]
+#[expect(unsafe_code, reason = "the function does not need Rust's runtime")]
 #[unsafe(link_section = ".init_array")]
 static BEFORE_MAIN: extern "C" fn() = look_at_standard;
 
@@ -24,7 +24,7 @@ fn main() -> ExitCode {
     match sonoglyph::cli::run().and_then(go_on) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<BadArguments>() => ExitCode::from(2),
-        Err(error) if nobody_reads(&error) => ExitCode::SUCCESS,
+        Err(error) if is_closed_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             mention(&format!("error: {error:#}"));
             ExitCode::from(2)
@@ -33,8 +33,8 @@ fn main() -> ExitCode {
 }
 
 /// Whether the reader of a pipe has closed it, as in `sonoglyph … | head`.
-fn nobody_reads(error: &anyhow::Error) -> bool {
-    /// The second Windows error for this, unknown to Rust.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    /// A Windows error for a closed pipe that Rust does not map to `BrokenPipe`.
     const PIPE_NOT_CONNECTED: i32 = 233;
     let cause = error.root_cause().downcast_ref::<std::io::Error>();
     cause.is_some_and(|cause| {
@@ -57,14 +57,13 @@ fn open(scene: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
     sonoglyph::app::run(scene, renderer)
 }
 
-/// Without the window feature, writes the sheet as without a display.
+/// Without the feature `window`: writes the sheet, as without a display.
 #[cfg(not(feature = "window"))]
 fn open(scene: Option<&Path>, _: Renderer) -> anyhow::Result<()> {
     sonoglyph::studio::still::default_sheet(scene)
 }
 
-/// Silences Mesa's device-selection layer, which complains on stderr about a missing Wayland without a desktop
-/// session.
+/// Silences Mesa's device-selection layer, which prints an error about Wayland without a desktop session.
 #[expect(unsafe_code, reason = "no other thread runs yet")]
 fn quiet_drivers() {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
@@ -80,9 +79,9 @@ fn return_freed_memory() {
     {
         use libc::{M_ARENA_MAX, M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, mallopt};
 
-        /// Bytes: the pixels of a usual map stay below and cost no new pages in every frame of a drag.
+        /// Bytes. The pixels of a typical map stay below, so that a drag maps no new pages in every frame.
         const LARGE: i32 = 2 << 20;
-        #[expect(unsafe_code, reason = "numbers of the allocator, which it sets under a lock of its own")]
+        #[expect(unsafe_code, reason = "mallopt sets allocator parameters under its own lock")]
         unsafe {
             mallopt(M_ARENA_MAX, 1);
             mallopt(M_MMAP_THRESHOLD, LARGE);
@@ -99,7 +98,7 @@ fn close_own_console() {
         use windows_sys::Win32::System::Console::{FreeConsole, GetConsoleProcessList};
 
         let mut programs = [0; 2];
-        #[expect(unsafe_code, reason = "the system fills no more than the two numbers that it is told of")]
+        #[expect(unsafe_code, reason = "the system writes at most the two announced numbers")]
         unsafe {
             if GetConsoleProcessList(programs.as_mut_ptr(), 2) == 1 {
                 FreeConsole();

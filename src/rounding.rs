@@ -1,4 +1,4 @@
-//! Numbers as text: rounded to decimals or significant digits; bounds are rounded outwards.
+//! Numbers as text, with their units: rounded to decimals or significant digits; bounds are rounded outwards.
 
 /// The largest number of `decimals` decimals that is at most a value, for lower bounds.
 pub fn at_least(value: f64, decimals: usize) -> String {
@@ -23,6 +23,39 @@ pub fn percent_at_least(part: f64, decimals: usize) -> String {
 /// An upper bound of a part of 1 in per cent.
 pub fn percent_at_most(part: f64, decimals: usize) -> String {
     format!("{} %", at_most(100.0 * part, decimals))
+}
+
+/// A length (m) in mm, without its unit and without a sign on zero.
+pub fn millimetres(length: f64, decimals: usize) -> String {
+    let unit = 10f64.powi(decimals as i32);
+    format!("{:.decimals$}", (length * 1e3 * unit).round() / unit + 0.0)
+}
+
+/// A time (s) in ms, with its unit.
+pub fn milliseconds(seconds: f64, decimals: usize) -> String {
+    format!("{:.decimals$} ms", seconds * 1e3)
+}
+
+/// A pressure with the unit that suits it.
+pub fn pascals(pressure: f64) -> String {
+    pascals_by(pressure, |value, decimals| format!("{value:.decimals$}"))
+}
+
+/// An upper bound of a pressure, as text.
+pub fn pascals_at_most(pressure: f64) -> String {
+    pascals_by(pressure, at_most)
+}
+
+fn pascals_by(pressure: f64, rounded: impl Fn(f64, usize) -> String) -> String {
+    let (value, unit) = if pressure >= 1000.0 { (pressure / 1000.0, "kPa") } else { (pressure, "Pa") };
+    let decimals = if value >= 100.0 {
+        1
+    } else if value >= 10.0 {
+        2
+    } else {
+        3
+    };
+    format!("{} {unit}", rounded(value, decimals))
 }
 
 /// A value to four digits; below a thousandth with its power of ten.
@@ -82,6 +115,12 @@ mod tests {
         );
         assert_eq!((at_least(-0.001, 2), at_most(-0.001, 2)), ("-0.01".to_owned(), "0.00".to_owned()));
         assert_eq!((at_least(f64::NAN, 1), at_most(f64::INFINITY, 1)), ("NaN".to_owned(), "inf".to_owned()));
+    }
+
+    #[test]
+    fn lengths_have_no_negative_zero() {
+        let lengths = [-1e-9, 0.0, -1e-4, 0.0123].map(|length| millimetres(length, 1));
+        assert_eq!(lengths, ["0.0", "0.0", "-0.1", "12.3"]);
     }
 
     #[test]

@@ -5,16 +5,22 @@
 
 use std::sync::LazyLock;
 
+use strum::IntoStaticStr;
+
 /// An instruction set that this machine has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Isa(Set);
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "UPPERCASE", const_into_str)]
 enum Set {
+    #[strum(serialize = "baseline")]
     Baseline,
     #[cfg(target_arch = "x86_64")]
+    #[strum(serialize = "AVX2 + FMA")]
     Avx2,
     #[cfg(target_arch = "x86_64")]
+    #[strum(serialize = "AVX-512")]
     Avx512,
     #[cfg(target_arch = "aarch64")]
     Neon,
@@ -72,17 +78,7 @@ impl Isa {
     }
 
     pub fn name(self) -> &'static str {
-        match self.0 {
-            Set::Baseline => "baseline",
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx2 => "AVX2 + FMA",
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => "AVX-512",
-            #[cfg(target_arch = "aarch64")]
-            Set::Neon => "NEON",
-            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-            Set::Simd128 => "SIMD128",
-        }
+        self.0.into_str()
     }
 
     /// Runs the copy of a kernel compiled for this set.

@@ -1,4 +1,4 @@
-//! Depressions and means over a cycle beside the picture of one field, over errors and pixels.
+//! Time of depressions and of means over a cycle, relative to a pressure map, by error and pixels.
 
 use std::f64::consts::TAU;
 
@@ -17,13 +17,13 @@ use sonoglyph::picture::chart::{Chart, Series};
 use sonoglyph::scene::{Plane, Scene};
 use sonoglyph::studio::map;
 
-/// Frames of a round whose mean is taken.
+/// Frames of a cycle, for the means over it.
 const FRAMES: usize = 64;
 const TOLERANCES: [f64; 4] = [1e-2, 1e-3, 1e-4, 1e-5];
 const QUICK_TOLERANCES: [f64; 2] = [1e-3, 1e-5];
-/// The tolerance of a scene that names none: what sizes are measured at.
+/// A scene's default tolerance, for the measurements by pixels.
 const TOLERANCE: f64 = 1e-3;
-/// Pixels along a side at which tolerances are measured, and those that are measured at one tolerance.
+/// Pixels along a side: of the measurements by error, and by pixels.
 const SIZE: usize = 512;
 const SIZES: [usize; 4] = [256, 512, 1024, 2048];
 const QUICK_SIZES: [usize; 2] = [512, 1024];
@@ -40,7 +40,7 @@ struct Record {
     tolerance: f64,
     times: Times,
     error: f64,
-    /// CPU time over that of the field's picture beside it.
+    /// CPU time relative to the pressure map.
     ratio: Spread,
 }
 
@@ -66,20 +66,21 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
             "tolerance",
             "CPU ms (wall)",
             "error",
-            "x",
+            "time ratio",
             "quartiles",
         ],
         rows: records.iter().map(row).collect(),
         notes: vec![format!(
-            "A new drive up to its colours, of a plane of 0.2 m; depressions are of water; {FRAMES} frames are a focus on its way along a circle. x: CPU \
-             time over that of the picture of one field of the same size, over {ROUNDS} rounds in which they take turns."
+            "From a new drive to colours, on a plane of 0.2 m; depressions of water; {FRAMES} frames of a focus that \
+             moves along a circle. time ratio: CPU time relative to one pressure map of this size, over {ROUNDS} \
+             rounds in which they alternate."
         )],
         charts: charts(&records),
         records: records.iter().map(json).collect(),
     })
 }
 
-/// A picture, with what it keeps between its rounds.
+/// A picture, with its state between the rounds.
 struct Case {
     name: &'static str,
     quantity: Quantity,
@@ -90,10 +91,10 @@ struct Case {
 }
 
 impl Case {
-    /// From a new drive to its colours.
-    fn draw(&mut self, view: &View, round: usize) -> Result<(), FieldError> {
-        let View { scene, rounds, size } = view;
-        let drives = rounds[round % 2][..self.frames].to_vec();
+    /// Draws from a new drive to colours.
+    fn draw(&mut self, view: &View, run: usize) -> Result<(), FieldError> {
+        let View { scene, cycles, size } = view;
+        let drives = cycles[run % 2][..self.frames].to_vec();
         let request = Request { part: 1.0, ..Request::new(scene, drives, self.quantity, (*size, *size)) };
         let colouring =
             Colouring::new(self.quantity, map::colours(self.quantity, ColourMap::Inferno).table());
@@ -103,19 +104,19 @@ impl Case {
     }
 }
 
-/// What is looked at.
+/// The scene of the pictures.
 struct View {
     scene: Scene,
-    /// Two rounds of drives, so that every run has new ones.
-    rounds: [Vec<Drive>; 2],
+    /// Drives of two cycles, so that every run has new drives.
+    cycles: [Vec<Drive>; 2],
     size: usize,
 }
 
 fn measure(evaluator: &'static str, size: usize, tolerance: f64) -> Result<Vec<Record>, FieldError> {
     let scene =
         Scene { plane: Plane { size: DVec2::splat(0.2), tolerance, ..Plane::default() }, ..Scene::default() };
-    let rounds = [0.0, 0.5].map(|turned| round(&Aperture::new(&scene), turned));
-    let view = View { scene, rounds, size };
+    let cycles = [0.0, 0.5].map(|turned| cycle(&Aperture::new(&scene), turned));
+    let view = View { scene, cycles, size };
     let mut cases = Vec::new();
     for (name, frames, quantity) in [
         (FIELD, 1, Quantity::Rms),
@@ -155,8 +156,8 @@ fn measure(evaluator: &'static str, size: usize, tolerance: f64) -> Result<Vec<R
     Ok(cases.into_iter().map(record).collect())
 }
 
-/// The drives of a focus on its way along a circle.
-fn round(aperture: &Aperture, turned: f64) -> Vec<Drive> {
+/// Drives of a focus that moves along a circle.
+fn cycle(aperture: &Aperture, turned: f64) -> Vec<Drive> {
     let drive = |frame: usize| {
         let (sin, cos) = (TAU * (frame as f64 + turned) / FRAMES as f64).sin_cos();
         let focus = DVec3::new(0.02 * cos, 0.02 * sin, 0.1);
@@ -199,7 +200,7 @@ fn charts(records: &[Record]) -> Vec<(String, Chart)> {
     let chart = |title: String, x_label: &str, series| Chart {
         title,
         x_label: x_label.to_owned(),
-        y_label: "CPU-ms from a new drive to its colours".to_owned(),
+        y_label: "CPU-ms from a new drive to colours".to_owned(),
         series,
         levels: Vec::new(),
     };
@@ -222,10 +223,8 @@ fn charts(records: &[Record]) -> Vec<(String, Chart)> {
         (
             "depression-error".to_owned(),
             chart(
-                format!(
-                    "Time against error: a depression, and a field, of {SIZE} x {SIZE} pixels, 16 x 16 elements"
-                ),
-                "error, of the peak",
+                format!("Time against error: depression and pressure, {SIZE} x {SIZE} pixels, 256 elements"),
+                "error relative to the peak",
                 side_by_side(&[(FIELD, 1), (DEPRESSION, 1), (DEPRESSION, FRAMES)], &|record| {
                     (record.size == SIZE).then_some(record.error)
                 }),
@@ -235,7 +234,7 @@ fn charts(records: &[Record]) -> Vec<(String, Chart)> {
             "depression-pixels".to_owned(),
             chart(
                 format!(
-                    "Time against pixels: depressions beside a field, 256 elements, within {TOLERANCE:.0e}"
+                    "Time against pixels: depression and pressure, 256 elements, tolerance {TOLERANCE:.0e}"
                 ),
                 "pixels",
                 side_by_side(&[(FIELD, 1), (DEPRESSION, 1), (DEPRESSION, FRAMES)], &|record| {

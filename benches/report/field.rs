@@ -1,4 +1,4 @@
-//! Maps of every evaluator, tolerance, size, array and kind of plane.
+//! Time and error of maps by evaluator, tolerance, size, array and kind of plane.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use sonoglyph::bench::Report;
@@ -6,18 +6,18 @@ use sonoglyph::bench::field::{self, Group, Record, tolerance_name};
 use sonoglyph::picture::chart::{Chart, Series};
 
 const PLANES: [&str; 3] = ["parallel", "tilted", "vertical"];
-/// 0 evaluates every pixel: what the others are measured against.
+/// 0 evaluates every pixel, the baseline of the others.
 const TOLERANCES: [f64; 5] = [0.0, 1e-2, 1e-3, 1e-4, 1e-5];
 const QUICK_TOLERANCES: [f64; 3] = [0.0, 1e-3, 1e-5];
 const SIZES: [usize; 5] = [128, 256, 512, 1024, 2048];
 const QUICK_SIZES: [usize; 2] = [256, 1024];
-/// Pixels along a side of the maps whose time stands against their error.
+/// Pixels along a side of the chart of time against error.
 const ERROR_SIZE: usize = 1024;
-/// Elements along a side, and the pixels along a side of the maps that these are measured with.
+/// Elements along a side, and pixels along a side of their maps.
 const ARRAYS: [u32; 4] = [16, 32, 64, 128];
 const QUICK_ARRAYS: [u32; 2] = [16, 32];
 const ARRAYS_SIZE: usize = 256;
-/// Pairs of pixel and element beyond which direct evaluation is not waited for, and the same for f64.
+/// Limits of pixel-element pairs for direct evaluation, in f32 and in f64.
 const MOST_PAIRS: usize = 1_200_000_000;
 const MOST_REFERENCE_PAIRS: usize = 270_000_000;
 
@@ -37,7 +37,7 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
     Ok(field::report(&records, charts))
 }
 
-/// Each once, without what is too slow.
+/// The groups without duplicates and without those that are too slow.
 fn groups(quick: bool, evaluators: &[&'static str]) -> Vec<Group> {
     let (planes, tolerances, sizes, arrays) = if quick {
         (&PLANES[..1], &QUICK_TOLERANCES[..], &QUICK_SIZES[..], &QUICK_ARRAYS[..])
@@ -60,7 +60,7 @@ fn groups(quick: bool, evaluators: &[&'static str]) -> Vec<Group> {
     groups
 }
 
-/// Those of the tolerances that are measured of maps of so many pairs.
+/// The tolerances that are measured for maps with this number of pixel-element pairs.
 fn measured(tolerances: &[f64], evaluator: &str, pairs: usize) -> Vec<f64> {
     let most = if evaluator == "reference" { MOST_REFERENCE_PAIRS } else { MOST_PAIRS };
     let is_measured =

@@ -1,4 +1,4 @@
-//! The README's figures: where a run has them, and the table that is written into the README.
+//! The README's figures: their records in a run, and the table in the README.
 
 use anyhow::Context;
 use serde::Deserialize;
@@ -6,10 +6,10 @@ use serde_json::{Map, Value};
 use sonoglyph::bench::time::{Spread, digits, median};
 
 pub const README: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/README.md");
-/// What the table stands between there.
+/// Delimiters of the table.
 const MARKS: [&str; 2] = ["<!-- figures -->\n", "<!-- /figures -->\n"];
 
-/// A number that is to come out alike on other machines.
+/// A number that is similar on all machines.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Figure {
@@ -21,24 +21,24 @@ pub struct Figure {
     record: Map<String, Value>,
     value: String,
     #[serde(default)]
-    of: Of,
+    of: Aggregate,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Unit {
-    /// How many times as much, or as fast.
+    /// A ratio.
     Times,
     Percent,
-    /// Of the largest pressure.
+    /// Relative to the largest pressure.
     OfPeak,
     Count,
 }
 
-/// Of which of the records that fit.
+/// Choice among the matching records.
 #[derive(Clone, Copy, Debug, Default, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-enum Of {
+enum Aggregate {
     #[default]
     First,
     Sum,
@@ -54,7 +54,7 @@ pub fn all() -> anyhow::Result<Vec<Figure>> {
 }
 
 impl Figure {
-    /// What a run found.
+    /// The figure's value in a run.
     pub fn found(&self, run: &Value) -> Option<Spread> {
         let fits = |record: &&Value| self.record.iter().all(|(key, value)| record[key] == *value);
         let found = run[&self.section]
@@ -67,9 +67,9 @@ impl Figure {
         let one = |value: f64| Spread { median: value, quartiles: [value; 2] };
         let first = found.first().copied()?;
         Some(match self.of {
-            Of::First => first,
-            Of::Sum => one(sum),
-            Of::Mean => one(sum / found.len() as f64),
+            Aggregate::First => first,
+            Aggregate::Sum => one(sum),
+            Aggregate::Mean => one(sum / found.len() as f64),
         })
     }
 
@@ -95,13 +95,13 @@ impl Figure {
         (self.expected[0]..=self.expected[1]).contains(&value)
     }
 
-    /// What a README says of it.
+    /// The figure's value in a README.
     pub fn stated<'a>(&self, readme: &'a str) -> Option<&'a str> {
         readme.lines().find_map(|line| line.strip_prefix(&format!("| {} | ", self.name))?.split(" | ").next())
     }
 }
 
-/// Of a number, a truth, or a median with its quartiles.
+/// From a number, a Boolean, or a median with its quartiles.
 fn spread(value: &Value) -> Option<Spread> {
     let one = |value: f64| Spread { median: value, quartiles: [value; 2] };
     match value {
@@ -118,7 +118,7 @@ fn spread(value: &Value) -> Option<Spread> {
 /// The README with the medians of runs in its table.
 pub fn inserted(readme: &str, runs: &[Value]) -> anyhow::Result<String> {
     let [begin, end] = MARKS;
-    let missing = || format!("{README}: `{}` and `{}` have to stand there", begin.trim(), end.trim());
+    let missing = || format!("{README}: `{}` and `{}` must delimit the table", begin.trim(), end.trim());
     let (head, rest) = readme.split_once(begin).with_context(missing)?;
     let (_, tail) = rest.split_once(end).with_context(missing)?;
     Ok(format!("{head}{begin}{}{end}{tail}", table(runs)?))
@@ -135,7 +135,7 @@ fn table(runs: &[Value]) -> anyhow::Result<String> {
     Ok(text)
 }
 
-/// Where, when and from what the figures come.
+/// Build, dates and machines of the runs.
 fn origin(runs: &[Value]) -> String {
     let of = |key: &str| {
         let mut all: Vec<_> = runs.iter().filter_map(|run| run.pointer(key)).map(shown).collect();
@@ -144,7 +144,7 @@ fn origin(runs: &[Value]) -> String {
         all.join("; ")
     };
     let build =
-        if runs.iter().all(|run| run["optimised"] == true) { "" } else { ", in part of development builds" };
+        if runs.iter().all(|run| run["optimised"] == true) { "" } else { ", partly of development builds" };
     format!(
         "Medians of {} runs{build}: sonoglyph {}; {}.\n{}, {} threads, {}; GPU adapters: {}.",
         runs.len(),
@@ -157,7 +157,7 @@ fn origin(runs: &[Value]) -> String {
     )
 }
 
-/// A value as a sentence holds it.
+/// A value as text.
 fn shown(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),

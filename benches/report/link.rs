@@ -1,4 +1,4 @@
-//! What a link carries to virtual boards, which take bytes no faster than their bit rate.
+//! Throughput, latency and modulation of links to virtual boards, which accept bytes at their bit rate.
 
 use std::collections::HashSet;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -14,15 +14,15 @@ use sonoglyph::device::link::{Content, Event, Link, Settings};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::scene::{Envelope, Modulation};
 
-/// Frames that differ in every element.
+/// Number of different frames.
 const FRAMES: u16 = 200;
-/// Frames per second, faster than any line.
+/// Frames per second, beyond the capacity of any line.
 const FASTEST: f64 = 20_000.0;
-/// Of what the line carries: a faster motion is played from a native board's own store.
+/// Fraction of the line's capacity. Native boards play faster motions from their own store.
 const STREAMED: f64 = 0.85;
-/// As often as a screen shows a new frame while something is dragged.
+/// Interval of frames on a screen during a drag.
 const DRAG: Duration = Duration::from_micros(16_667);
-/// Shown frames that are kept until they are looked at.
+/// Capacity for played frames until they are compared.
 const KEPT: usize = 1 << 20;
 
 pub fn run(quick: bool) -> anyhow::Result<Report> {
@@ -31,18 +31,18 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
     for (profile, baud) in
         [(Profile::Native, 3_000_000), (Profile::Native, 2_000_000), (Profile::SonicSurface, 230_400)]
     {
-        rows.carried(profile, baud, lasts)?;
+        rows.throughput(profile, baud, lasts)?;
     }
     for (profile, baud) in [(Profile::Native, 2_000_000), (Profile::SonicSurface, 230_400)] {
-        rows.delay(profile, baud, lasts / 6)?;
+        rows.latency(profile, baud, lasts / 6)?;
     }
     rows.modulation(Profile::SonicSurface, 200.0, lasts / 6)?;
     Ok(Report {
-        header: vec!["board", "baud", "measured", "value", "of what is possible"],
+        header: vec!["board", "baud", "measured", "value", "remarks"],
         rows: rows.cells,
         notes: vec![format!(
-            "Virtual boards on pseudo-terminals, which take bytes no faster than their bit rate; what is possible is what the \
-             line carries, of which a native board is sent {} %: a faster motion it plays from its own store.",
+            "Virtual boards on pseudo-terminals that accept bytes at their bit rate. A native board is sent {} % of \
+             the line's capacity; it plays faster motions from its own store.",
             100.0 * STREAMED
         )],
         records: rows.records,
@@ -60,7 +60,7 @@ struct Pair {
 impl Pair {
     fn new(profile: Profile, baud: u32) -> anyhow::Result<Self> {
         let (sender, shown) = sync_channel(KEPT);
-        // What does not fit would be seen as lost.
+        // A frame that does not fit would count as lost.
         let watch = move |frame: &Shown| drop(sender.try_send(frame.clone()));
         let board = Board::start(Setup::new(profile), Box::new(watch))?;
         let settings = Settings { port: board.path().to_owned(), profile, baud: Some(baud) };
@@ -72,11 +72,11 @@ impl Pair {
     }
 
     fn next(&self) -> anyhow::Result<Shown> {
-        self.shown.recv_timeout(Duration::from_secs(10)).context("the virtual board shows nothing")
+        self.shown.recv_timeout(Duration::from_secs(10)).context("the virtual board plays no frame")
     }
 }
 
-/// Elements that differ from their neighbours, and frames from each other.
+/// A frame that differs from the others, with pseudorandom phases.
 fn frame(profile: Profile, number: u16) -> Levels {
     let Some(full) = profile.level(1.0, 0.0) else { return Levels::off(profile) };
     let level = |n: usize| {
@@ -97,45 +97,46 @@ impl Rows {
         self.cells.push(vec![profile.name().to_owned(), baud.to_string(), measured.to_owned(), value, part]);
     }
 
-    /// Frames per second, and whether each is one of those that were sent.
-    fn carried(&mut self, profile: Profile, baud: u32, lasts: Duration) -> anyhow::Result<()> {
+    /// Throughput in frames per second; counts frames that were never sent as corrupted.
+    fn throughput(&mut self, profile: Profile, baud: u32, lasts: Duration) -> anyhow::Result<()> {
         let pair = Pair::new(profile, baud)?;
         let frames: Vec<_> = (0..FRAMES).map(|n| frame(profile, n)).collect();
         let mut sent: HashSet<_> = frames.iter().cloned().collect();
-        // A link that is lost begins with silence when it is back.
+        // A link starts with silence after every connection.
         sent.insert(Levels::off(profile));
         let possible = profile.frames_per_second(baud);
         let rate = if profile.answers() { STREAMED * possible } else { FASTEST };
         pair.link.show(Content::Motion { frames, rate });
-        // The first ones wait for the line to be idle.
+        // The first frames wait for an idle line.
         for _ in 0..10 {
             pair.next()?;
         }
         let begun = pair.next()?.at;
-        let (mut count, mut torn, mut last) = (0u32, 0u32, begun);
+        let (mut count, mut corrupted, mut last) = (0u32, 0u32, begun);
         while last < begun + lasts {
             let shown = pair.next()?;
             count += 1;
-            torn += u32::from(!sent.contains(&shown.levels));
+            corrupted += u32::from(!sent.contains(&shown.levels));
             last = shown.at;
         }
         let rate = f64::from(count) / (last - begun).as_secs_f64();
         let health = pair.link.health();
         let (refused, lost) = (health.refused, health.found - 1);
         let part = format!(
-            "{:.1} % of {possible:.0}; {torn} of {count} torn, {refused} refused, lost {lost} times",
+            "{:.1} % of {possible:.0}; {corrupted} of {count} corrupted, {refused} refused, {lost} connections lost",
             100.0 * rate / possible
         );
         self.add(profile, baud, "frames/s", format!("{rate:.1}"), part);
         self.records.push(json!({
-            "board": profile.name(), "baud": baud, "measured": "frames/s", "frames_per_second": rate, "possible": possible,
-            "part": rate / possible, "frames": count, "torn": torn, "refused": refused, "lost": lost, "seconds": lasts.as_secs_f64(),
+            "board": profile.name(), "baud": baud, "measured": "frames/s", "frames_per_second": rate,
+            "possible": possible, "part": rate / possible, "frames": count, "torn": corrupted, "refused": refused,
+            "lost": lost, "seconds": lasts.as_secs_f64(),
         }));
         Ok(())
     }
 
-    /// From a new frame to its last byte on the line, a new one for every frame of a screen.
-    fn delay(&mut self, profile: Profile, baud: u32, lasts: Duration) -> anyhow::Result<()> {
+    /// Latency from a new frame to its last byte on the line, with a new frame per frame of a screen.
+    fn latency(&mut self, profile: Profile, baud: u32, lasts: Duration) -> anyhow::Result<()> {
         let pair = Pair::new(profile, baud)?;
         let begun = Instant::now();
         let mut delays = Vec::new();
@@ -160,19 +161,19 @@ impl Rows {
         let value = format!("{:.2} ms, 95 % within {:.2} ms", at(50), at(95));
         self.add(profile, baud, "new frame to last byte", value, format!("a frame takes {frame:.2} ms"));
         self.records.push(json!({
-            "board": profile.name(), "baud": baud, "measured": "delay", "delay_median_ms": at(50), "delay_95_ms": at(95),
-            "frame_ms": frame,
+            "board": profile.name(), "baud": baud, "measured": "delay", "delay_median_ms": at(50),
+            "delay_95_ms": at(95), "frame_ms": frame,
         }));
         Ok(())
     }
 
-    /// Half periods between the swaps that a board sees.
+    /// Half periods of a modulation by swaps, as received by the board.
     fn modulation(&mut self, profile: Profile, frequency: f64, lasts: Duration) -> anyhow::Result<()> {
         let baud = profile.baud();
         let pair = Pair::new(profile, baud)?;
         pair.link.modulate(Modulation { shape: Envelope::Square, frequency, ..Modulation::default() });
         pair.link.show(Content::Still(frame(profile, 1)));
-        // Loading both buffers comes first.
+        // The first frames load both buffers.
         for _ in 0..10 {
             pair.next()?;
         }
@@ -197,8 +198,8 @@ impl Rows {
             format!("{:.2} % off {frequency} Hz", 100.0 * error),
         );
         self.records.push(json!({
-            "board": profile.name(), "baud": baud, "measured": "modulation", "asked_hertz": frequency, "median_hertz": 0.5 / median,
-            "error": error, "jitter_ms": jitter,
+            "board": profile.name(), "baud": baud, "measured": "modulation", "asked_hertz": frequency,
+            "median_hertz": 0.5 / median, "error": error, "jitter_ms": jitter,
         }));
         Ok(())
     }

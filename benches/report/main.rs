@@ -1,4 +1,4 @@
-//! The report for developers: sweeps of all that is measured, and the README's table. `cargo bench --bench report -- --help`.
+//! The benchmark report for developers, and the README's table: `cargo bench --bench report -- --help`.
 
 mod depression;
 mod field;
@@ -21,41 +21,41 @@ use sonoglyph::bench::{Report, conditions, shapes, stability};
 use sonoglyph::picture::export;
 use sonoglyph::studio::output::{note, print, warn, write};
 
-/// Measures time against error, beside baselines in the same run, and makes one page of it: report.html, with report.json and the
-/// charts as PNG.
+/// Measures time against error, relative to baselines in the same run, and writes one page, report.html, with
+/// report.json and the charts as PNG.
 #[derive(Debug, Parser)]
 #[command(bin_name = "cargo bench --bench report --", max_term_width = 100)]
 struct Arguments {
-    /// What is measured; everything where nothing is named
+    /// Measured subjects [default: all]
     #[arg(value_enum)]
     subjects: Vec<Subject>,
     /// Fewer sizes, planes, arrays, tolerances and sets of foci: three minutes instead of 35
     #[arg(long)]
     quick: bool,
-    /// Folder of what is written
+    /// Output folder
     #[arg(short, long, value_name = "DIR", default_value = "target/report")]
     output: PathBuf,
-    /// Measure nothing: write the medians of runs that were measured into the README's table
+    /// Measure nothing; write the medians of earlier runs into the README's table
     #[arg(long, value_name = "RUN.json", num_args = 1.., conflicts_with_all = ["subjects", "quick", "output"])]
     readme: Vec<PathBuf>,
-    /// What `cargo bench` says to every program
+    /// Passed by `cargo bench`
     #[arg(long, hide = true)]
     bench: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Subject {
-    /// Maps of every evaluator, over errors, pixels, elements and planes
+    /// Maps by evaluator, error, pixels, elements and plane
     Field,
-    /// Depressions, radiation pressure and means over a cycle, beside one field
+    /// Depressions, radiation pressure and means over a cycle, relative to a pressure map
     Depression,
-    /// Solver methods on rings, helices, random sets, and more and more foci and elements
+    /// Solver methods on rings, helices and random sets, and by number of foci and elements
     Solve,
-    /// Solver methods on sets of foci that are hard to solve
+    /// Solver methods on ill-conditioned sets of foci
     Stability,
-    /// Drives of drawings, beside separate foci
+    /// Shapes as continuous strokes and as separate foci
     Shapes,
-    /// The search for the drive of a drawing, call by call
+    /// Convergence of the search for shapes, call by call
     Search,
     /// Frames of the window
     Window,
@@ -64,7 +64,7 @@ enum Subject {
 }
 
 impl Subject {
-    /// Its key in the JSON.
+    /// The key in the JSON.
     fn name(self) -> String {
         self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
     }
@@ -74,9 +74,9 @@ impl Subject {
             Self::Field => "Maps of the field",
             Self::Depression => "Depressions, radiation pressure and means over a cycle",
             Self::Solve => "Solver methods",
-            Self::Stability => "Foci that are hard to solve",
-            Self::Shapes => "Drives of drawings",
-            Self::Search => "The search for the drive of a drawing",
+            Self::Stability => "Ill-conditioned sets of foci",
+            Self::Shapes => "Shapes: continuous strokes and separate foci",
+            Self::Search => "Convergence of the search for shapes",
             Self::Window => "Frames of the window",
             Self::Link => "Links to boards",
         }
@@ -95,14 +95,14 @@ impl Subject {
             #[cfg(unix)]
             Self::Link => link::run(quick),
             #[cfg(not(unix))]
-            Self::Link => anyhow::bail!("links are measured on a Unix system"),
+            Self::Link => anyhow::bail!("measuring links needs a Unix system"),
         }
     }
 }
 
 const QUICK_DRAWINGS: usize = 5;
 
-/// A part of the report, or why it is missing.
+/// A part of the report, or the reason for its absence.
 struct Section {
     subject: Subject,
     found: Result<Report, String>,
@@ -159,7 +159,7 @@ fn write_readme(paths: &[PathBuf]) -> anyhow::Result<()> {
     write(path, figures::inserted(&text, &runs)?.as_bytes())
 }
 
-/// Runnable threads of the whole machine over the last minute, where the system tells.
+/// Mean number of runnable threads over the last minute, in Linux.
 fn load() -> Option<f64> {
     std::fs::read_to_string("/proc/loadavg").ok()?.split(' ').next()?.parse().ok()
 }

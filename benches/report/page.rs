@@ -1,4 +1,4 @@
-//! The report as one page of HTML that needs nothing else: figures, conditions, and every section with its charts and tables.
+//! The report as one self-contained HTML page: conditions, README figures, and sections with charts and tables.
 
 use minijinja::value::Serde;
 use minijinja::{Environment, Value};
@@ -8,7 +8,7 @@ use sonoglyph::picture::chart;
 use crate::{Section, figures};
 
 /// # Errors
-/// A chart without points, and a template that fits no run.
+/// A chart without points, or a run that does not fit the template.
 pub fn html(run: &serde_json::Value, sections: &[Section]) -> anyhow::Result<String> {
     let sections = sections.iter().map(of_section).collect::<anyhow::Result<Vec<_>>>()?;
     let readme = std::fs::read_to_string(figures::README).unwrap_or_default();
@@ -52,7 +52,7 @@ fn of_section(section: &Section) -> anyhow::Result<serde_json::Value> {
     Ok(value)
 }
 
-/// What stands between backticks is code.
+/// Marks text between backticks as code.
 fn code(text: &str) -> String {
     let part = |(index, part): (usize, &str)| {
         if index % 2 == 1 { format!("<code>{part}</code>") } else { part.to_owned() }

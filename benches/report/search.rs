@@ -1,4 +1,4 @@
-//! The search for the drive of a drawing, call by call: what it is worth after so much time.
+//! Convergence of the search for a shape's drive: figures against time, call by call.
 
 use serde_json::json;
 use sonoglyph::acoustics::Aperture;
@@ -11,22 +11,22 @@ use sonoglyph::picture::chart::{Chart, Series};
 use sonoglyph::scene::{Sampling, Scene, outline};
 use sonoglyph::solver::{Figures, Problem, Search, SolveError, Surroundings};
 
-/// What a search has after one of its calls.
+/// State of a search after one of its calls.
 struct Reached {
-    /// Of the call, as the program calls it.
+    /// Name of the call's stage in the program.
     stage: String,
     steps: u32,
-    /// Since the start of the search.
+    /// Time since the start of the search, per round.
     spent: Vec<Spent>,
     figures: Figures,
 }
 
-/// A figure that is drawn: its name, what it is, how it is found, and whether more of it is worse.
+/// A figure in a chart: name, definition, value, and whether larger values are worse.
 type Figure = (&'static str, &'static str, fn(&Figures) -> f64, bool);
 
 const FIGURES: [Figure; 3] = [
     ("evenness", "least over mean along the strokes", |figures| figures.evenness, false),
-    ("side lobe", "loudest elsewhere over the mean along the strokes", |figures| figures.side_lobe, true),
+    ("side lobe", "largest |p| elsewhere over the mean along the strokes", |figures| figures.side_lobe, true),
     ("strength", "mean over that of the strongest drive", |figures| figures.strength, false),
 ];
 
@@ -67,7 +67,8 @@ pub fn run(drawings: &[Drawing]) -> anyhow::Result<Report> {
         ],
         rows,
         notes: vec![format!(
-            "CPU ms since the start, foci and transfer included, medians of {ROUNDS} rounds; 256 elements, plane z = 0.1 m."
+            "CPU ms since the start, including foci and transfer, medians of {ROUNDS} rounds; 256 elements, plane z = \
+             0.1 m."
         )],
         records,
         charts: FIGURES
@@ -76,7 +77,7 @@ pub fn run(drawings: &[Drawing]) -> anyhow::Result<Report> {
     })
 }
 
-/// What every call of a search gives.
+/// Runs a search call by call.
 fn measure(scene: &Scene) -> Result<Vec<Reached>, SolveError> {
     let mut calls: Vec<Reached> = Vec::new();
     for _ in 0..ROUNDS {
@@ -112,7 +113,7 @@ fn chart(searches: &[Vec<Reached>], (name, what, of, is_bad): Figure) -> Chart {
     let calls = searches.iter().map(Vec::len).max().unwrap_or_default();
     let series = |name: &str, one: &dyn Fn(Extent) -> f64| {
         let point = |call: usize| {
-            // A search that ended earlier stays where it was.
+            // A search that has ended keeps its last state.
             let reached: Vec<_> =
                 searches.iter().filter_map(|calls| calls.get(call).or(calls.last())).collect();
             let spent: Vec<_> = reached.iter().map(|reached| Spent::median(&reached.spent)).collect();
@@ -122,7 +123,7 @@ fn chart(searches: &[Vec<Reached>], (name, what, of, is_bad): Figure) -> Chart {
         Series { name: name.to_owned(), points: (0..calls).map(point).collect() }
     };
     Chart {
-        title: format!("Search of drawings: {name} against time, 256 elements"),
+        title: format!("Search for shapes: {name} against time, 256 elements"),
         x_label: "CPU-ms since the start".to_owned(),
         y_label: what.to_owned(),
         series: vec![

@@ -1,4 +1,4 @@
-//! Solver methods on rings, helices, random sets, and more and more foci and elements; and frames of a motion.
+//! Solver methods on rings, helices and random sets, by number of foci and elements, and on frames of a motion.
 
 use std::hint::black_box;
 
@@ -16,14 +16,14 @@ const SIZES: [usize; 8] = [1, 2, 4, 5, 8, 16, 32, 64];
 const QUICK_SIZES: [usize; 2] = [8, 32];
 const RANDOM_SIZES: [usize; 4] = [2, 8, 16, 32];
 const RANDOM_SETS: usize = 20;
-/// Foci before 256 elements, and elements along a side behind 32 foci.
+/// Numbers of foci for 256 elements, and elements along a side for 32 foci.
 const COUNTS: [usize; 10] = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000];
 const QUICK_COUNTS: [usize; 3] = [1, 10, 100];
 const SIDES: [u32; 4] = [16, 32, 64, 128];
 const QUICK_SIDES: [u32; 2] = [16, 64];
-/// Iterations of `best` besides its own default.
+/// Iterations of `best` in addition to its default.
 const BUDGETS: [u32; 3] = [5, 60, 200];
-/// Foci spread over a disc, ever more of them or of the elements: what methods cost, not how good they are.
+/// Foci spread over a disc, for the time by number of foci and elements; not judged.
 const SCALING: &str = "disc";
 
 pub fn run(quick: bool) -> anyhow::Result<Report> {
@@ -35,11 +35,13 @@ pub fn run(quick: bool) -> anyhow::Result<Report> {
     let charts = charts(&records);
     let mut report = solve::report(&records, charts);
     report.notes.push(format!(
-        "helix and ring: radius {:.0} mm; plane and cube: {RANDOM_SETS} random sets; {SCALING}: foci all over a disc of 5 cm.",
+        "helix and ring: radius {:.0} mm; plane and cube: {RANDOM_SETS} random sets; {SCALING}: foci spread over a \
+         disc of radius 5 cm.",
         foci::RADIUS * 1e3,
     ));
     report.notes.push(
-        "moving: 64 frames of a ring of 8 foci that moves along a circle, times per frame; x is over searching for each."
+        "moving: 64 frames of a ring of 8 foci that moves along a circle, time per frame; speed relative to a search \
+         per frame."
             .to_owned(),
     );
     Ok(report)
@@ -74,7 +76,7 @@ fn workloads(quick: bool) -> Vec<Workload> {
     all
 }
 
-/// All frames of a moving ring: each searched for alone, and each going on from the one before.
+/// All frames of a moving ring: by a search per frame, and by continuation from the previous frame.
 fn measure_frames() -> anyhow::Result<Vec<Record>> {
     let ring = Shape::Circle { at: DVec3::new(0.0, 0.0, 0.1), radius: 0.02 };
     let scene = Scene {
@@ -137,7 +139,7 @@ fn charts(records: &[Record]) -> Vec<(String, Chart)> {
         scaling(
             |record| record.elements == 256,
             |record| record.foci,
-            "Time against foci: a disc full of them, 256 elements",
+            "Time against foci: spread over a disc, 256 elements",
             "foci",
         ),
     ));

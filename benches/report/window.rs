@@ -1,4 +1,4 @@
-//! What the window's frames cost, without a screen.
+//! CPU time of the window's frames, without a screen.
 
 use std::ops::Range;
 
@@ -18,10 +18,10 @@ use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::Lens;
 
 const SIZE: egui::Vec2 = vec2(1280.0, 800.0);
-/// Of windows in which a focus is dragged.
+/// Window sizes of drags.
 const SIZES: [egui::Vec2; 4] = [vec2(640.0, 480.0), SIZE, vec2(1920.0, 1080.0), vec2(2560.0, 1440.0)];
 const QUICK_SIZES: [egui::Vec2; 2] = [vec2(640.0, 480.0), vec2(1920.0, 1080.0)];
-/// In a row.
+/// Successive frames.
 const FRAMES: usize = 20;
 const QUICK_FRAMES: usize = 8;
 const FRAMES_PER_SECOND: usize = 60;
@@ -35,39 +35,38 @@ struct Record {
     what: &'static str,
     size: egui::Vec2,
     times: Option<Times>,
-    /// CPU time of the same frames with every pixel evaluated over this.
+    /// CPU time with every pixel evaluated over that of these frames.
     ratio: Option<Spread>,
-    /// Elapsed ms of the field and of solving, medians.
+    /// Median wall ms of the field and of the solver.
     parts: Option<[f64; 2]>,
-    /// Frames that were drawn.
+    /// Number of drawn frames.
     frames: Option<usize>,
 }
 
-/// What starting, dragging, typing and doing nothing cost; `quick` takes fewer frames.
+/// Measures drags, waves, typing, start, hovering and idle frames; `quick` takes fewer frames.
 ///
 /// # Errors
-/// The window shows no map to drag anything on.
+/// The window shows no map.
 pub fn run(quick: bool) -> anyhow::Result<Report> {
     let frames = if quick { QUICK_FRAMES } else { FRAMES };
-    let mut records = drag(&LOOKS, SIZE, frames)?;
+    let mut records = drag(&DISPLAYS, SIZE, frames)?;
     let others: &[egui::Vec2] = if quick { &QUICK_SIZES } else { &SIZES };
     for &size in others.iter().filter(|&&size| size != SIZE) {
-        records.extend(drag(&LOOKS[..2], size, QUICK_FRAMES)?);
+        records.extend(drag(&DISPLAYS[..2], size, QUICK_FRAMES)?);
     }
-    records.push(Record::timed("a moment of the waves", oscillation(ROUNDS * frames)));
+    records.push(Record::timed("instantaneous pressure", oscillation(ROUNDS * frames)));
     records.push(Record::timed("type HIT, per letter", typing()));
-    records.push(Record::timed("start to first picture", start()));
+    records.push(Record::timed("start to first map", start()));
     records.push(Record::counted("the pointer moves", hover()));
     records.push(Record::counted("nothing happens", idle()));
     Ok(Report {
-        header: vec!["what", "window", "CPU ms (wall)", "x", "quartiles", "field ms", "solve ms", "frames"],
+        header: vec!["action", "window", "CPU ms (wall)", "speed", "quartiles", "field ms", "solve ms", "frames"],
         rows: records.iter().map(row).collect(),
         notes: vec![
-            "Of one frame, medians; the renderer comes on top. x: how many times faster than dragging with every pixel \
-             evaluated, in turns. field, solve: elapsed."
+            "Medians of one frame, without the renderer. speed: CPU time of a drag with every pixel evaluated over \
+             that of this one, measured alternately. field, solve: wall ms."
                 .to_owned(),
-            "frames: drawn when the pointer moves once, with those in which hovering settles, and in a second in which nothing \
-             happens."
+            "frames: drawn after one movement of the pointer until hovering has settled, and in an idle second."
                 .to_owned(),
         ],
         charts: vec![("window-pixels".to_owned(), chart(&records))],
@@ -104,7 +103,7 @@ impl Screen {
         }
     }
 
-    /// What a frame takes: panels, solving, field, colours and triangles, but for what the renderer does with them.
+    /// Times a frame without the renderer: panels, solver, field, colours and triangles.
     fn frame(&mut self, events: Vec<Event>) -> Spent {
         self.time += STEP;
         let input = RawInput {
@@ -117,7 +116,7 @@ impl Screen {
         let window = &mut self.window;
         let (spent, (output, triangles)) = Spent::once(|| {
             let mut output = self.ctx.run_ui(input, |ui| window.frame(ui));
-            // There is no renderer that would take them.
+            // No renderer takes the textures.
             output.textures_delta.clear();
             let shapes = std::mem::take(&mut output.shapes);
             let triangles = self.ctx.tessellate(shapes, output.pixels_per_point);
@@ -128,7 +127,7 @@ impl Screen {
         spent
     }
 
-    /// How many of the frames of the next second are drawn.
+    /// Number of drawn frames in the next second.
     fn frames_that_follow(&mut self) -> usize {
         (0..FRAMES_PER_SECOND)
             .filter(|_| {
@@ -165,17 +164,17 @@ impl Screen {
     }
 }
 
-/// How the map is looked at while a focus is dragged.
-type Look = (&'static str, fn(&mut Editor));
+/// A display of the map during a drag: its name, and its settings.
+type Display = (&'static str, fn(&mut Editor));
 
-/// The baseline first.
-const LOOKS: [Look; 6] = [
+/// Starts with the baseline.
+const DISPLAYS: [Display; 6] = [
     (EXACT, |editor| editor.document.scene.plane.tolerance = 0.0),
     (DRAG, |_| ()),
     ("  with contours", |editor| editor.view.contours = true),
     ("  in decibels", |editor| editor.view.scale = Scale::Logarithmic),
-    ("  over its depression", |editor| editor.view.quantity = Quantity::Depression),
-    ("  over its depression, shaded", |editor| {
+    ("  depression", |editor| editor.view.quantity = Quantity::Depression),
+    ("  depression, shaded", |editor| {
         editor.view.quantity = Quantity::Depression;
         editor.view.shaded = true;
     }),
@@ -191,7 +190,7 @@ fn scene(foci: &[DVec3]) -> Scene {
     Scene { targets: foci.iter().map(target).collect(), ..Scene::default() }
 }
 
-/// One of eight foci, held by the pointer.
+/// A drag of one of eight foci.
 struct Drag {
     what: &'static str,
     screen: Screen,
@@ -202,10 +201,10 @@ struct Drag {
 }
 
 impl Drag {
-    fn new(&(what, look): &Look, size: egui::Vec2) -> anyhow::Result<Self> {
+    fn new(&(what, display): &Display, size: egui::Vec2) -> anyhow::Result<Self> {
         let foci = eight_foci();
         let mut screen = Screen::new(scene(&foci), size);
-        look(screen.window.editor_mut());
+        display(screen.window.editor_mut());
         screen.settle();
         let from = screen.place(foci[0]).context("the window shows no map")?;
         if !screen.window.editor().view.is_shaded() {
@@ -214,13 +213,13 @@ impl Drag {
         Ok(Self { what, screen, from, times: Times::default(), field: Vec::new(), solve: Vec::new() })
     }
 
-    /// Frames in a row, as in a drag: what had its turn before has left its own in the caches, and few frames find that.
+    /// Successive frames, as in a real drag, so that few of them meet the caches of the previous display.
     fn turn(&mut self, numbers: Range<usize>) {
         let frames: Vec<_> = numbers.map(|i| self.frame(i)).collect();
         self.times.push(Spent::median(&frames));
     }
 
-    /// A shaded surface takes no pointer for its foci: there the number is changed.
+    /// Foci of a shaded surface cannot be dragged: their coordinates are changed instead.
     fn frame(&mut self, i: usize) -> Spent {
         let offset = vec2((i as f32 * 0.1).sin() * 40.0, 3.0 + i as f32);
         let editor = self.screen.window.editor_mut();
@@ -235,10 +234,10 @@ impl Drag {
     }
 }
 
-/// The looks take turns of so many frames.
-fn drag(looks: &[Look], size: egui::Vec2, frames: usize) -> anyhow::Result<Vec<Record>> {
+/// The displays alternate after `frames` frames.
+fn drag(displays: &[Display], size: egui::Vec2, frames: usize) -> anyhow::Result<Vec<Record>> {
     let mut drags: Vec<Drag> =
-        looks.iter().map(|look| Drag::new(look, size)).collect::<anyhow::Result<_>>()?;
+        displays.iter().map(|display| Drag::new(display, size)).collect::<anyhow::Result<_>>()?;
     for round in 0..ROUNDS {
         let numbers = round * frames..(round + 1) * frames;
         drags.iter_mut().for_each(|drag| drag.turn(numbers.clone()));
@@ -255,7 +254,7 @@ fn drag(looks: &[Look], size: egui::Vec2, frames: usize) -> anyhow::Result<Vec<R
     Ok(drags.into_iter().map(record).collect())
 }
 
-/// The waves as they run.
+/// Frames of the running waves.
 fn oscillation(frames: usize) -> Times {
     let mut screen = Screen::new(scene(&eight_foci()), SIZE);
     screen.window.editor_mut().view.quantity = Quantity::Instantaneous;
@@ -263,7 +262,7 @@ fn oscillation(frames: usize) -> Times {
     (0..frames).map(|_| screen.frame(Vec::new())).collect()
 }
 
-/// Letter by letter, with the figures that follow in the next frame.
+/// Per letter, with the next frame, which adds the figures.
 fn typing() -> Times {
     let mut times = Times::default();
     for _ in 0..10 {
@@ -280,7 +279,7 @@ fn typing() -> Times {
     times
 }
 
-/// Frames that are drawn for one move of the pointer.
+/// Number of frames drawn for one movement of the pointer.
 fn hover() -> usize {
     let mut screen = Screen::new(Scene::default(), SIZE);
     while screen.wants_more {
@@ -290,14 +289,14 @@ fn hover() -> usize {
     1 + screen.frames_that_follow()
 }
 
-/// Of the second after the one in which the window has come to rest.
+/// Number of frames drawn in a second, after a second to come to rest.
 fn idle() -> usize {
     let mut screen = Screen::new(Scene::default(), SIZE);
     screen.frames_that_follow();
     screen.frames_that_follow()
 }
 
-/// From nothing to a frame with a map of eight foci on it.
+/// From a new window to the first map of eight foci.
 fn start() -> Times {
     let first_picture = || {
         let mut screen = Screen::bare(scene(&eight_foci()), SIZE);
@@ -319,16 +318,16 @@ impl Record {
 }
 
 fn row(record: &Record) -> Vec<String> {
-    let or_none = |text: Option<String>| text.unwrap_or("-".to_owned());
+    let or_dash = |text: Option<String>| text.unwrap_or("-".to_owned());
     vec![
         record.what.to_owned(),
         format!("{}x{}", record.size.x, record.size.y),
-        or_none(record.times.as_ref().map(Times::text)),
-        or_none(record.ratio.map(|ratio| ratio.text())),
-        or_none(record.ratio.map(|ratio| ratio.quartiles_text())),
-        or_none(record.parts.map(|[field, _]| digits(field))),
-        or_none(record.parts.map(|[_, solve]| digits(solve))),
-        or_none(record.frames.map(|frames| frames.to_string())),
+        or_dash(record.times.as_ref().map(Times::text)),
+        or_dash(record.ratio.map(|ratio| ratio.text())),
+        or_dash(record.ratio.map(|ratio| ratio.quartiles_text())),
+        or_dash(record.parts.map(|[field, _]| digits(field))),
+        or_dash(record.parts.map(|[_, solve]| digits(solve))),
+        or_dash(record.frames.map(|frames| frames.to_string())),
     ]
 }
 
@@ -345,7 +344,7 @@ fn json(record: &Record) -> Value {
     })
 }
 
-/// A frame of a drag against the window's pixels.
+/// Time of a frame against the window's pixels.
 fn chart(records: &[Record]) -> Chart {
     let series = |what: &str| {
         let dragged = records.iter().filter(|record| record.what == what);
@@ -357,12 +356,12 @@ fn chart(records: &[Record]) -> Chart {
         points
     };
     Chart {
-        title: "Time of a frame against pixels: one of 8 foci is dragged, 256 elements".to_owned(),
+        title: "Time of a frame against pixels: drag of one of 8 foci, 256 elements".to_owned(),
         x_label: "pixels of the window".to_owned(),
         y_label: "CPU-ms per frame, without the renderer".to_owned(),
         series: vec![
             Series { name: "every pixel".to_owned(), points: series(EXACT) },
-            Series { name: "within 1e-3".to_owned(), points: series(DRAG) },
+            Series { name: "tolerance 1e-3".to_owned(), points: series(DRAG) },
         ],
         levels: Vec::new(),
     }

@@ -1,4 +1,4 @@
-//! Lines of `sonoglyph batch` (JSON).
+//! Fuzzes lines of `sonoglyph batch` (JSON).
 
 #![no_main]
 

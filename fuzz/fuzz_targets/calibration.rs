@@ -1,4 +1,4 @@
-//! Calibrations of boards (CSV).
+//! Fuzzes calibrations of boards (CSV).
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Drawings: SVG, PNG, JPEG and BMP.
+//! Fuzzes imported drawings: SVG, PNG, JPEG and BMP.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Drives for `probe` (CSV).
+//! Fuzzes drives for `probe` (CSV).
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Tables of elements.
+//! Fuzzes element tables.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Messages over WebSocket (JSON).
+//! Fuzzes control messages over WebSocket (JSON).
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Links that hold a scene.
+//! Fuzzes scenes in links.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The native protocol: COBS and CRC, packets, replies, the device.
+//! Fuzzes the native protocol: COBS and CRC, packets, replies, the device model.
 
 #![no_main]
 

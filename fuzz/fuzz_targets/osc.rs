@@ -1,4 +1,4 @@
-//! OSC packets that other programs send.
+//! Fuzzes OSC packets of control clients.
 
 #![no_main]
 

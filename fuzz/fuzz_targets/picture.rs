@@ -1,4 +1,4 @@
-//! Pictures whose brightness is a target.
+//! Fuzzes pictures as targets.
 
 #![no_main]
 

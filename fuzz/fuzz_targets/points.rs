@@ -1,4 +1,4 @@
-//! Points for `probe` (CSV).
+//! Fuzzes points for `probe` (CSV).
 
 #![no_main]
 

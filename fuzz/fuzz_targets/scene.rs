@@ -1,4 +1,4 @@
-//! Scene files (TOML): reading, writing, rewriting.
+//! Fuzzes scene files (TOML): reading, writing, rewriting.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The window's settings (TOML).
+//! Fuzzes the window's settings (TOML).
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! The stock boards' twins.
+//! Fuzzes the emulators of boards with stock firmware.
 
 #![no_main]
 

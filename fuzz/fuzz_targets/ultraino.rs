@@ -1,4 +1,4 @@
-//! Words of Ultraino, packets with | between them.
+//! Fuzzes Ultraino commands, packets separated by |.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Waveforms: WAV.
+//! Fuzzes waveforms (WAV).
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-// What every bench has in its module: a clock and a count of what was wrong.
+// Common declarations of all benches: a clock and an error count.
 integer errors = 0;
 reg clk = 0;
 always #5 clk = !clk;

@@ -1,4 +1,4 @@
-// How a bench says what was wrong, and the line at its end that `run` looks for.
+// Messages of failed checks, and the last line that `run` looks for.
 `define CHECK(what, is, expected) \
     if ((is) !== (expected)) begin \
         $display("%m at %0t: %0s is %0d instead of %0d", $time, what, is, expected); \

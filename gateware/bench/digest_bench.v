@@ -1,4 +1,4 @@
-// digest: the CRC-32 of each table's bytes in their order, again and again, with the memories a clock behind the address.
+// digest: the CRC-32 of each table's bytes in order, repeatedly, with memories that answer a clock after the address.
 `include "check.vh"
 module digest_bench;
     `include "bench.vh"
@@ -13,7 +13,7 @@ module digest_bench;
         .phase(phase), .amplitude(amplitude), .envelope(envelope), .width(width), .offset(offset), .gain(gain),
         .crc(crc), .ready(ready)
     );
-    // Each memory holds bytes of its own.
+    // Different bytes in each memory.
     function [7:0] held(input integer which, input [7:0] at);
         held = (at * (2 * which + 3)) ^ (at >> 3) ^ (which * 77);
     endfunction

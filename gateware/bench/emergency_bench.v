@@ -36,7 +36,7 @@ module emergency_bench;
     endtask
     integer phase;
     initial begin
-        #1 `CHECK("pressed until it is known that it is not", pressed || !reset, pressed)
+        #1 `CHECK("pressed until known otherwise", pressed || !reset, pressed)
         repeat (4) @(negedge clk);
         `CHECK("pressed at reset", {caught, stopped, pressed}, 3'b111)
         reset = 0;

@@ -36,7 +36,7 @@ module follower_case #(
         .boundary(boundary), .follows(follows), .marked(marked), .hold(hold), .skip(skip), .skipped(skips)
     );
 
-    // How far our tick 0 is from the leader's, and whether each boundary knows its mark.
+    // Distance of our tick 0 from the leader's, and whether each boundary knows its mark.
     integer phase_of_leader, bank_changes = 0, clocks = 0, sounding = 0, alone = 0;
     reg bank_before = 0, sync_lately = 0;
     always @(negedge clk) if (!reset) begin
@@ -44,7 +44,7 @@ module follower_case #(
             phase_of_leader = leader_tick;
             off = phase_of_leader >= CLOCKS / 2 ? CLOCKS - phase_of_leader : -phase_of_leader;
         end
-        // Alone, a period is one; following what sounds, no longer than by a level and no shorter.
+        // Alone, every period has the same length; following during sound, it differs by a level at most.
         clocks = clocks + 1;
         if (last && !hold) begin
             alone = follows ? 0 : alone + 1;
@@ -53,7 +53,7 @@ module follower_case #(
             if (sounding > 2 && follows && (clocks > CLOCKS + LEVEL || clocks < CLOCKS - LEVEL)) errors = errors + 1;
             clocks = 0;
         end
-        // A leader that is not heard marks nothing.
+        // A mark requires a recent edge of the leader.
         if (boundary && marked && !sync_lately) errors = errors + 1;
         sync_lately = boundary ? 0 : sync_lately || sync_here;
         if (boundary && follows && !silent && !noise) begin
@@ -61,7 +61,7 @@ module follower_case #(
             if (marked) marks_seen = marks_seen + 1;
             if (marked && !mark) errors = errors + 1;
         end
-        // In each period the banks change once, whatever it waits for or leaves out.
+        // The banks change once in each period, also with a wait or a skipped level.
         if (bank !== bank_before) bank_changes = bank_changes + 1;
         bank_before = bank;
         if (boundary) begin
@@ -88,7 +88,7 @@ module follower_bench;
     task periods(input integer n);
         repeat (2048 * n) @(negedge clk);
     endtask
-    // A level and the two clocks of the way, of the longest levels.
+    // Within one of the longest levels and two clocks of delay.
     task near;
         begin
             `CHECK("near, same clock", off_0 >= -2 && off_0 <= 2, 1'b1)
@@ -104,7 +104,7 @@ module follower_bench;
         repeat (4) @(negedge clk);
         reset = 0;
         periods(4);
-        `CHECK("follows nobody", follows, 6'd0)
+        `CHECK("follows no leader", follows, 6'd0)
         silent = 0;
         periods(6);
         `CHECK("follows", follows, 6'b111111)
@@ -120,7 +120,7 @@ module follower_bench;
         `CHECK("errors", errors_0 + errors_1 + errors_2 + errors_3 + errors_4 + errors_5, 0)
         `CHECK("marks", marks_0 > 30 && marks_1 > 30 && marks_2 > 30 && marks_3 > 30 && marks_4 > 30 && marks_5 > 30, 1'b1)
         `CHECK("marks seen", {seen_0, seen_1, seen_2, seen_3, seen_4, seen_5}, {marks_0, marks_1, marks_2, marks_3, marks_4, marks_5})
-        // A spike is not a period, and following goes on.
+        // A spike is not taken for a period, and following continues.
         for (i = 0; i < 9; i = i + 1) begin
             repeat (4 * 2048 + 137 * i) @(negedge clk);
             noise = 1;
@@ -130,7 +130,8 @@ module follower_bench;
         periods(4);
         `CHECK("follows in spite of noise", follows, 6'b111111)
         near;
-        // Without the leader it goes on alone, and it comes back while everything sounds: by no more than a level a period.
+        // Without the leader it continues alone; with the leader it returns during sound, by at most a level per
+        // period.
         silent = 1;
         periods(12);
         `CHECK("follows no more", follows, 6'd0)

@@ -44,7 +44,7 @@ module gate_bench;
         if (let_go) lettings = lettings + 1;
         if (restore) restores = restores + 1;
         if (digest) digests = digests + 1;
-        // Until it is known that the stop has let go, two clocks after that.
+        // Effects must wait until the release of the stop is known, two clocks after it.
         if ((enable || restart) && since_letting < 3) wrong = wrong + 1;
         if ((enable || restart) && lettings != 1) wrong = wrong + 1;
         if (write_phase) begin
@@ -104,7 +104,7 @@ module gate_bench;
             `CHECK("how often", tellings, telling != 0)
         end
     endtask
-    // No effect at all.
+    // A refused packet has no effect.
     task refused(input [7:0] kind, input [31:0] with, input [9:0] bytes, input [7:0] why);
         begin
             packet(kind, with, bytes, why);

@@ -22,7 +22,7 @@ module lanes_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input
         .data(data), .shift(shift), .latch(latch), .sync(sync)
     );
 
-    // Pulses of the period that plays, and of the next.
+    // Pulses of the current period and of the next.
     localparam LEVELS = 1 << PHASE_BITS;
     reg [PHASE_BITS-1:0] playing_rise [0:255], playing_width [0:255], next_rise [0:255], next_width [0:255];
     // 74x595: bit 8 i + q is Qq of register i. They latch at the start of a clock and shift in its middle.
@@ -86,7 +86,7 @@ module lanes_bench;
         repeat (3) @(negedge clk);
         #1 reset = 0;
         repeat (8 * 2048) @(negedge clk);
-        `CHECK("what went well", finished, 4'b1111)
+        `CHECK("finished", finished, 4'b1111)
         `END
     end
 endmodule

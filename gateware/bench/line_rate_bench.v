@@ -1,4 +1,4 @@
-// line_rate: a new rate waits until everything is answered, and falls back.
+// line_rate: a new rate takes effect after all answers, and the line falls back to its first rate.
 `include "check.vh"
 module line_rate_bench;
     `include "bench.vh"

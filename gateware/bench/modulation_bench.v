@@ -1,4 +1,4 @@
-// modulation: the table's values at the oscillator's pace, or where a digest reads them.
+// modulation: the table's values at the oscillator's rate, or at a digest's address.
 `include "check.vh"
 module modulation_bench;
     `include "bench.vh"
@@ -39,13 +39,13 @@ module modulation_bench;
             @(negedge clk);
         end
         write = 0;
-        rate(24'd83886, 1);     // 200 Hz of 40 kHz
+        rate(24'd83886, 1);     // 200 Hz at 40 kHz
         angle = 0;
         for (i = 0; i < 1000; i = i + 1) begin
             period(~angle[23:16] ^ 8'h5A);
             angle = angle + 24'd83886;
         end
-        // A new step without a new start goes on from where it is; the old angle is one step behind.
+        // A new step without a restart continues from the current angle; the old angle is one step behind.
         rate(24'h800001, 0);
         angle = angle - 24'd83886;
         for (i = 0; i < 100; i = i + 1) begin

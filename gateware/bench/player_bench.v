@@ -45,7 +45,7 @@ module player_bench;
         reset = 0;
         period(0);
         busy_in(0, 0);
-        // Twice over 3, 4, 5 with two periods each; then it stays.
+        // Twice over 3, 4, 5 with two periods each; then the last slot stays.
         ask(3, 5, 2, 2, 0);
         busy_in(3, 5);
         repeat (2) begin
@@ -67,7 +67,7 @@ module player_bench;
         ask(30, 31, 3, 1, 1);
         `CHECK("busy beyond what waits", busy, 1'b0)
         query = 31;
-        #1 `CHECK("busy because it waits", busy, 1'b1)
+        #1 `CHECK("busy while waiting", busy, 1'b1)
         period(9);
         period(30);
         `CHECK("waiting still", waiting, 1'b0)
@@ -95,7 +95,7 @@ module player_bench;
             period(62);
             period(63);
         end
-        // In step: it waits for a boundary that is, whatever runs or ends.
+        // In step: the command waits for such a boundary, whatever runs or ends.
         ask(7, 8, 2, 0, 2);
         `CHECK("waiting in step", waits_in_step, 1'b1)
         repeat (3) begin
@@ -115,7 +115,7 @@ module player_bench;
         period(11);
         period(20);
         in_step = 0;
-        // A commit at once replaces one in step.
+        // An immediate commit replaces one in step.
         ask(30, 30, 1, 0, 2);
         ask(31, 31, 1, 0, 0);
         period(31);

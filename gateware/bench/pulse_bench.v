@@ -1,4 +1,4 @@
-// pulse, all of it, at all numbers of phase bits, against integers.
+// pulse: all inputs with all numbers of phase bits, against integers.
 `include "check.vh"
 module pulse_case #(parameter PHASE_BITS = 7) (input wire start, output reg finished);
     integer errors = 0;
@@ -15,7 +15,7 @@ module pulse_case #(parameter PHASE_BITS = 7) (input wire start, output reg fini
         for (m = 0; m < 256; m = m + 1) for (w = 0; w < 256; w = w + 1) begin
             {middle, width_256} = {m[7:0], w[7:0]};
             capped = w > 128 ? 128 : w;
-            // Rounded to the nearest: the width, and the middle less half of it; 512 keeps numbers positive.
+            // Rounded to the nearest: the width, and the centre less half of it; adding 512 keeps numbers positive.
             expected_width = (capped + PER_LEVEL / 2) / PER_LEVEL;
             doubled = 512 + 2 * m - capped + PER_LEVEL;
             expected_rise = (doubled / (2 * PER_LEVEL)) % LEVELS;
@@ -37,7 +37,7 @@ module pulse_bench;
     pulse_case #(8) eight (start, finished[3]);
     initial begin
         #1 start = 1;
-        #70000 `CHECK("what went well", finished, 4'b1111)
+        #70000 `CHECK("finished", finished, 4'b1111)
         `END
     end
 endmodule

@@ -1,5 +1,5 @@
-// receiver: good packets wait with all they carry, up to four; whatever is not quite right is spoiled, and what is for
-// another device or a reply passes unheeded. INFO of version 1 is told. The fuzz test goes further.
+// receiver: up to four good packets wait with their content; corrupted ones are counted; packets for other devices
+// and replies are ignored. INFO of version 1 is recognised. The fuzz test covers more.
 `include "check.vh"
 module receiver_bench;
     `include "bench.vh"
@@ -23,10 +23,10 @@ module receiver_bench;
         if (spoiled) spoils = spoils + 1;
         if (spoiled && by_line) lines = lines + 1;
         if (old_info) olds = olds + 1;
-        if (old_info) `CHECK("what is told as spoiled too", spoiled, 1'b1)
+        if (old_info) `CHECK("INFO of version 1 counts as spoiled", spoiled, 1'b1)
     end
 
-    // A packet of so many bytes before its CRC, made from a seed, to an address; an odd seed gives it many zeros.
+    // A packet with this number of bytes before its CRC, generated from a seed; odd seeds give many zeros.
     reg [7:0] body [0:1023];
     reg [7:0] to = 3;
     integer   i, j, at, from, at_all;
@@ -89,7 +89,7 @@ module receiver_bench;
             `CHECK("packets spoiled by the line", lines, l)
         end
     endtask
-    // The packet in front is the one of this seed.
+    // The first waiting packet is the one of this seed.
     task take(input integer bytes, input [7:0] seed);
         begin
             make(bytes, seed);
@@ -116,10 +116,10 @@ module receiver_bench;
         make(263, 3); send(267);
         make(8, 4); send(12);
         counts(4, 0, 0);
-        // No room for a fifth, and none of the four is touched by it.
+        // There is no room for a fifth, and the four are unchanged.
         make(263, 5); send(267);
         counts(4, 1, 0);
-        // What is for another device needs no room.
+        // Packets for other devices need no room.
         to = 4;
         make(263, 5); send(267);
         counts(4, 1, 0);
@@ -133,7 +133,7 @@ module receiver_bench;
         counts(5, 1, 0);
         `CHECK("ready with nothing", ready, 1'b0)
 
-        // For all devices, and for no one of us: other addresses, and replies.
+        // A broadcast, then other addresses and replies.
         to = 8'hFF;
         make(100, 2); send(104);
         counts(6, 1, 0);
@@ -146,7 +146,7 @@ module receiver_bench;
         make(7, 8'h81); send(11);
         counts(6, 1, 0);
         `CHECK("ready with what is for others", ready, 1'b0)
-        to = 4;                                         // damaged, nobody knows whose it was
+        to = 4;                                         // damaged, so its address is unknown
         make(7, 2); body[5] = ~body[5]; send(11);
         counts(6, 2, 0);
         to = 3;
@@ -156,7 +156,7 @@ module receiver_bench;
         make(100, 9); body[50] = body[50] ^ 1; send(104);
         put(9); put(1); put(0);                         // ends within a block
         counts(6, 6, 0);
-        framing = 1; @(negedge clk) framing = 0;        // a good one after something that was no byte
+        framing = 1; @(negedge clk) framing = 0;        // a good one after a framing error
         make(7, 10); send(11);
         counts(6, 7, 1);
         make(7, 11); send(11);
@@ -168,7 +168,7 @@ module receiver_bench;
         counts(7, 8, 1);
         `CHECK("INFO of version 1", olds, 1)
         `CHECK("its seq", old_seq, 8'd77)
-        make_old(8'h02, 8'd78, 6); send(8);             // another type, another length, another CRC, after no byte
+        make_old(8'h02, 8'd78, 6); send(8);             // wrong type, length or CRC, or after a framing error
         make_old(8'h01, 8'd78, 7); send(9);
         make_old(8'h01, 8'd78, 6); body[7] = body[7] ^ 4; send(8);
         framing = 1; @(negedge clk) framing = 0;

@@ -1,5 +1,5 @@
-// restore: after a reset and when asked, every cell of the store and the tables is written once or more with what it holds after
-// power-up, and the end comes with the gate.
+// restore: after a reset and on request, every cell of the store and the tables is written with its power-up value, and
+// it ends with the gate.
 `include "check.vh"
 module restore_bench;
     `include "bench.vh"
@@ -25,7 +25,7 @@ module restore_bench;
         clocks = clocks + 1;
         open = clocks % 1024 == 350;
     end
-    // asin by its Newton steps would say nothing new; three values and the order are enough beside the CRC in Rust's tests.
+    // Three values and their order suffice: the CRC in Rust's tests covers the rest of the table.
     task whole(input integer count);
         begin
             written = 0;

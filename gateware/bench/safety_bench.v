@@ -1,5 +1,5 @@
-// safety: silent at first, enabled by ENABLE alone, tripped by the watchdog at the exact period and by the emergency stop at once,
-// and tripped until the next ENABLE or RESET.
+// safety: silent at first; only ENABLE switches on; the watchdog trips in its exact period and the emergency stop at
+// once; tripped until ENABLE or RESET.
 `include "check.vh"
 module safety_bench;
     `include "bench.vh"
@@ -77,7 +77,7 @@ module safety_bench;
         restart = 1;
         @(negedge clk) restart = 0;
         expect_state(0, 0);
-        // RESET forgets the watchdog, but not that the stop is pressed.
+        // RESET clears the watchdog, but not a pressed stop.
         on(16'd1);
         mute = 1;
         @(negedge clk) mute = 0;

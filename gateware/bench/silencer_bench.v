@@ -1,4 +1,4 @@
-// silencer against integers: never more than a step, the shorter way round, and exactly there at last.
+// silencer against integers: steps within the limit, the shorter way round, and the exact target at the end.
 `include "check.vh"
 module silencer_bench;
     `include "bench.vh"
@@ -40,7 +40,7 @@ module silencer_bench;
             if (i % 3 == 0) phase_step = phase_step >> 6;
             if (i % 5 == 0) amplitude_step = amplitude_step >> 6;
             if (i % 7 == 0) {phase_step, amplitude_step} = 32'hFFFFFFFF;
-            // Half a turn away, where both ways are as long: down.
+            // Half a turn away both ways are equally long: it goes down.
             if (i % 11 == 0) phase = {phase_target, 8'h00} + 16'h8000;
             one;
         end

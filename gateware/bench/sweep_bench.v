@@ -1,4 +1,4 @@
-// sweep against integers, period after period, with random frames, calibration, envelopes and silencer, on and off.
+// sweep against integers, period by period, with random frames, calibration, envelopes and silencer, on and off.
 `include "check.vh"
 module sweep_bench;
     `include "bench.vh"
@@ -25,7 +25,7 @@ module sweep_bench;
         amplitude <= amplitudes[channel];
     end
 
-    // The same in integers.
+    // The same computation in integers.
     integer state_phase [0:255], state_amplitude [0:255];
     reg [6:0] rises [0:255], highs [0:255];
     reg       heard;
@@ -86,7 +86,7 @@ module sweep_bench;
 
     integer i;
     initial begin
-        // What the tables hold at first is for others to write.
+        // The tables' power-up content is written by restore.
         for (i = 0; i < 256; i = i + 1) begin
             {phases[i], amplitudes[i], offsets[i], gains[i]} = {8'd0, 8'd0, 8'd0, 8'd255};
             widths[i] = 8'd255 - i / 2;
@@ -121,7 +121,7 @@ module sweep_bench;
         `CHECK("silent at last", sounds, 1'b0)
         enabled = 1;
         repeat (5) period;
-        // After RESET nothing is left of what sounded.
+        // RESET clears the silencer's state.
         enabled = 0;
         restart = 1;
         for (i = 0; i < 256; i = i + 1) {state_phase[i], state_amplitude[i]} = 0;

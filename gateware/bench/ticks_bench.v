@@ -1,5 +1,5 @@
-// ticks at all four numbers of phase bits: one period is as long as it should, everything happens once in it and in its order, and
-// the banks change when the lanes begin a period.
+// ticks with all numbers of phase bits: the length of a period, the order of its events, and a change of banks when the
+// lanes begin a period.
 `include "check.vh"
 module ticks_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input wire clk, input wire reset, output reg finished);
     integer errors = 0;
@@ -26,7 +26,7 @@ module ticks_case #(parameter PHASE_BITS = 7, parameter PERIOD_BITS = 10) (input
             `CHECK("tick", tick, since)
             `CHECK("the end of the lanes' period", period_ends, &ahead)
             `CHECK("last", last, since == CLOCKS - 1)
-            // Level 0 has been shifted and latched, three clocks after the lanes were told, when tick 0 comes.
+            // At tick 0, level 0 is already latched, three clocks after the lanes' tick.
             expected_ahead = (since + CLOCKS / (1 << PHASE_BITS) + 3) % CLOCKS;
             `CHECK("ahead", ahead, expected_ahead)
             `CHECK("a change of bank", bank != bank_before, ahead == 0)
@@ -50,7 +50,7 @@ module ticks_bench;
         repeat (3) @(negedge clk);
         #1 reset = 0;
         repeat (5 * 2048) @(negedge clk);
-        `CHECK("what went well", finished, 4'b1111)
+        `CHECK("finished", finished, 4'b1111)
         `END
     end
 endmodule

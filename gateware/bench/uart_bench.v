@@ -1,4 +1,5 @@
-// uart_tx into uart_rx at several rates, and a sender with a clock of its own into uart_rx: fast and slow, noise, and no stop bit.
+// uart_tx into uart_rx at several rates, and an independent sender into uart_rx: fast and slow, noise, and missing stop
+// bits.
 `include "check.vh"
 `timescale 1ns/1ps
 module uart_bench;
@@ -48,7 +49,7 @@ module uart_bench;
                     @(negedge clk);
                     clocks = clocks + 1;
                 end
-                // Ten bits, rounded up to clocks once, and the clock in which it was taken.
+                // Ten bits, rounded up to clocks once, and the clock of acceptance.
                 `CHECK("the clocks of a byte", clocks, 1 + (10 * 65536 + rate - 1) / rate)
             end
             repeat (4 + 65536 / rate) @(negedge clk);
@@ -56,7 +57,7 @@ module uart_bench;
         end
     endtask
 
-    // One character of bits that take so many nanoseconds.
+    // A character with this bit time in ns.
     task by_host(input real bit_ns, input [7:0] value, input stop);
         integer i;
         begin
@@ -105,16 +106,16 @@ module uart_bench;
         `CHECK("wrong bytes", wrong, 0)
         `CHECK("framing errors so far", framings, 0)
 
-        // A glitch of a third of a bit is no start bit.
+        // A glitch of a third of a bit is not a start bit.
         line = 0;
         #(BIT / 3) line = 1;
         #(12 * BIT) `CHECK("bytes after noise", bytes, 270)
-        // No stop bit: no byte, one framing error, and the next byte is whole.
+        // Without a stop bit: no byte, one framing error, and the next byte is received.
         by_host(BIT, 8'h55, 1'b0);
         #(2 * BIT) `CHECK("bytes without a stop bit", bytes, 270)
         `CHECK("framing errors", framings, 1)
         host_bytes(BIT, 1);
-        // A line that stays low says nothing more than that, however long.
+        // A line that stays low gives one framing error, for any duration.
         line = 0;
         #(50 * BIT) line = 1;
         #(2 * BIT) `CHECK("framing errors of a break", framings, 2)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Finds a PLL's settings nearest to the clock of the gateware: boards/clock.py FAMILY OSCILLATOR_KHZ PHASE_BITS
+"""Finds the PLL settings nearest to the gateware's clock: boards/clock.py FAMILY OSCILLATOR_KHZ PHASE_BITS
 
-Prints the parameters of the family's top, one NAME=VALUE per line, and what comes of them on standard error.
+Prints the parameters of the family's top, one NAME=VALUE per line, and the resulting clock on standard error.
 The clock is 40.96 MHz, or 81.92 MHz with 8 phase bits: 40 kHz * 1024 or 2048.
 """
 
@@ -55,7 +55,7 @@ def main():
     except (IndexError, KeyError, ValueError):
         sys.exit(f"usage: {sys.argv[0]} {'|'.join(families)} OSCILLATOR_KHZ PHASE_BITS (5000 to 200000 kHz, 5 to 8 bits)")
     clocks = 2048 if bits == 8 else 1024
-    # The first of the best has the fewest divisions before the phase detector.
+    # The first of equals has the fewest divisions before the phase detector.
     best = min(found, default=None, key=lambda settings: abs(clock(khz, settings) - 40 * clocks))
     if best is None or abs(clock(khz, best) / clocks - 40) > Fraction(1, 2):
         sys.exit(f"clock.py: no settings of this PLL bring {khz} kHz within 500 Hz of a carrier of 40 kHz")

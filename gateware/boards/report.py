@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
-"""Makes a row of resources.md of nextpnr's report, and fails if the clock is too slow: boards/report.py REPORT BOARD PHASE_BITS SETTINGS…
+"""Writes a row of resources.md from nextpnr's report; fails if the clock is too slow:
 
-SETTINGS are what `settings` in tools.sh prints. The row goes to standard output: board, phase bits, clock needed and reached in MHz, then
-LUT, FF, block RAMs and multipliers used.
+    boards/report.py REPORT BOARD PHASE_BITS SETTINGS…
+
+SETTINGS is the output of `settings` in tools.sh. The row goes to standard output: board, phase bits, clock required and
+reached in MHz, then LUT, FF, block RAMs and multipliers used.
 """
 
 import json

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
-"""Compares what the boards' builds reported with gateware/resources.md, or rewrites its table: boards/resources.py check|write ROW_FILE …
+"""Compares the reports of the boards' builds with gateware/resources.md, or rewrites its table:
 
-A row of a ROW_FILE is what boards/report.py prints. `check` fails where a build has left the table by more than placing's noise.
+    boards/resources.py check|write ROW_FILE …
+
+A row of a ROW_FILE is the output of boards/report.py. `check` fails if a build differs from the table by more than the
+noise of placement.
 """
 
 import pathlib

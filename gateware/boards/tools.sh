@@ -1,5 +1,6 @@
-# What the boards' builds share: `prepare REQUIREMENTS` puts pinned packages from PyPI into ./venv, `settings FAMILY OSCILLATOR_KHZ
-# PHASE_BITS` prints a PLL's settings as arguments of Yosys' chparam, `quietly LOG COMMAND …` shows LOG's end if COMMAND fails.
+# Functions of the boards' builds: `prepare REQUIREMENTS` installs pinned packages from PyPI into ./venv, `settings
+# FAMILY OSCILLATOR_KHZ PHASE_BITS` prints PLL settings as arguments of Yosys' chparam, `quietly LOG COMMAND …` shows
+# LOG's end if COMMAND fails.
 
 boards=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 rtl=$(cd "$boards/../rtl" && pwd)

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """A host for the gateware, written from protocol.md alone: python3 client.py PORT [--address N]
 
-It exercises a board: INFO, RESET, digests, refusals, a focus, a circle played from the board's store, the watchdog, MUTE. Each line of its
-report is one statement of the document. It ends with 0 if all of them hold. Begin without transducers: it switches the outputs on for
-some seconds. Nothing but Python's own library is needed; the port is opened raw, so this is for Linux and other Unix systems.
+It tests a board: INFO, RESET, digests, refusals, a focus, a circle played from the board's store, the watchdog, MUTE.
+Each line of its report is one statement of the document. It exits with 0 if all hold. Begin without transducers: it
+switches the outputs on for some seconds. It needs only Python's standard library, and opens the port raw, so it runs on
+Linux and other Unix systems.
 """
 
 import argparse
@@ -24,7 +25,7 @@ ENABLED, TRIPPED, PLAYING, PRESSED, ON, WAITING, STOPPED, FOLLOWS = (1 << bit fo
 BROADCAST = 0xFF
 SLOT, TABLE_ENVELOPE, TABLE_WIDTHS, TABLE_CALIBRATION = range(4)
 
-# Of the simulated gateware, which is some times slower than the board, and of USB adapters.
+# For the simulated gateware, which is several times slower than a board, and for USB adapters.
 PATIENCE = 20.0
 SILENCE = 0.3
 
@@ -57,7 +58,7 @@ def cobs_decode(data):
 
 
 def packet(kind, address, seq, arguments=b"", payload=b""):
-    """A packet's bytes on the line; `arguments` are filled up with zeros."""
+    """A packet's bytes on the line; `arguments` are padded with zeros."""
     body = bytes([kind, address, seq]) + arguments.ljust(4, b"\0") + payload
     return cobs_encode(body + zlib.crc32(body).to_bytes(4, "little")) + b"\0"
 
@@ -72,7 +73,7 @@ def crc16_genibus(data):
 
 
 class Reply:
-    """A reply of 16 bytes, whose CRC was right."""
+    """A reply of 16 bytes with a valid CRC."""
 
     def __init__(self, body):
         self.body = body
@@ -96,7 +97,7 @@ class Board:
         termios.tcsetattr(self.file, termios.TCSANOW, settings)
         termios.tcflush(self.file, termios.TCIOFLUSH)
         self.address, self.seq, self.received = address, 0, bytearray()
-        # Whatever the device had begun to receive ends here; what it says of that is not read.
+        # Ends any packet that the device had begun to receive; its answer is ignored.
         self.write(b"\0")
         self.read_packet(SILENCE)
         self.received.clear()
@@ -135,7 +136,7 @@ class Board:
         self.write(packet(kind, self.address if address is None else address, self.seq, arguments, payload))
 
     def ask(self, kind, arguments=b"", payload=b""):
-        """Sends a packet and waits for its reply, which must be about it."""
+        """Sends a packet and waits for its own reply."""
         self.send(kind, arguments, payload)
         reply = self.read_reply()
         if reply is None:
@@ -151,7 +152,7 @@ class Board:
         return reply.digest
 
     def wait_for(self, mask, value, what):
-        """Asks for STATUS until these flags have this value."""
+        """Polls STATUS until these flags have this value."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
             reply = self.ask(STATUS)
@@ -170,18 +171,19 @@ class Report:
         print(f"{'ok  ' if true else 'FAIL'}  {statement}{note}", flush=True)
 
 
-# A 16 x 16 array: channel = row * 16 + column, x to the right, y upwards. Spacing of elements and speed of sound of air at 20 °C.
+# A 16 x 16 array: channel = row * 16 + column, x to the right, y upwards. Spacing of elements and speed of sound of air
+# at 20 °C.
 PITCH, SOUND = 0.010, 343.0
 
 
 def focus(x, y, z, carrier, amplitude):
-    """256 pairs (phase, amplitude) that bring all elements' sound to (x, y, z) at the same time; metres, array in z = 0."""
+    """256 pairs (phase, amplitude) that focus on (x, y, z); metres, array in z = 0."""
     distances = []
     for row in range(16):
         for column in range(16):
             dx, dy = (column - 7.5) * PITCH - x, (row - 7.5) * PITCH - y
             distances.append(math.sqrt(dx * dx + dy * dy + z * z))
-    # A nearer element sounds later, by what its sound has less to go.
+    # A nearer element is delayed by the difference of distances.
     farthest = max(distances)
     delays = [(farthest - distance) * carrier / SOUND for distance in distances]
     return b"".join(bytes([round(256 * delay) % 256, amplitude]) for delay in delays)
@@ -205,7 +207,7 @@ def examples(report):
 
 
 def identify(board, report):
-    """INFO; what it says of the board as (carrier in Hz, slots)."""
+    """Checks INFO; returns (carrier in Hz, slots)."""
     info = board.ask(INFO).body
     carrier, slots = int.from_bytes(info[9:13], "little") / 1000, info[7] + 1
     print(f"      protocol {info[5]}, gateware {info[8]}, {info[6]} phase bits, {slots} slots, carrier {carrier:.3f} Hz, "
@@ -216,7 +218,7 @@ def identify(board, report):
 
 
 def silence(board):
-    """MUTE, then RESET as soon as it is taken."""
+    """MUTE, then RESET as soon as it is accepted."""
     board.ask(MUTE)
     board.wait_for(ON, 0, "MUTE")
     end = time.monotonic() + PATIENCE
@@ -256,7 +258,7 @@ def refusals(board, report, slots):
 
 
 def counting(board, report):
-    """What is counted and answered, and what is not."""
+    """Which packets are counted and answered."""
     before = board.ask(STATUS)
     board.send(STATUS, address=BROADCAST)
     report.holds("a broadcast is not answered", board.read_reply(SILENCE) is None)
@@ -289,7 +291,7 @@ def counting(board, report):
 
 
 def sound(board, report, carrier):
-    """A focus 10 cm above the middle, at half amplitude."""
+    """A focus 10 cm above the centre, at half amplitude."""
     frame = focus(0.0, 0.0, 0.10, carrier, 128)
     report.holds("FRAME: OK", board.ask(FRAME, bytes([1, 0, 0]), frame).result == OK)
     report.holds("DIGEST of the slot is the frame's CRC-32", board.digest(SLOT, 1) == zlib.crc32(frame))
@@ -306,7 +308,7 @@ def sound(board, report, carrier):
 
 
 def circle(board, report, carrier, slots):
-    """A focus on a circle of 1 cm radius, some 10 frames of it per second, from the board's store."""
+    """A focus on a circle of 1 cm radius, at some 10 frames per second, from the board's store."""
     count = min(slots - 2, 12)
     for n in range(count):
         angle = 2 * math.pi * n / count

@@ -1,4 +1,4 @@
-// A cover, as the assertion that it never holds: its refutation shows that it can.
+// A cover as the assertion that it never holds: a counterexample shows that it can.
 module \$cover (A, EN);
     input A, EN;
     \$assert _TECHMAP_REPLACE_ (.A(!A), .EN(EN));

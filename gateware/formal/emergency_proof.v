@@ -5,7 +5,7 @@
 module emergency_proof (
     input wire clk,
     input wire estop_n,
-    input wire on,              // whatever sounds
+    input wire on,              // arbitrary
     input wire any_let_go,
     input wire for_enable,      // or RESET
     input wire boundary

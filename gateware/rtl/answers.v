@@ -8,7 +8,7 @@ module answers (
 
     input  wire       ask,              // answer the packet in the gate, until `answered`
     output wire       answered,
-    input  wire       silent,           // do not answer what was spoiled, but count it
+    input  wire       silent,           // count spoiled packets without answering
     input  wire       spoiled,          // a packet was spoiled: answer that
     input  wire       spoiled_by_line,
     input  wire       old_info,         // beside `spoiled`: in version 1's form
@@ -16,7 +16,7 @@ module answers (
     output wire       count_spoiled_by_line,
     output reg        about_spoiled,
     output reg        about_old,
-    output wire [4:0] index,            // which byte of the answer is asked for
+    output wire [4:0] index,            // of the requested byte of the answer
     input  wire [7:0] value,            // a clock later
 
     output wire       send,
@@ -35,7 +35,7 @@ module answers (
     reg [1:0]  first, next;
     reg [2:0]  held;
 
-    // Writing: bytes are asked for, and a clock later they are here.
+    // Writing: bytes are requested, and arrive a clock later.
     reg        asking, writing, keep, spoiled_waits, by_line, old_waits;
     reg [4:0]  asked, place;
     reg [31:0] crc;
@@ -88,7 +88,7 @@ module answers (
         if (last) is_old[next] <= about_old;
     end
 
-    // Sending: `from` is the byte that is next, `zero` the next place of a zero, or the end.
+    // Sending: `from` is the next byte, `zero` the place of the next zero, or the end.
     reg [2:0]  state;
     reg [4:0]  from, zero;
     wire [4:0] end_of_it = is_old[first] ? OLD_LENGTH : LENGTH;

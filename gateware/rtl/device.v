@@ -23,7 +23,7 @@ module device #(
     input  wire [2:0]  address,     // on a line with others; pull it down
     output wire [31:0] data,        // one bit for each shift register
     output wire        shift,       // the registers take it in the middle of this clock
-    output wire        latch,       // rising: what was shifted in goes to the outputs
+    output wire        latch,       // rising: the shifted bits go to the outputs
     output wire        oe_n,
     output wire        sync,        // rising: level 0 of a period goes to the outputs; for followers
     output wire        led_on,

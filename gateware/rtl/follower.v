@@ -25,7 +25,7 @@ module follower #(
     localparam [PERIOD_BITS-1:0] SEEN_AT = LATENCY;
     localparam [PERIOD_BITS:0] AROUND = 16;
     localparam [PERIOD_BITS:0] ONE = 1;
-    localparam PATIENCE = 3;        // 2^n periods without an edge that is believed
+    localparam PATIENCE = 3;        // 2^n periods without a believed edge
 
     reg                            sync_before;
     reg [PERIOD_BITS:0]            since;       // the last edge, up to the largest number

@@ -63,7 +63,7 @@ module gate #(
 );
     localparam [3:0] IDLE = 0, FETCH = 1, CHECK = 2, COPY = 3, RESTORE = 4, LET_GO = 5, COMMIT = 6, DIGEST = 7, ANSWER = 8;
     reg [3:0]  state;
-    reg [9:0]  index;       // of the byte asked for; `read_data` is the one before it
+    reg [9:0]  index;       // of the requested byte; `read_data` is the previous one
     reg [15:0] loops;
     reg [7:0]  when_asked;
 

@@ -18,7 +18,7 @@ module player #(
     input  wire [1:0]           play_when,
     input  wire                 stop,
     input  wire [SLOT_BITS-1:0] query,
-    output wire                 busy,           // the slot asked for is not to be written
+    output wire                 busy,           // the requested slot must not be written
     output reg  [SLOT_BITS-1:0] slot,
     output wire                 several,        // a range of more than one slot runs
     output reg                  waiting,

@@ -18,7 +18,7 @@ module pulse #(
 
     assign rise = doubled[8:9-PHASE_BITS];
     assign width = rounded[7:8-PHASE_BITS];
-    wire unused = &{1'b0, doubled, rounded};    // what is rounded away
+    wire unused = &{1'b0, doubled, rounded};    // rounded off
 endmodule
 
 `default_nettype wire

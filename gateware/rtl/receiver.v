@@ -9,7 +9,7 @@ module receiver (
     input  wire        reset,
     input  wire        valid,           // a byte has come
     input  wire [7:0]  data,
-    input  wire        framing,         // something has come that is no byte
+    input  wire        framing,         // a framing error
     input  wire [2:0]  address,         // of this device
 
     output wire        ready,           // a good packet waits

@@ -155,7 +155,7 @@ module sweep #(
         if (reset) pulse_write <= 1'b0;
     end
 
-    wire unused = &{1'b0, below_3, below_6};    // what is rounded away
+    wire unused = &{1'b0, below_3, below_6};    // rounded off
 
     reg heard;
     always @(posedge clk) begin

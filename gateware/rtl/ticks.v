@@ -20,7 +20,7 @@ module ticks #(
     input  wire                   reset,
     input  wire                   hold,         // at the end of the lanes' period: wait
     input  wire                   skip,         // leave out the last level
-    output wire                   skips,        // that is done now
+    output wire                   skips,        // it is left out now
     output reg  [PERIOD_BITS-1:0] tick,
     output wire                   last,         // the next clock is tick 0
     output wire                   count,

@@ -9,7 +9,7 @@ module uart_rx (
     input  wire        rxd,         // in our clock already
     output reg         valid,       // for one clock: `data` has come
     output reg  [7:0]  data,
-    output reg         framing      // for one clock: something has come that is no byte
+    output reg         framing      // for one clock: a framing error
 );
     reg        receiving;
     reg        high_since;  // the line has been high since the last character

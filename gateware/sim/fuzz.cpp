@@ -1,7 +1,7 @@
-// Sends random packets through the Verilated receiver, a quarter of them damaged on the way: fuzz [PACKETS] [SEED].
+// Sends random packets through the Verilated receiver, a quarter of them damaged: fuzz [PACKETS] [SEED].
 //
-// No packet that is whole may be lost or changed, whatever its neighbours suffer, and no damaged one may be taken for something else: the
-// CRC's 32 bits let through one of 4 000 000 000. Packets to other devices pass unheeded.
+// No whole packet may be lost or changed by damage to its neighbours, and no damaged one may be accepted as another;
+// the CRC's 32 bits miss one of 4 000 000 000. Packets to other devices are ignored.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -26,7 +26,7 @@ uint32_t crc(const Bytes &body) {
     return ~value;
 }
 
-// COBS with a delimiter at either end.
+// COBS between two delimiters.
 Bytes framed(Bytes body) {
     const uint32_t check = crc(body);
     for (int i = 0; i < 4; ++i) body.push_back(uint8_t(check >> (8 * i)));
@@ -56,7 +56,7 @@ public:
     unsigned below(unsigned limit) { return unsigned(engine() % limit); }
     uint8_t byte() { return uint8_t(engine() >> 40); }
 
-    // A packet as it is before its CRC. Zeros are what COBS is about, so there are many of them in some.
+    // A random packet before its CRC. Some have many zeros, which exercise COBS.
     Bytes body() {
         const unsigned kind = below(32);
         const unsigned payload = kind == 0 ? 512 : kind < 3 ? 256 : kind < 8 ? below(64) : below(12);
@@ -69,7 +69,7 @@ public:
         return body;
     }
 
-    // What is left of a line; the delimiter in front belongs to the packet before, and stays.
+    // Damages a line, except its first delimiter, which belongs to the packet before.
     void damage(Bytes &line) {
         const auto at = line.begin() + 1 + below(unsigned(line.size()) - 1);
         switch (below(5)) {
@@ -111,7 +111,7 @@ public:
         receiver->framing = 0;
     }
 
-    // Takes the packets that wait, as they were before their CRC.
+    // Takes the waiting packets, without their CRC.
     std::vector<Bytes> take() {
         clock();
         std::vector<Bytes> packets;
@@ -170,21 +170,21 @@ int main(int count, char **arguments) {
         ++(is_whole ? whole : damaged);
         const bool for_another = body[1] == 6;
         if (is_whole && for_another && !taken.empty() && taken.back() == body) {
-            std::fprintf(stderr, "packet %ld was for another device, and taken\n", i);
+            std::fprintf(stderr, "packet %ld for another device was accepted\n", i);
             return 1;
         }
         if (is_whole && !for_another && (taken.empty() || taken.back() != body)) {
-            std::fprintf(stderr, "packet %ld was whole, and lost or changed\n", i);
+            std::fprintf(stderr, "whole packet %ld was lost or changed\n", i);
             return 1;
         }
         if (framing && !taken.empty() && taken.back() == body) {
-            std::fprintf(stderr, "packet %ld was taken in spite of a framing error\n", i);
+            std::fprintf(stderr, "packet %ld was accepted despite a framing error\n", i);
             return 1;
         }
-        // One that lost its delimiter alone comes with the next one's.
+        // A packet that lost only its delimiter is delivered with the next one.
         for (const Bytes &one : taken) wrong += one != body && one != before;
         before = body;
     }
-    std::printf("%ld whole packets, none lost; of %ld damaged ones, %ld taken for something else\n", whole, damaged, wrong);
+    std::printf("%ld whole packets, none lost; of %ld damaged ones, %ld accepted as others\n", whole, damaged, wrong);
     return wrong == 0 ? 0 : 1;
 }

@@ -1,30 +1,32 @@
-// The device as a program: a host's UART on its one side, 32 shift registers on its other, and commands on standard input.
+// The simulated device as a program: a host's UART on one side, 32 shift registers on the other, and commands on
+// standard input.
 //
 //     device [DEVICES [CLOCKS [shared]]]
 //
-// With two devices, the second one is switched on so many clocks after the first and has address 1; its `sync_in` is the `sync` of the
-// first, and it has a line from the host of its own, or shares the first one's. Commands that are about a device:
+// With two devices, the second is switched on CLOCKS after the first and has address 1; its `sync_in` is the `sync` of
+// the first, and it has its own line from the host or shares the first one's. Commands for a device:
 //
-//     d u8            the commands that follow are about this device, 0 at first
-//     b f64           its host's baud
-//     u u16, bytes    append to what the host sends it
-//     e u8            its emergency stop is pressed, or not
-//     x u32 u32       it is pressed so many clocks from now, for so many clocks (0: for less than one)
-//     r u32           run so many periods of the first device
+//     d u8            select the device of the next commands, 0 at first
+//     b f64           set its host's baud rate
+//     u u16, bytes    append to the bytes its host sends
+//     e u8            press or release its emergency stop
+//     x u32 u32       press it after a number of clocks, for a number of clocks (0: for less than one)
+//     r u32           run a number of periods of the first device
 //
-// At the end of each device's period a record goes to standard output, all numbers little-endian; and 0xFF after the last one of a run:
+// At the end of each device's period, a record goes to standard output, all numbers little-endian, and 0xFF after the
+// last one of a run:
 //
 //     u8              the device
-//     u8              bit 0: the outputs were on during the whole period; bit 1: or at any time in it; bit 2: it follows a leader; bit 3: its
-//                     `sync` marks the period
-//     u64             the clock with which the period began
-//     u8 u8 u8 u8     1 if a packet went through the gate, and its type, seq and result
-//     u16, bytes      what the host received
-//     256 x u8 u8     rise and width, in levels, of the pulse at each register output; 0 0 without one, 255 as width if what was seen
-//                     is not one pulse
+//     u8              bit 0: the outputs were on during the whole period; bit 1: at any time in it; bit 2: it follows a
+//                     leader; bit 3: its `sync` marks the period
+//     u64             the clock at the beginning of the period
+//     u8 u8 u8 u8     1 if a packet passed the gate, and its type, seq and result
+//     u16, bytes      bytes received by the host
+//     256 x u8 u8     rise and width, in levels, of the pulse at each register output; 0 0 without a pulse, width 255
+//                     for anything but one pulse
 //
-// A device's first record is of the first period after it has woken up. Commands act between two periods of the first device. What stands in memories
-// and registers before the reset is random.
+// A device's first record is of the first period after it has woken up. Commands act between two periods of the first
+// device. Memories and registers are random before the reset.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -123,7 +125,7 @@ private:
     Words shifted{};
 };
 
-// What stood at the outputs at each level of a period.
+// The levels of all outputs during a period.
 class Trace {
 public:
     void level(int at, const Registers::Words &outputs) { seen[at] = outputs; }
@@ -157,7 +159,7 @@ private:
     std::array<Registers::Words, LEVELS> seen{};
 };
 
-// A device with what is around it. The clock is that of the bench.
+// A device with its surroundings. Clocks are those of the bench.
 class Device {
 public:
     Device(uint8_t number, uint64_t begins) : number(number), begins(begins) {
@@ -168,7 +170,7 @@ public:
         device->sync_in = 0;
     }
 
-    // The first half of a clock. Data that were latched at its beginning are those from before what is shifted in its middle.
+    // The first half of a clock. Data latched at its beginning are those from before the shift in its middle.
     void rise(uint64_t clock, bool rxd, bool sync_in) {
         if (clock == begins + 8) device->reset = 0;
         device->rxd = rxd;
@@ -230,11 +232,11 @@ private:
             trace.level(level, registers.outputs);
         }
         // A follower's levels may be longer, and its last one missing.
-        if (!device->follows && latched != (since % CLOCKS_PER_LEVEL == 0)) fail("a level was not latched when its time was");
+        if (!device->follows && latched != (since % CLOCKS_PER_LEVEL == 0)) fail("a level was not latched at its time");
         if (level == 1) marked |= device->sync;
         if (device->sync != (level == 0 || (level == 1 && marked))) fail("sync is not at level 0");
         if (device->applied) {
-            if (applied[0]) fail("two packets went through the gate in one period");
+            if (applied[0]) fail("two packets passed the gate in one period");
             applied = {1, device->applied_type, device->applied_seq, device->applied_result};
         }
     }
@@ -260,7 +262,7 @@ private:
     Trace trace;
     bool latch_before = false, ended = false, recording = false, pressed = false;
     uint64_t press_from = UINT64_MAX / 2, press_to = 0;
-    // Of this period.
+    // Of the current period.
     uint64_t start = 0;
     int level = -1;
     bool always_on = true, ever_on = false, marked = false;
@@ -325,7 +327,7 @@ int main(int count, char **arguments) {
             about = read<uint8_t>();
         } else if (command == 'b') {
             const auto baud = read<double>();
-            if (!(baud >= 1000 && baud <= CLOCK_HZ / 2)) fail("this baud cannot be simulated");
+            if (!(baud >= 1000 && baud <= CLOCK_HZ / 2)) fail("this baud rate cannot be simulated");
             device.host.baud(baud);
         } else if (command == 'u') {
             for (auto bytes = read<uint16_t>(); bytes > 0; --bytes) device.host.send(read<uint8_t>());

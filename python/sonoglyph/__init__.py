@@ -6,8 +6,8 @@
     solution = scene.solve()
     pressure = solution.field("rms", (512, 512))    # Pa, float32, shape (512, 512), row 0 at the smallest y
 
-All values are in SI units: metres, seconds, hertz, pascals, radians. Long computations release the GIL, respond to Ctrl-C and report
-their progress (0 to 1) to a function given as `progress`.
+All values are in SI units: metres, seconds, hertz, pascals, radians. Long computations release the GIL, respond to
+Ctrl-C and report their progress (0 to 1) to a function given as `progress`.
 """
 
 from ._native import FieldError, GpuError, Map, Motion, Scene, SceneError, Solution, evaluators

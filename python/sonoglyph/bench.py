@@ -20,8 +20,9 @@ def bench(
 ) -> list[dict[str, Any]]:
     """Times a solve and maps of new drives, and measures their error against the f64 reference.
 
-    Returns a list of dictionaries: `work`, `evaluator`, `size`, `seconds` (median) and `error` (largest, relative to the peak, for a
-    map of 128 x 128 pixels with the same evaluator and tolerance; None for the solve). `scene` is five points on a plane by default.
+    Returns a list of dictionaries: `work`, `evaluator`, `size`, `seconds` (median) and `error` (largest, relative to
+    the peak, for a map of 128 x 128 pixels with the same evaluator and tolerance; None for the solve). `scene` is five
+    points on a plane by default.
     """
     if scene is None:
         places = [(0.03 * x, 0.03 * y, 0.1) for x, y in ((0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1))]

@@ -21,9 +21,9 @@ pub fn quantity(name: &str) -> PyResult<Quantity> {
 }
 
 fn colours(name: &str) -> PyResult<ColourMap> {
-    let known = |map: &ColourMap| map.name() == name;
+    let known = |map: &ColourMap| map.into_str() == name;
     ColourMap::OF_AMOUNTS.into_iter().find(known).ok_or_else(|| {
-        let names: Vec<_> = ColourMap::OF_AMOUNTS.iter().map(|map| map.name()).collect();
+        let names: Vec<_> = ColourMap::OF_AMOUNTS.iter().map(|map| map.into_str()).collect();
         PyValueError::new_err(format!("colours = {name:?}: must be one of {}", names.join(", ")))
     })
 }

@@ -25,6 +25,7 @@ use sonoglyph::gauge::Gauge;
 use sonoglyph::scene::{self, Method, file, motion};
 use sonoglyph::solver::{self, frames};
 use sonoglyph::studio::{opening, output, probe, reach, space};
+use strum::VariantNames;
 
 use crate::map::{self, Map};
 use crate::motion::Motion;
@@ -238,10 +239,9 @@ impl Scene {
     ) -> PyResult<Solution> {
         let mut scene = Arc::clone(&slf.get().scene);
         if let Some(name) = method {
-            let known = Method::ALL.into_iter().find(|method| method.name() == name);
-            Arc::make_mut(&mut scene).solver.method = known.ok_or_else(|| {
-                let names: Vec<_> = Method::ALL.iter().map(|method| method.name()).collect();
-                PyValueError::new_err(format!("method = {name:?}: must be one of {}", names.join(", ")))
+            Arc::make_mut(&mut scene).solver.method = name.parse().map_err(|_| {
+                let names = Method::VARIANTS.join(", ");
+                PyValueError::new_err(format!("method = {name:?}: must be one of {names}"))
             })?;
         }
         if let Some(search) = search {

@@ -105,7 +105,7 @@ impl Solution {
     /// The method's name.
     #[getter]
     fn method(&self) -> &'static str {
-        self.solution.method.name()
+        self.solution.method.into_str()
     }
 
     #[getter]
@@ -167,7 +167,7 @@ impl Solution {
         };
         format!(
             "<sonoglyph.Solution by {}: {} foci, mean {:.0} Pa, least {:.0} Pa (peak), {} elements, {:.1} ms{warnings}>",
-            self.solution.method.name(),
+            self.solution.method.into_str(),
             self.solution.foci.len(),
             quality.mean_pressure,
             quality.min_pressure,

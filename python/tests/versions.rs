@@ -1,4 +1,4 @@
-//! What is said in several files about the package is said alike.
+//! The package's version, Rust and Python are the same in all files.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ fn value(text: &str, key: &str) -> String {
 }
 
 #[test]
-fn package_and_program_have_one_version_one_rust_and_one_python() {
+fn package_and_program_share_their_versions() {
     let python = Path::new(env!("CARGO_MANIFEST_DIR"));
     let read = |path: &str| fs::read_to_string(python.join(path)).unwrap();
     let (package, program, project) = (read("Cargo.toml"), read("../Cargo.toml"), read("pyproject.toml"));

@@ -17,7 +17,7 @@ use crate::scene::ElementModel;
 /// behind the array counts as in front, to be robust against rounding.
 pub const NEAREST: f64 = 1e-5;
 /// m. Smaller disks are treated as points: no point is close enough to tell the difference.
-pub const SMALLEST_DISK: f64 = 1e-9;
+const SMALLEST_DISK: f64 = 1e-9;
 /// Relative error of the exact piston's integral requested from [`piston_nodes`] in f64.
 const PISTON_ERROR: f64 = 1e-14;
 /// Number of midpoint nodes beyond which panels need fewer.
@@ -42,19 +42,42 @@ pub struct Element {
     pub attenuation: f64,
 }
 
+/// The form of an element's wave, which every evaluator implements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Radiator {
+    /// A point source, the same in all directions.
+    Monopole,
+    /// The far field of a baffled disk with this radius, m.
+    Piston(f64),
+    /// The near and far field of such a disk.
+    Disk(f64),
+}
+
 impl Element {
+    pub fn radiator(&self) -> Radiator {
+        match self.model {
+            ElementModel::Point => Radiator::Monopole,
+            ElementModel::Piston => Radiator::Piston(self.radius),
+            ElementModel::ExactPiston if self.radius < SMALLEST_DISK => Radiator::Monopole,
+            ElementModel::ExactPiston => Radiator::Disk(self.radius),
+        }
+    }
+
     /// Complex pressure (Pa, peak) at `offset` (m) from the element's centre, driven fully and with phase 0.
     pub fn transfer(&self, offset: DVec3) -> Complex64 {
         if offset.z < -NEAREST {
             return Complex64::ZERO;
         }
-        let is_disk = self.model == ElementModel::ExactPiston && self.radius >= SMALLEST_DISK;
-        let (rho, z) = (offset.truncate().length(), offset.z.max(if is_disk { 0.0 } else { NEAREST }));
+        let lowest = match self.radiator() {
+            Radiator::Monopole | Radiator::Piston(_) => NEAREST,
+            Radiator::Disk(_) => 0.0,
+        };
+        let (rho, z) = (offset.truncate().length(), offset.z.max(lowest));
         let r = rho.hypot(z);
-        let wave = match self.model {
-            ElementModel::ExactPiston if is_disk => self.exact_piston(rho, z),
-            ElementModel::Point | ElementModel::ExactPiston => spherical(self.wavenumber, r),
-            ElementModel::Piston => spherical(self.wavenumber, r) * self.directivity(rho / r),
+        let wave = match self.radiator() {
+            Radiator::Monopole => spherical(self.wavenumber, r),
+            Radiator::Piston(_) => spherical(self.wavenumber, r) * self.directivity(rho / r),
+            Radiator::Disk(radius) => self.disk(radius, rho, z),
         };
         wave * self.strength * (-self.attenuation * r).exp()
     }
@@ -67,21 +90,19 @@ impl Element {
 
     /// D = 2 J1(x)/x with x = ka sinθ.
     pub fn directivity(&self, sin: f64) -> f64 {
-        match self.model {
-            ElementModel::Point => 1.0,
-            ElementModel::Piston | ElementModel::ExactPiston => {
-                directivity(self.wavenumber * self.radius * sin)
-            }
+        match self.radiator() {
+            Radiator::Monopole => 1.0,
+            Radiator::Piston(radius) | Radiator::Disk(radius) => directivity(self.wavenumber * radius * sin),
         }
     }
 
-    /// The baffled piston by McGough's single integral (JASA 115:1942, 2004), per unit strength and without
+    /// A baffled disk of radius `a` by McGough's single integral (JASA 115:1942, 2004), per unit strength and without
     /// absorption, at distance `rho` from the axis and `z` from the plane.
     ///
     /// The difference of exponentials over the squared distance to the rim is written as a sinc, which removes the
     /// removable singularity of the textbook form.
-    fn exact_piston(&self, rho: f64, z: f64) -> Complex64 {
-        let (a, k) = (self.radius, self.wavenumber);
+    fn disk(&self, a: f64, rho: f64, z: f64) -> Complex64 {
+        let k = self.wavenumber;
         let integrand = |psi: f64| {
             let sin_half2 = (psi / 2.0).sin().powi(2);
             let rim_squared = (rho - a).powi(2) + 4.0 * a * rho * sin_half2;

@@ -9,10 +9,9 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::derivatives::{COUNT, Derivatives, PAIRS, SECOND, TRIPLES};
-use crate::acoustics::element::{NEAREST, SMALLEST_DISK};
+use crate::acoustics::element::{NEAREST, Radiator};
 use crate::acoustics::row::{COSINE, LANES, ROUNDER, SINE, horner};
 use crate::acoustics::{Aperture, Element, bessel, disk};
-use crate::scene::ElementModel;
 use crate::simd::{Instructions, Isa, Kernel, lanes, total};
 
 type Lanes = [f64; LANES];
@@ -146,19 +145,18 @@ impl Emitters {
     }
 
     fn up_to<const ORDER: usize>(&self, point: DVec3) -> Derivatives {
-        let Element { model, wavenumber, radius, attenuation, .. } = self.element;
-        let half_ka = wavenumber * radius / 2.0;
+        let Element { wavenumber, attenuation, .. } = self.element;
         let sum = |pattern| Isa::best().run(Sum::<ORDER> { emitters: self, point, pattern, attenuation });
-        match model {
-            ElementModel::ExactPiston if radius >= SMALLEST_DISK => self.disks::<ORDER>(point),
-            ElementModel::Point | ElementModel::ExactPiston => sum(Pattern::Even),
-            ElementModel::Piston => sum(Pattern::Piston { ka2: 4.0 * half_ka * half_ka }),
+        match self.element.radiator() {
+            Radiator::Monopole => sum(Pattern::Even),
+            Radiator::Piston(radius) => sum(Pattern::Piston { ka2: (wavenumber * radius).powi(2) }),
+            Radiator::Disk(radius) => self.disks::<ORDER>(radius, point),
         }
     }
 
     /// Of exact pistons: each a sum of points on its disk, and absorption that counts from its centre.
-    fn disks<const ORDER: usize>(&self, point: DVec3) -> Derivatives {
-        let Element { radius, wavenumber, attenuation, .. } = self.element;
+    fn disks<const ORDER: usize>(&self, radius: f64, point: DVec3) -> Derivatives {
+        let Element { wavenumber, attenuation, .. } = self.element;
         let mut sum = Derivatives::default();
         let at = |values: &[Vec<f64>; 3], n: usize| DVec3::from_array([0, 1, 2].map(|axis| values[axis][n]));
         for n in 0..self.places[0].len() {

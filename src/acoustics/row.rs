@@ -6,9 +6,8 @@ use std::ops::Range;
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::acoustics::element::NEAREST;
+use crate::acoustics::element::{NEAREST, Radiator};
 use crate::acoustics::{Aperture, Element, Face, Transfer};
-use crate::scene::ElementModel;
 use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
 
 /// Elements processed together.
@@ -93,9 +92,9 @@ impl<'a> Elements<'a> {
         let normals = (!layout.is_flat()).then(|| [0, 1, 2].map(|axis| padded(&|n| layout.normals[n][axis])));
         let distances = driven.iter().map(|&n| layout.positions[n - board.first].length());
         let reach = distances.fold(0.0, f64::max);
-        let half_ka = match element.model {
-            ElementModel::Point => 0.0,
-            ElementModel::Piston | ElementModel::ExactPiston => element.wavenumber * element.radius / 2.0,
+        let half_ka = match element.radiator() {
+            Radiator::Monopole => 0.0,
+            Radiator::Piston(radius) | Radiator::Disk(radius) => element.wavenumber * radius / 2.0,
         };
         let directivity = directivity(half_ka * half_ka, if half_ka <= FEW { FEW_TERMS } else { MANY_TERMS });
         let half_turns_per_metre = over_pi(element.wavenumber);
@@ -119,7 +118,11 @@ impl<'a> Elements<'a> {
     /// Writes real and imaginary parts of the transfer to a point of the board's coordinates, one per element.
     pub fn fill(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
         let (element, half_ka) = (self.element, self.half_ka);
-        let is_series = element.model != ElementModel::ExactPiston
+        let has_series = match element.radiator() {
+            Radiator::Monopole | Radiator::Piston(_) => true,
+            Radiator::Disk(_) => false,
+        };
+        let is_series = has_series
             && half_ka <= MANY
             && element.attenuation * self.reach <= MOST_DECAY
             && (point.z >= -NEAREST || self.normals.is_some());
@@ -338,7 +341,7 @@ fn shifted_chebyshev(degree: usize) -> [f64; TAYLOR_TERMS] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::{ElementModel, Scene};
 
     #[test]
     fn rows_are_the_single_transfers() {

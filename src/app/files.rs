@@ -33,6 +33,9 @@ const SHEET_WIDTH: usize = 1600;
 pub(super) enum Outcome {
     /// The answer of the desktop's file dialog; `Err` with the current text if there is no dialog or no choice.
     Chosen(Purpose, Result<PathBuf, String>),
+    /// A dropped file, with the browser's reason.
+    #[cfg(target_arch = "wasm32")]
+    Unreadable(String),
     Listed(Folder),
     Read(PathBuf, anyhow::Result<Drawing>),
     Heard(Result<Wave, String>),
@@ -156,7 +159,13 @@ impl Window {
             let bytes = file.bytes_async().await?;
             Ok(page::take(file.path(), bytes))
         };
-        match Errand::wait(ctx, async move { Outcome::Chosen(purpose, read.await) }) {
+        let outcome = async move {
+            match read.await {
+                Ok(path) => Outcome::Chosen(purpose, Ok(path)),
+                Err(reason) => Outcome::Unreadable(reason),
+            }
+        };
+        match Errand::wait(ctx, outcome) {
             Ok(errand) => self.errands.push(errand),
             Err(error) => self.refuse("The file cannot be read", &error.into()),
         }
@@ -176,8 +185,12 @@ impl Window {
         let own = || self.editor.document.path().and_then(Path::parent).map(Path::to_owned);
         let last = || self.shown.folder.as_ref().map(|folder| folder.path.clone());
         let recent = || self.shown.recent.first().and_then(|path| path.parent()).map(Path::to_owned);
-        let folder =
-            folder.or_else(last).or_else(own).or_else(folders::here).or_else(recent).or_else(folders::home);
+        let folder = folder
+            .or_else(last)
+            .or_else(own)
+            .or_else(folders::here)
+            .or_else(recent)
+            .or_else(std::env::home_dir);
         self.send(ctx, move |_| Outcome::Listed(folders::list(&folder.unwrap_or_default())));
     }
 
@@ -296,6 +309,8 @@ impl Window {
                 self.editor.asking.problem = Some((text.clone(), why));
                 self.editor.dialog = Some(Dialog::Path { purpose, text });
             }
+            #[cfg(target_arch = "wasm32")]
+            Outcome::Unreadable(reason) => self.refuse("The file cannot be read", &anyhow!(reason)),
             Outcome::Listed(folder) => self.shown.folder = Some(folder),
             Outcome::Read(path, Ok(drawing)) => {
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();

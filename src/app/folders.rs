@@ -1,5 +1,6 @@
 //! Folder listings for the file dialog, and the interpretation of typed paths.
 
+use std::env::home_dir;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -14,15 +15,9 @@ pub(super) fn here() -> Option<PathBuf> {
     if cfg!(target_arch = "wasm32") { Some(PathBuf::from("/")) } else { std::env::current_dir().ok() }
 }
 
-/// The user's own folder.
-pub(super) fn home() -> Option<PathBuf> {
-    let set = |name| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-    set("HOME").or_else(|| set("USERPROFILE"))
-}
-
 /// A typed path: `~` is the user's folder, and relative paths start in `folder`.
 pub(super) fn meant(text: &str, folder: Option<&Path>) -> PathBuf {
-    let path = match (text.strip_prefix('~'), home()) {
+    let path = match (text.strip_prefix('~'), home_dir()) {
         (Some(""), Some(home)) => home,
         (Some(rest), Some(home)) if rest.starts_with(['/', std::path::MAIN_SEPARATOR]) => {
             home.join(&rest[1..])
@@ -36,13 +31,13 @@ pub(super) fn meant(text: &str, folder: Option<&Path>) -> PathBuf {
 pub(super) fn list(folder: &Path) -> Folder {
     let path = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
     let problem = match entries(&path) {
-        Ok(entries) => return Folder { path, home: home(), entries, problem: None },
+        Ok(entries) => return Folder { path, home: home_dir(), entries, problem: None },
         Err(error) if error.kind() == ErrorKind::NotFound => format!("{}: no such folder", path.display()),
         Err(error) => format!("{}: {error}", path.display()),
     };
     match path.parent() {
         Some(above) => Folder { problem: Some(problem), ..list(above) },
-        None => Folder { path, home: home(), entries: Vec::new(), problem: Some(problem) },
+        None => Folder { path, home: home_dir(), entries: Vec::new(), problem: Some(problem) },
     }
 }
 
@@ -91,7 +86,7 @@ mod tests {
         let folder = Path::new("/scenes");
         assert_eq!(meant("a.toml", Some(folder)), Path::new("/scenes/a.toml"));
         assert_eq!(meant("/b.toml", Some(folder)), Path::new("/b.toml"));
-        let home = home().expect("tests have a home");
+        let home = home_dir().expect("tests have a home");
         assert_eq!(meant("~", Some(folder)), home);
         assert_eq!(meant("~/c.toml", None), home.join("c.toml"));
         assert_eq!(meant("~c", None), Path::new("~c"));

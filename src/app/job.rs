@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use strum::VariantArray;
 
 use crate::app::posing::{self, Solved};
 use crate::scene::{Method, Scene};
@@ -44,11 +45,11 @@ impl Job for CompareMethods {
     type Made = Vec<MethodRow>;
 
     fn make(scene: &Scene) -> Vec<MethodRow> {
-        let row = |method| {
+        let row = |&method: &Method| {
             let mut scene = scene.clone();
             scene.solver.method = method;
             MethodRow { method, solution: posing::solve(&scene) }
         };
-        Method::ALL.map(row).to_vec()
+        Method::VARIANTS.iter().map(row).collect()
     }
 }

@@ -105,7 +105,7 @@ impl Default for Settings {
             theme: THEMES[0].1.to_owned(),
             scale: 1.0,
             hints: true,
-            panel: Panel::Scene.name().to_owned(),
+            panel: Panel::Scene.into_str().to_owned(),
             panel_width: 352.0,
             section_height: 210.0,
             section: false,
@@ -118,7 +118,7 @@ impl Default for Settings {
             contours: false,
             contour_level: -6.0,
             shaded: false,
-            colours: ColourMap::default().name().to_owned(),
+            colours: ColourMap::default().into_str().to_owned(),
             decibels: false,
             floor: FLOOR.into(),
             fades: false,
@@ -149,7 +149,7 @@ impl Settings {
             theme: name(&THEMES, &ctx.options(|options| options.theme_preference)),
             hints: editor.hints,
             scale: (ctx.zoom_factor() / presented * 100.0).round() / 100.0,
-            panel: editor.panel.name().to_owned(),
+            panel: editor.panel.into_str().to_owned(),
             panel_width: editor.layout.panel.round(),
             section_height: editor.layout.section.round(),
             section: view.section,
@@ -162,7 +162,7 @@ impl Settings {
             contours: view.contours,
             contour_level: view.contour_level,
             shaded: view.shaded,
-            colours: view.colours.name().to_owned(),
+            colours: view.colours.into_str().to_owned(),
             decibels: view.scale == Scale::Logarithmic,
             floor: view.floor,
             fades: view.fades,
@@ -183,8 +183,7 @@ impl Settings {
         ctx.set_theme(value(&THEMES, &self.theme).unwrap_or(THEMES[0].0));
         action::scale(ctx, self.scale);
         editor.hints = self.hints;
-        editor.panel =
-            Panel::ALL.into_iter().find(|panel| panel.name() == self.panel).unwrap_or(editor.panel);
+        editor.panel = self.panel.parse().unwrap_or(editor.panel);
         editor.layout.panel = self.panel_width;
         editor.layout.section = self.section_height;
         (editor.grid, editor.snaps) = (self.grid, self.snaps);
@@ -203,7 +202,7 @@ impl Settings {
         (view.contours, view.shaded) = (self.contours, self.shaded);
         view.scale = if self.decibels { Scale::Logarithmic } else { Scale::Linear };
         view.convention = if self.peak { Convention::Peak } else { Convention::Rms };
-        let named = ColourMap::OF_AMOUNTS.into_iter().find(|map| map.name() == self.colours);
+        let named = ColourMap::OF_AMOUNTS.into_iter().find(|map| map.into_str() == self.colours);
         view.colours = named.unwrap_or(view.colours);
     }
 

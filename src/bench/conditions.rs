@@ -1,11 +1,11 @@
-//! What a measurement depends on: the machine, and the program.
+//! Conditions of a measurement: the machine and the build, as JSON for a report.
 
 use serde_json::{Value, json};
 
 use crate::field::gpu::adapter;
 use crate::simd::Isa;
 
-/// Of this run, under the keys that a report begins with.
+/// The conditions of this run.
 pub fn json() -> Value {
     json!({
         "machine": {
@@ -18,13 +18,13 @@ pub fn json() -> Value {
         },
         "version": env!("CARGO_PKG_VERSION"),
         "compiler": option_env!("SONOGLYPH_RUSTC"),
-        // Times of a build for debugging mean nothing.
+        // Times of development builds are meaningless.
         "optimised": !cfg!(debug_assertions),
         "command": std::env::args().skip(1).fold("sonoglyph".to_owned(), |command, word| command + " " + &word),
     })
 }
 
-/// As the system calls it, where it does.
+/// The processor's name in Linux.
 fn processor() -> Option<String> {
     let known = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let model = known.lines().find_map(|line| line.strip_prefix("model name"))?;

@@ -1,4 +1,4 @@
-//! Drawings that solvers of shapes are measured on: letters, polygons and curves on the plane z = 0.1 m.
+//! Shapes for measurements of solvers: letters, polygons and curves on the plane z = 0.1 m.
 
 use std::f64::consts::TAU;
 
@@ -6,15 +6,15 @@ use glam::DVec3;
 
 use crate::scene::{Sampling, Scene, Shape, Target};
 
-/// A drawing in front of the default array.
+/// A shape in front of the default array.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing {
     pub name: &'static str,
-    /// With its middle there, m.
+    /// By the position of its centre, m.
     shape: fn(DVec3) -> Shape,
 }
 
-/// Those of a short run first.
+/// A short run takes the first ones.
 pub const DRAWINGS: [Drawing; 11] = [
     Drawing { name: "A", shape: |at| letters("A", at) },
     Drawing { name: "HIT", shape: |at| letters("HIT", at) },
@@ -33,7 +33,7 @@ pub const DRAWINGS: [Drawing; 11] = [
 ];
 
 impl Drawing {
-    /// The drawing alone, `moved` (m) along x.
+    /// A scene with this shape alone, `moved` (m) along x.
     pub fn scene(&self, moved: f64, sampling: Sampling) -> Scene {
         let at = DVec3::new(moved, 0.0, 0.1);
         let target = Target { sampling, ..Target::new((self.shape)(at)) };
@@ -45,13 +45,11 @@ fn letters(text: &str, at: DVec3) -> Shape {
     Shape::Text { text: text.to_owned(), at, height: 0.045 }
 }
 
-/// Five points, the first upwards.
 fn star(at: DVec3) -> Shape {
     let vertex = |i: usize| at + polar([0.022, 0.01][i % 2], i as f64 / 10.0);
     Shape::Path { vertices: (0..10).map(vertex).collect(), closed: true }
 }
 
-/// One and a half turns, 10 mm apart.
 fn spiral(at: DVec3) -> Shape {
     let vertex = |i: u32| {
         let part = f64::from(i) / 60.0;
@@ -60,7 +58,6 @@ fn spiral(at: DVec3) -> Shape {
     Shape::Path { vertices: (0..=60).map(vertex).collect(), closed: false }
 }
 
-/// Harmonics of x and y, 38 mm wide.
 fn heart(at: DVec3) -> Shape {
     let vertex = |i: u32| {
         let t = TAU * f64::from(i) / 64.0;
@@ -70,7 +67,7 @@ fn heart(at: DVec3) -> Shape {
     Shape::Path { vertices: (0..64).map(vertex).collect(), closed: true }
 }
 
-/// `turns` clockwise from y.
+/// `turns` clockwise from the y axis.
 fn polar(radius: f64, turns: f64) -> DVec3 {
     let (sin, cos) = (TAU * turns).sin_cos();
     DVec3::new(radius * sin, radius * cos, 0.0)

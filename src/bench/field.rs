@@ -1,4 +1,4 @@
-//! `sonoglyph bench field`: maps by every evaluator within several tolerances.
+//! `sonoglyph bench field`: time and error of maps, by evaluator and tolerance.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -18,14 +18,14 @@ use crate::picture::chart::{Chart, Level, Series};
 use crate::scene::{Plane, Scene};
 use crate::studio::output::note;
 
-/// 0 evaluates every pixel: what the others are measured against.
+/// 0 evaluates every pixel, the baseline of the others.
 const TOLERANCES: [f64; 4] = [0.0, 1e-2, 1e-3, 1e-5];
-/// Pixels along a side of the maps: as many as `sonoglyph render` draws where nothing else is asked for.
+/// Pixels along a side of the maps: the default of `sonoglyph render`.
 const SIZE: usize = 512;
-/// Pixels at which the error is measured.
+/// Pixels compared with the reference.
 const CHECKED: usize = 500;
 
-/// Maps that differ in their tolerance alone, the exact one first; they take turns.
+/// Maps that differ in tolerance only, the exact one first; their measurements alternate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Group {
     /// `reference`, `cpu` or `gpu`.
@@ -51,9 +51,9 @@ pub struct Record {
     pub new_drive: Times,
     error: f64,
     evaluated: usize,
-    /// ms on the GPU, median.
+    /// Median on the GPU, ms.
     gpu_ms: Option<f64>,
-    /// CPU time of the exact map over this one's, for a new drive and for a new plane.
+    /// CPU time of the exact map over that of this one, for a new drive and for a new plane.
     ratios: Option<[Spread; 2]>,
 }
 
@@ -70,7 +70,7 @@ pub fn run() -> anyhow::Result<Report> {
     Ok(report(&records, vec![("field-error".to_owned(), by_error(&records, SIZE))]))
 }
 
-/// Those that this machine has.
+/// The evaluators of this machine.
 pub fn evaluators() -> Vec<&'static str> {
     let mut all = vec!["reference", "cpu"];
     match adapter::open_best(true) {
@@ -78,7 +78,7 @@ pub fn evaluators() -> Vec<&'static str> {
             note(&format!("the GPU evaluator runs on {}", gpu.info()));
             all.push("gpu");
         }
-        Err(error) => note(&format!("{error}; the CPU evaluators alone are measured")),
+        Err(error) => note(&format!("{error}; only CPU evaluators are measured")),
     }
     all
 }
@@ -86,19 +86,19 @@ pub fn evaluators() -> Vec<&'static str> {
 pub fn report(records: &[Record], charts: Vec<(String, Chart)>) -> Report {
     Report {
         header: vec![
-            "evaluator", "plane", "elements", "pixels", "tolerance", "cold", "new plane", "new drive", "error", "samples",
-            "GPU ms", "drive x", "quartiles", "plane x",
+            "evaluator", "plane", "elements", "pixels", "tolerance", "cold", "new plane", "new drive", "error",
+            "samples", "GPU ms", "drive speed", "quartiles", "plane speed",
         ],
         rows: records.iter().map(row).collect(),
         notes: vec![
-            "CPU-ms (wall ms) of the whole process, medians. cold: nothing kept; new plane, new drive: up to the pixels' \
-             values and their measured error, on a GPU up to its texture and that error. GPU ms: what the passes of a map took \
-             there, by its own clock."
+            "cold, new plane, new drive: median CPU-ms (wall ms) of the process for a map without cached stages, after \
+             a change of the plane, and after a change of the drive, up to values and measured error; on a GPU up to \
+             texture and error. GPU ms: duration of the map's passes, by GPU timestamps."
                 .to_owned(),
-            format!("error: the largest of {CHECKED} pixels against f64, of the map's peak."),
+            format!("error: largest deviation from f64 at {CHECKED} pixels, relative to the map's peak."),
             format!(
-                "drive x, plane x: how many times the CPU time of the exact map, for a new drive (with quartiles) and a new \
-                 plane; medians over {ROUNDS} rounds in which the maps take turns."
+                "drive speed, plane speed: CPU time of the exact map over that of this one, for a new drive (with \
+                 quartiles) and a new plane; medians over {ROUNDS} rounds in which the maps alternate."
             ),
         ],
         charts,
@@ -126,7 +126,7 @@ fn scene(group: &Group, tolerance: f64) -> Scene {
     scene
 }
 
-/// A focus on the plane, a little away from its centre.
+/// A focus on the plane, off its centre.
 fn drive(aperture: &Aperture, shift: f64) -> Drive {
     let focus = DVec3::new(0.02 + shift, -0.01, 0.1);
     let phase = |position: &DVec3| aperture.element.wavenumber * focus.distance(*position);
@@ -134,7 +134,7 @@ fn drive(aperture: &Aperture, shift: f64) -> Drive {
     Drive { amplitudes: vec![1.0; phases.len()], phases }
 }
 
-/// One map of a group, with what it keeps between its rounds.
+/// One map of a group, with its state between the rounds.
 struct Case {
     tolerance: f64,
     scene: Scene,
@@ -145,7 +145,7 @@ struct Case {
     cold: Times,
     new_plane: Times,
     new_drive: Times,
-    /// s of every map, where the GPU can be timed.
+    /// s of every map, if the GPU has timestamps.
     on_gpu: Vec<f64>,
 }
 
@@ -171,7 +171,7 @@ pub fn measure(group: &Group) -> Result<Vec<Record>, FieldError> {
     cases.into_iter().map(|case| case.record(group, exact.as_ref())).collect()
 }
 
-/// The reference is slow, keeps nothing and takes turns with nothing: one run of it tells all.
+/// The reference is slow and caches nothing: a single run serves for all times.
 fn reference(group: &Group) -> Result<Record, FieldError> {
     let mut case = Case::unmeasured(group, 0.0)?;
     let (spent, done) = Spent::once(|| case.map(0));
@@ -183,7 +183,7 @@ fn reference(group: &Group) -> Result<Record, FieldError> {
 }
 
 impl Case {
-    /// Opening a device and compiling its programs is no part of a map, so one is made first.
+    /// The first map opens the device and compiles its programs, outside the measurement.
     fn new(group: &Group, tolerance: f64) -> Result<Self, FieldError> {
         let mut case = Self::unmeasured(group, tolerance)?;
         case.map(0)?;
@@ -213,7 +213,7 @@ impl Case {
         Request { plane: self.plane.clone(), ..request }
     }
 
-    /// On a GPU up to the picture that a window would draw, and the figures of it.
+    /// On a GPU: up to the window's texture and the map's figures.
     fn map(&mut self, drive: usize) -> Result<(), FieldError> {
         let request = self.request(drive);
         if self.stages.gpu().is_none() {
@@ -250,7 +250,7 @@ impl Case {
         Ok(())
     }
 
-    /// `exact`: what a new drive and a new plane cost where every pixel is evaluated.
+    /// `exact` has the times of the exact map for a new drive and a new plane.
     fn record(mut self, group: &Group, exact: Option<&(Times, Times)>) -> Result<Record, FieldError> {
         let request = self.request(0);
         let map = self.stages.map(&request)?;
@@ -288,7 +288,7 @@ pub fn tolerance_name(tolerance: f64) -> String {
     if tolerance == 0.0 { "exact".to_owned() } else { format!("{tolerance:.0e}") }
 }
 
-/// A series per evaluator, a point per tolerance, from the finest to the coarsest: samples may be nearer than every pixel in f32.
+/// A series per evaluator in order of the tolerance, since errors need not grow with it.
 pub fn by_error(records: &[Record], size: usize) -> Chart {
     let of = |evaluator: &str| {
         let is_chosen = |record: &&Record| {
@@ -302,13 +302,13 @@ pub fn by_error(records: &[Record], size: usize) -> Chart {
         name: evaluator.to_owned(),
         points: of(evaluator).iter().map(|record| (record.error, record.new_drive.cpu_ms())).collect(),
     };
-    // The f64 reference has no error to be drawn at.
+    // The f64 reference has no error.
     let level = |record: &Record| Level { name: "f64 reference".to_owned(), y: record.new_drive.cpu_ms() };
     Chart {
         title: format!(
             "Time against error: 256 elements, {size} x {size} pixels, plane parallel to the array"
         ),
-        x_label: "error, of the peak".to_owned(),
+        x_label: "error relative to the peak".to_owned(),
         y_label: "CPU-ms for a new drive".to_owned(),
         series: ["cpu", "gpu"].map(series).into(),
         levels: of("reference").into_iter().map(level).collect(),
@@ -360,7 +360,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn maps_keep_their_tolerance_and_stand_beside_the_exact_one() {
+    fn maps_keep_their_tolerance_and_are_compared_with_the_exact_one() {
         let tolerances = vec![0.0, 1e-3];
         let group = Group { evaluator: "cpu", size: 256, array: 16, plane: "tilted", tolerances };
         let records = measure(&group).unwrap();

@@ -1,4 +1,4 @@
-//! Sets of foci that solvers are measured on.
+//! Sets of foci for measurements of solvers: helices, random sets, and a disc.
 
 use std::f64::consts::TAU;
 
@@ -6,10 +6,10 @@ use glam::DVec3;
 
 use crate::scene::Focus;
 
-/// m, of rings and helices.
+/// Radius of helices, m.
 pub const RADIUS: f64 = 0.03;
 
-/// A ring at z = 0.15 m, or a turn of a helix that rises by `rise` (m) about it.
+/// One turn of a helix of height `rise` (m) about z = 0.15 m; a ring if that is 0.
 pub fn helix(count: usize, rise: f64) -> Vec<Focus> {
     let focus = |i: usize| {
         let part = i as f64 / count as f64;
@@ -20,7 +20,7 @@ pub fn helix(count: usize, rise: f64) -> Vec<Focus> {
     (0..count).map(focus).collect()
 }
 
-/// Foci in a square of 10 cm at z = 0.1 m, or up to `depth` (m) above it, no two nearer than a wavelength.
+/// Random foci in a square of 10 cm, from z = 0.1 m to `depth` (m) above, at least a wavelength apart.
 pub fn random(count: usize, depth: f64, seed: u64) -> Vec<Focus> {
     // SplitMix64 (Steele, Lea and Flood, 2014).
     let mut state = seed.wrapping_mul(0x1234_5678_9abc_def1);
@@ -41,7 +41,7 @@ pub fn random(count: usize, depth: f64, seed: u64) -> Vec<Focus> {
     foci
 }
 
-/// Evenly over a disc of 5 cm at z = 0.1 m, from its centre outwards: a sunflower's seeds.
+/// Foci spread evenly over a disc of radius 5 cm at z = 0.1 m, along a sunflower spiral.
 pub fn disc(count: usize) -> Vec<Focus> {
     let focus = |i: usize| {
         let (sin, cos) = (2.4 * i as f64).sin_cos();

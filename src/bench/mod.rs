@@ -1,4 +1,4 @@
-//! `sonoglyph bench`: time against error on this machine, beside a baseline in the same run. `benches/report` measures more with it.
+//! `sonoglyph bench`: time against error on this machine, relative to a baseline in the same run.
 
 pub mod conditions;
 pub mod drawings;
@@ -36,30 +36,30 @@ pub struct BenchArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Subject {
-    /// Maps by every evaluator, within several tolerances
+    /// Maps by evaluator and tolerance
     Field,
     /// Solver methods on random sets of foci
     Solve,
-    /// Drives of drawings, beside separate foci
+    /// Shapes as continuous strokes and as separate foci
     Shapes,
-    /// Solver methods on sets of foci that are hard to solve
+    /// Solver methods on ill-conditioned sets of foci
     Stability,
     All,
 }
 
-/// What a benchmark found.
+/// Results of a benchmark.
 #[derive(Debug)]
 pub struct Report {
     pub header: Vec<&'static str>,
     pub rows: Vec<Vec<String>>,
-    /// How to read the rows, a sentence each.
+    /// Explanations of the columns, a paragraph each.
     pub notes: Vec<String>,
     pub records: Vec<Value>,
-    /// File names without extension, and the charts.
+    /// Charts with their file names without extension.
     pub charts: Vec<(String, Chart)>,
 }
 
-/// A subject, its key in the JSON, the names of its charts, and who measures it.
+/// A subject, its key in the JSON, the names of its charts, and its benchmark.
 type Part = (Subject, &'static str, &'static [&'static str], fn() -> anyhow::Result<Report>);
 
 const PARTS: [Part; 4] = [
@@ -69,10 +69,10 @@ const PARTS: [Part; 4] = [
     (Subject::Stability, "stability", &[], || stability::run(false)),
 ];
 
-/// Measures what is asked for, prints it, and writes the JSON and the charts.
+/// Measures the requested subjects, prints the tables, and writes the JSON and the charts.
 ///
 /// # Errors
-/// What cannot be written or measured.
+/// A benchmark that fails, or files that cannot be written.
 pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
     let parts = PARTS.iter().filter(|part| [Subject::All, part.0].contains(&args.subject));
     let mut files = Files::new();
@@ -108,10 +108,10 @@ fn draw(path: &Path, chart: &Chart) -> anyhow::Result<()> {
 }
 
 impl Report {
-    /// On standard output, without columns that nothing stands in.
+    /// Prints the table without empty columns, and the notes.
     ///
     /// # Errors
-    /// Standard output that takes nothing.
+    /// Standard output cannot be written.
     pub fn show(&self) -> anyhow::Result<()> {
         let mut table = Table::new();
         let is_shown = |column: &usize| self.rows.iter().any(|row| row[*column] != "-");
@@ -127,7 +127,7 @@ impl Report {
         self.notes.iter().try_for_each(|line| say!("{line}"))
     }
 
-    /// Whether a column's cells are to stand at the right.
+    /// Whether a column is aligned to the right.
     pub fn holds_numbers(&self, column: usize) -> bool {
         let is_number =
             |cell: &String| cell == "exact" || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-');

@@ -1,4 +1,4 @@
-//! `sonoglyph bench shapes`: drives of drawings as continuous strokes, beside separate foci on the same drawings.
+//! `sonoglyph bench shapes`: time and quality of shapes as continuous strokes and as separate foci.
 
 use serde_json::{Value, json};
 
@@ -11,62 +11,62 @@ use crate::picture::chart::{Chart, Series};
 use crate::scene::{Method, Sampling, Scene, outline};
 use crate::solver::{self, Figures, Problem, SolveError, Surroundings, shape};
 
-/// Drawings that are measured.
+/// Shapes of a short run.
 const COUNT: usize = 3;
-/// Frames of a drag, and how far (m) the drawing moves in each.
+/// Frames of a drag, and the shape's displacement per frame (m).
 const FRAMES: u32 = 10;
 const STRIDE: f64 = 1e-3;
 
-/// How a drive is found.
+/// A way to find the drive of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Work {
-    /// The whole search for strokes.
+enum Approach {
+    /// The full search for strokes.
     Stroke,
-    /// For separate foci so many mm apart.
+    /// Separate foci, with their spacing in mm.
     Foci(u32, Method),
-    /// For strokes that move: going on from the frame before.
+    /// Moving strokes, each frame starting from the previous one.
     Dragged,
 }
 
-const WORKS: [Work; 7] = [
-    Work::Stroke,
-    Work::Foci(10, Method::Best),
-    Work::Foci(6, Method::Best),
-    Work::Foci(4, Method::Best),
+const APPROACHES: [Approach; 7] = [
+    Approach::Stroke,
+    Approach::Foci(10, Method::Best),
+    Approach::Foci(6, Method::Best),
+    Approach::Foci(4, Method::Best),
     BASELINE,
-    Work::Foci(4, Method::Weighted),
-    Work::Dragged,
+    Approach::Foci(4, Method::Weighted),
+    Approach::Dragged,
 ];
-/// Of time.
-const BASELINE: Work = Work::Foci(4, Method::Wgs);
+/// The baseline of time.
+const BASELINE: Approach = Approach::Foci(4, Method::Wgs);
 
-impl Work {
+impl Approach {
     fn name(self) -> String {
         match self {
             Self::Stroke => "stroke".to_owned(),
-            Self::Foci(distance, method) => format!("{}, foci {distance} mm apart", method.name()),
+            Self::Foci(distance, method) => format!("{}, foci {distance} mm apart", method.into_str()),
             Self::Dragged => "stroke, dragged".to_owned(),
         }
     }
 }
 
-/// What a work made of a drawing.
+/// Results of an approach for one shape.
 #[derive(Debug)]
 struct Record {
     drawing: &'static str,
     times: Times,
     figures: Figures,
-    /// Its side lobe over that of a whole search, after a drag.
+    /// After a drag: side lobe over that of a full search.
     to_rest: Option<f64>,
 }
 
-/// What a work made of all drawings.
+/// Results of an approach for all shapes.
 #[derive(Debug)]
 struct Summary {
-    work: Work,
-    /// Mean over the drawings, round by round.
+    approach: Approach,
+    /// Mean over the shapes, round by round.
     times: Times,
-    /// CPU time over the baseline's.
+    /// CPU time relative to the baseline.
     ratio: Spread,
     evenness: Extent,
     side_lobe: Extent,
@@ -75,7 +75,7 @@ struct Summary {
     records: Vec<Record>,
 }
 
-/// Of a figure over the drawings.
+/// Range and mean of a figure over the shapes.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     pub mean: f64,
@@ -98,13 +98,13 @@ impl Extent {
 }
 
 /// # Errors
-/// A drawing that cannot be solved.
+/// A shape that cannot be solved.
 pub fn run() -> anyhow::Result<Report> {
     on(&DRAWINGS[..COUNT])
 }
 
 /// # Errors
-/// A drawing that cannot be solved.
+/// A shape that cannot be solved.
 pub fn on(drawings: &[Drawing]) -> anyhow::Result<Report> {
     let summaries = measure(drawings)?;
     let names: Vec<_> = drawings.iter().map(|drawing| drawing.name).collect();
@@ -112,27 +112,27 @@ pub fn on(drawings: &[Drawing]) -> anyhow::Result<Report> {
         header: vec![
             "drive",
             "CPU ms (wall)",
-            "x",
+            "time ratio",
             "quartiles",
             "evenness (least)",
             "side lobe (most)",
             "strength (least)",
-            "to rest (most)",
+            "drag ratio (most)",
         ],
         rows: summaries.iter().map(row).collect(),
         notes: vec![
             format!(
-                "Means over the drawings, and the worst of them in brackets: {}; 256 elements, plane z = 0.1 m. CPU ms of a whole \
-                 solve, medians of {ROUNDS} rounds. x: CPU time over that of `{}`.",
+                "Means over the shapes {}, in brackets the worst; 256 elements, plane z = 0.1 m. CPU ms of a full \
+                 solve, medians of {ROUNDS} rounds. time ratio: CPU time relative to `{}`.",
                 names.join(", "),
                 BASELINE.name(),
             ),
-            "evenness: least over mean of |p| along the strokes; side lobe: the loudest place beside them over that mean; strength: \
-             mean over that of the strongest drive. Separate foci are judged along the strokes too."
+            "evenness: least over mean of |p| along the strokes; side lobe: largest |p| elsewhere over that mean; \
+             strength: mean over that of the strongest drive. Separate foci are evaluated along the same strokes."
                 .to_owned(),
             format!(
-                "dragged: the drawing moves by {} mm a frame for {FRAMES} frames, each going on from the one before; CPU ms of a \
-                 frame. to rest: the last frame's side lobe over that of a whole search there.",
+                "dragged: the shape moves by {} mm per frame for {FRAMES} frames, each starting from the previous one; \
+                 CPU ms of a frame. drag ratio: side lobe of the last frame over that of a full search there.",
                 STRIDE * 1e3,
             ),
         ],
@@ -141,29 +141,30 @@ pub fn on(drawings: &[Drawing]) -> anyhow::Result<Report> {
     })
 }
 
-/// Works take turns, drawing by drawing.
+/// The approaches alternate, shape by shape.
 fn measure(drawings: &[Drawing]) -> Result<Vec<Summary>, SolveError> {
-    let mut all: Vec<Vec<Record>> = WORKS.map(|_| Vec::new()).into();
+    let mut all: Vec<Vec<Record>> = APPROACHES.map(|_| Vec::new()).into();
     for drawing in drawings {
-        let mut played = Vec::new();
+        let mut rounds = Vec::new();
         for _ in 0..ROUNDS {
-            played.push(WORKS.into_iter().map(|work| play(drawing, work)).collect::<Result<Vec<_>, _>>()?);
+            let round = APPROACHES.into_iter().map(|approach| solve(drawing, approach));
+            rounds.push(round.collect::<Result<Vec<_>, _>>()?);
         }
         for (index, records) in all.iter_mut().enumerate() {
-            let times = played.iter().map(|round| round[index].0).collect();
-            records.push(judged(drawing, WORKS[index], times, &played[0][index].1)?);
+            let times = rounds.iter().map(|round| round[index].0).collect();
+            records.push(record(drawing, APPROACHES[index], times, &rounds[0][index].1)?);
         }
     }
     let mean =
         |records: &[Record]| Times::mean(&records.iter().map(|record| &record.times).collect::<Vec<_>>());
     let baseline =
-        WORKS.iter().position(|&work| work == BASELINE).map_or_else(Times::default, |i| mean(&all[i]));
-    let summary = |(work, records): (Work, Vec<Record>)| {
+        APPROACHES.iter().position(|&one| one == BASELINE).map_or_else(Times::default, |i| mean(&all[i]));
+    let summary = |(approach, records): (Approach, Vec<Record>)| {
         let extent = |of: fn(&Record) -> f64| Extent::of(&records.iter().map(of).collect::<Vec<_>>());
         let times = mean(&records);
         let to_rest: Vec<_> = records.iter().filter_map(|record| record.to_rest).collect();
         Summary {
-            work,
+            approach,
             ratio: times.over(&baseline),
             times,
             evenness: extent(|record| record.figures.evenness),
@@ -173,25 +174,25 @@ fn measure(drawings: &[Drawing]) -> Result<Vec<Summary>, SolveError> {
             records,
         }
     };
-    Ok(WORKS.into_iter().zip(all).map(summary).collect())
+    Ok(APPROACHES.into_iter().zip(all).map(summary).collect())
 }
 
-/// What it takes to find a drive, of a drag per frame, and the drive.
-fn play(drawing: &Drawing, work: Work) -> Result<(Spent, Drive), SolveError> {
-    let scene = match work {
-        Work::Stroke => drawing.scene(0.0, Sampling::Continuous),
-        Work::Foci(distance, method) => {
+/// Finds a drive, with its time; the time of a drag is that of a frame.
+fn solve(drawing: &Drawing, approach: Approach) -> Result<(Spent, Drive), SolveError> {
+    let scene = match approach {
+        Approach::Stroke => drawing.scene(0.0, Sampling::Continuous),
+        Approach::Foci(distance, method) => {
             let mut scene = drawing.scene(0.0, Sampling::Spacing(f64::from(distance) * 1e-3));
             scene.solver.method = method;
             scene
         }
-        Work::Dragged => return drag(drawing),
+        Approach::Dragged => return drag(drawing),
     };
     let (spent, solution) = Spent::once(|| solver::solve(&scene));
     Ok((spent, solution?.drive))
 }
 
-/// The mean frame in which the drawing moves, from the drive at rest on, and the last drive.
+/// Mean time of a frame after the drive at rest, and the last drive.
 fn drag(drawing: &Drawing) -> Result<(Spent, Drive), SolveError> {
     let mut before = solver::solve(&drawing.scene(0.0, Sampling::Continuous))?;
     let mut frames = Vec::new();
@@ -204,13 +205,13 @@ fn drag(drawing: &Drawing) -> Result<(Spent, Drive), SolveError> {
     Ok((Spent::mean(&frames), before.drive))
 }
 
-fn judged(drawing: &Drawing, work: Work, times: Times, drive: &Drive) -> Result<Record, SolveError> {
-    let moved = if work == Work::Dragged { f64::from(FRAMES) * STRIDE } else { 0.0 };
+fn record(drawing: &Drawing, approach: Approach, times: Times, drive: &Drive) -> Result<Record, SolveError> {
+    let moved = if approach == Approach::Dragged { f64::from(FRAMES) * STRIDE } else { 0.0 };
     let scene = drawing.scene(moved, Sampling::Continuous);
     let found = figures(&scene, drive)?;
-    let to_rest = match work {
-        Work::Stroke | Work::Foci(..) => None,
-        Work::Dragged => {
+    let to_rest = match approach {
+        Approach::Stroke | Approach::Foci(..) => None,
+        Approach::Dragged => {
             let rest = figures(&scene, &solver::solve(&scene)?.drive)?;
             Some(found.side_lobe / rest.side_lobe)
         }
@@ -218,7 +219,7 @@ fn judged(drawing: &Drawing, work: Work, times: Times, drive: &Drive) -> Result<
     Ok(Record { drawing: drawing.name, times, figures: found, to_rest })
 }
 
-/// Of a drive along a scene's strokes, whatever foci it was made for.
+/// Figures of any drive along a scene's strokes.
 ///
 /// # Errors
 /// Strokes without samples.
@@ -236,7 +237,7 @@ fn row(summary: &Summary) -> Vec<String> {
     let pair = |mean: f64, worst: f64| format!("{mean:.3} ({worst:.3})");
     let Summary { evenness, side_lobe, strength, .. } = summary;
     vec![
-        summary.work.name(),
+        summary.approach.name(),
         summary.times.text(),
         summary.ratio.text(),
         summary.ratio.quartiles_text(),
@@ -247,9 +248,9 @@ fn row(summary: &Summary) -> Vec<String> {
     ]
 }
 
-/// All drawings together, and each of them.
+/// Records of all shapes together, and of each.
 fn records(summary: &Summary) -> Vec<Value> {
-    let drive = summary.work.name();
+    let drive = summary.approach.name();
     let of_one = |record: &Record| {
         json!({
             "drawing": record.drawing,
@@ -275,12 +276,12 @@ fn records(summary: &Summary) -> Vec<Value> {
 
 fn chart(summaries: &[Summary]) -> Chart {
     let series = |summary: &Summary| Series {
-        name: summary.work.name(),
+        name: summary.approach.name(),
         points: vec![(summary.side_lobe.mean, summary.times.cpu_ms())],
     };
     Chart {
-        title: "Time against side lobe: drawings, 256 elements".to_owned(),
-        x_label: "side lobe over the mean along the strokes, mean of the drawings".to_owned(),
+        title: "Time against side lobe: shapes, 256 elements".to_owned(),
+        x_label: "side lobe over the mean along the strokes, mean over the shapes".to_owned(),
         y_label: "CPU-ms per solve".to_owned(),
         series: summaries.iter().map(series).collect(),
         levels: Vec::new(),
@@ -292,17 +293,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn strokes_are_evener_and_quieter_beside_them_than_foci_on_the_same_drawing() {
+    fn strokes_are_more_even_than_foci_with_smaller_side_lobes() {
         let triangle = DRAWINGS.iter().find(|drawing| drawing.name == "triangle").unwrap();
         let summaries = measure(std::slice::from_ref(triangle)).unwrap();
-        let of = |work: Work| summaries.iter().find(|summary| summary.work == work).unwrap();
+        let of = |approach: Approach| summaries.iter().find(|summary| summary.approach == approach).unwrap();
         assert_eq!(of(BASELINE).ratio.quartiles, [1.0; 2]);
-        // Beads, and side lobes.
+        // Sparse foci leave beads, dense foci side lobes.
         let (stroke, sparse, dense) =
-            (of(Work::Stroke), of(Work::Foci(10, Method::Best)), of(Work::Foci(4, Method::Best)));
+            (of(Approach::Stroke), of(Approach::Foci(10, Method::Best)), of(Approach::Foci(4, Method::Best)));
         assert!(sparse.evenness.least < 0.5 && stroke.evenness.least > 0.8, "{summaries:?}");
         assert!(stroke.side_lobe.most < dense.side_lobe.most, "{summaries:?}");
-        let dragged = of(Work::Dragged);
+        let dragged = of(Approach::Dragged);
         assert!(dragged.evenness.least > 0.8 && dragged.to_rest.unwrap().most < 1.3, "{summaries:?}");
     }
 }

@@ -1,9 +1,10 @@
-//! `sonoglyph bench solve`: every method on random sets of foci.
+//! `sonoglyph bench solve`: time and quality of every solver method on random sets of foci.
 
 use std::hint::black_box;
 
 use glam::DVec3;
 use serde_json::json;
+use strum::VariantArray;
 
 use crate::acoustics::Aperture;
 use crate::bench::time::{ROUNDS, Spent, Spread, Times, digits};
@@ -13,10 +14,10 @@ use crate::picture::chart::{Chart, Series};
 use crate::scene::{Focus, Method, Scene};
 use crate::solver::{self, Excitation, Problem, Quality, SolveError};
 
-/// Foci of a set, and sets of as many.
+/// Foci per set, and sets of each size.
 const SIZES: [usize; 2] = [8, 32];
 const SETS: usize = 4;
-/// Iterations of weighted Gerchberg-Saxton as published, the baseline of time and quality.
+/// Iterations of the published weighted Gerchberg-Saxton method, the baseline of time and quality.
 const BASELINE_ITERATIONS: u32 = 200;
 
 /// Sets of foci that are measured together.
@@ -25,21 +26,21 @@ pub struct Workload {
     pub name: &'static str,
     pub aperture: Aperture,
     pub sets: Vec<Vec<Focus>>,
-    /// Iterations of `best` besides its own default.
+    /// Iterations of `best` in addition to its default.
     pub budgets: &'static [u32],
-    /// Whether it is said how good the drives are, not only what they cost: that takes longer than solving.
+    /// Whether the bound is computed too, which takes longer than solving.
     pub is_judged: bool,
 }
 
 impl Workload {
-    /// Random sets of so many foci, up to `depth` (m) above a plane.
+    /// Random sets of foci, up to `depth` (m) above a plane.
     pub fn random(name: &'static str, foci: usize, depth: f64, sets: usize) -> Self {
         let sets = (0..sets).map(|set| foci::random(foci, depth, set as u64)).collect();
         Self { name, aperture: aperture(16), sets, budgets: &[], is_judged: true }
     }
 }
 
-/// So many elements a side, 10 mm apart, in air at 340 m/s.
+/// A square array with `side` elements along a side, 10 mm apart, in air at 340 m/s.
 pub fn aperture(side: u32) -> Aperture {
     let mut scene = Scene::default();
     (scene.array.rows, scene.array.columns, scene.array.pitch) = (side, side, 0.01);
@@ -53,31 +54,31 @@ pub struct Record {
     pub elements: usize,
     pub foci: usize,
     pub method: String,
-    /// Of one whole solve, transfer included; a round is a set, or one of several with the only set.
+    /// Of a solve including its transfer. A round is one set, or one repetition of a single set.
     pub times: Times,
-    /// CPU time of the baseline over this.
+    /// CPU time of the baseline over that of this method.
     ratio: Spread,
-    /// The weakest focus over the baseline's, set by set.
+    /// Weakest focus relative to the baseline, set by set.
     strength: Spread,
-    /// Means over the sets (Pa, peak), but for the spread, which is the largest.
+    /// Means over the sets (Pa, peak), except the spread: the largest of all sets.
     mean: f64,
     weakest: f64,
     pub spread: f64,
     relative_to_single: f64,
-    /// Smallest and mean, where the workload is judged.
+    /// Smallest and mean guaranteed fraction of the bound, if the workload is judged.
     pub certified: Option<[f64; 2]>,
 }
 
-/// From a set's number and its problem.
+/// Solves a set, given its number and problem.
 type Solve<'a> = Box<dyn Fn(usize, &Problem<'_>) -> Result<Excitation, SolveError> + 'a>;
 
-/// A method with its iterations, and what it has taken and found.
+/// A method with its results so far.
 struct Candidate<'a> {
     solve: Solve<'a>,
     found: Found,
 }
 
-/// What a method took, and what it found of every set.
+/// Time of a method, and quality of every set.
 #[derive(Debug)]
 pub struct Found {
     pub name: String,
@@ -99,18 +100,19 @@ pub fn run() -> anyhow::Result<Report> {
 pub fn report(records: &[Record], charts: Vec<(String, Chart)>) -> Report {
     Report {
         header: vec![
-            "foci", "elements", "M", "method", "CPU ms (wall)", "x", "quartiles", "mean Pa", "weakest Pa", "to baseline",
-            "spread", "to single", "certified", "least",
+            "foci", "elements", "M", "method", "CPU ms (wall)", "speed", "quartiles", "mean Pa", "weakest Pa",
+            "to baseline", "std/mean", "to single", "of the bound", "least",
         ],
         rows: records.iter().map(row).collect(),
         notes: vec![
             format!(
-                "One whole solve, transfer included, on one core: medians. x: how many times faster than the baseline, `wgs \
-                 {BASELINE_ITERATIONS}`, which takes turns with the others; to baseline: the weakest focus over the baseline's."
+                "CPU ms of a solve including its transfer, on one core: medians. speed: CPU time of the baseline, `wgs \
+                 {BASELINE_ITERATIONS}`, over that of this method, measured alternately; to baseline: weakest focus \
+                 relative to the baseline."
             ),
-            "Pressures are those of the uniform drive, means over the sets; spread is the largest of all sets. certified: the \
-             part of what no drive can exceed that the weakest focus surely has, mean and least over the sets. `best, moved` \
-             goes on from foci that stood 0.5 mm away."
+            "Pressures: peak, of the uniform drive, means over the sets; std/mean: the largest of all sets. of the \
+             bound: guaranteed fraction of the upper bound, mean and least over the sets. `best, moved` starts from \
+             the solution for foci 0.5 mm away."
                 .to_owned(),
         ],
         charts,
@@ -118,7 +120,7 @@ pub fn report(records: &[Record], charts: Vec<(String, Chart)>) -> Report {
     }
 }
 
-/// Time against loss of random sets on a plane: a series per method, whatever its iterations, in the order of time.
+/// Time against loss of random sets on a plane: a series per method with all its iteration counts, sorted by time.
 pub fn loss(records: &[Record], foci: usize) -> Chart {
     let sets = records.iter().filter(|record| (record.workload, record.foci) == ("plane", foci));
     let point =
@@ -127,14 +129,14 @@ pub fn loss(records: &[Record], foci: usize) -> Chart {
     series.iter_mut().for_each(|series| series.points.sort_by(|a, b| a.1.total_cmp(&b.1)));
     Chart {
         title: format!("Time against loss: {foci} random foci on a plane, 256 elements"),
-        x_label: "1 - certified part of the best possible, mean".to_owned(),
+        x_label: "1 - guaranteed fraction of the upper bound, mean".to_owned(),
         y_label: "CPU-ms per solve".to_owned(),
         series,
         levels: Vec::new(),
     }
 }
 
-/// A series for every name that records have.
+/// A series per name of records.
 pub fn by_method<'a>(
     records: impl Iterator<Item = &'a Record>,
     name: impl Fn(&'a Record) -> &'a str,
@@ -150,7 +152,7 @@ pub fn by_method<'a>(
     all
 }
 
-/// `best 60` is `best` with other iterations; `best, moved` is not.
+/// Method without its iteration count: `best 60` is `best`, but `best, moved` is another method.
 fn family(method: &str) -> &str {
     match method.split_once(' ') {
         Some((name, _)) if !name.ends_with(',') => name,
@@ -164,7 +166,7 @@ pub fn measure(workload: &Workload) -> Result<Vec<Record>, SolveError> {
     let Workload { name, aperture, sets, is_judged, .. } = workload;
     let problems: Vec<_> = sets.iter().map(|foci| Problem::new(aperture, foci.clone())).collect();
     let mut candidates = candidates(workload)?;
-    // One set alone is solved again and again.
+    // A single set is solved repeatedly.
     for (set, foci) in sets.iter().enumerate().cycle().take(sets.len().max(ROUNDS)) {
         for Candidate { solve, found } in &mut candidates {
             found.times.push(Spent::on(|_| {
@@ -186,15 +188,15 @@ pub fn measure(workload: &Workload) -> Result<Vec<Record>, SolveError> {
     Ok(records(place, &found, bounds.as_deref()))
 }
 
-/// The baseline first.
+/// Starts with the baseline.
 fn candidates(workload: &Workload) -> Result<Vec<Candidate<'_>>, SolveError> {
     let candidate = |name: String, method: Method, iterations: u32| {
         let solve: Solve<'_> = Box::new(move |_, problem| solver::excite(problem, method, iterations));
         Candidate { solve, found: Found::of(name) }
     };
     let mut all = vec![candidate(format!("wgs {BASELINE_ITERATIONS}"), Method::Wgs, BASELINE_ITERATIONS)];
-    for method in Method::ALL.into_iter().filter(|&method| method != Method::Focus) {
-        all.push(candidate(method.name().to_owned(), method, 0));
+    for &method in Method::VARIANTS.iter().filter(|method| **method != Method::Focus) {
+        all.push(candidate(method.into_str().to_owned(), method, 0));
     }
     all.extend(
         workload.budgets.iter().map(|&budget| candidate(format!("best {budget}"), Method::Best, budget)),
@@ -205,7 +207,7 @@ fn candidates(workload: &Workload) -> Result<Vec<Candidate<'_>>, SolveError> {
     Ok(all)
 }
 
-/// `best` with a warm start: from the solution for foci that stood 0.5 mm away.
+/// `best` with a warm start from the solution for foci 0.5 mm away.
 fn moved(workload: &Workload) -> Result<Candidate<'_>, SolveError> {
     let moved = |focus: &Focus| Focus { position: focus.position + 0.0005 * DVec3::X, ..*focus };
     let mut before = Vec::new();
@@ -218,13 +220,12 @@ fn moved(workload: &Workload) -> Result<Candidate<'_>, SolveError> {
 }
 
 impl Found {
-    /// Nothing yet.
     fn of(name: String) -> Self {
         Self { name, times: Times::default(), qualities: Vec::new() }
     }
 }
 
-/// Of workload, elements and foci; what was found first is the baseline.
+/// Records of a workload's name, element count and focus count; the first method is the baseline.
 pub fn records(
     (workload, elements, foci): (&'static str, usize, usize),
     found: &[Found],
@@ -260,7 +261,7 @@ pub fn records(
     found.iter().map(record).collect()
 }
 
-/// Of the uniform drive.
+/// Quality of the uniform drive.
 pub fn quality(problem: &Problem<'_>, excitation: &Excitation) -> Quality {
     let Aperture { positions, driven, .. } = problem.aperture;
     let drive = Drive::uniform(positions.len(), driven, &excitation.values);
@@ -310,7 +311,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn methods_stand_beside_the_baseline_and_below_the_bound() {
+    fn methods_are_compared_with_the_baseline_and_stay_below_the_bound() {
         let records = measure(&Workload::random("plane", 4, 0.0, 2)).unwrap();
         let of = |method: &str| records.iter().find(|record| record.method == method).unwrap();
         assert_eq!(of("wgs 200").ratio.quartiles, [1.0; 2]);
@@ -323,7 +324,7 @@ mod tests {
     }
 
     #[test]
-    fn iterations_make_no_other_method() {
+    fn iterations_do_not_change_the_method() {
         assert_eq!(
             ["best", "best 60", "best, moved", "wgs 200"].map(family),
             ["best", "best", "best, moved", "wgs"]

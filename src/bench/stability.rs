@@ -1,9 +1,10 @@
-//! `sonoglyph bench stability`: sets of foci that break solvers, and what each method makes of them.
+//! `sonoglyph bench stability`: every solver method on ill-conditioned sets of foci.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 use serde_json::json;
+use strum::VariantArray;
 
 use crate::acoustics::Aperture;
 use crate::bench::time::{Spent, digits};
@@ -12,12 +13,12 @@ use crate::drive::Drive;
 use crate::scene::{Focus, Method, Scene};
 use crate::solver::{self, Problem, Quality, SolveError};
 
-/// Starts of the search that is the baseline of strength, eight at a time.
+/// Batches of eight starts of the long search, the baseline of strength.
 const SEARCHES: usize = 25;
-/// Foci beyond which that search is not waited for.
+/// Limit of foci for that search.
 const MOST_SEARCHED: usize = 64;
 
-/// A difficult set.
+/// An ill-conditioned set.
 struct Case {
     name: &'static str,
     aperture: Aperture,
@@ -29,17 +30,17 @@ struct Record {
     foci: usize,
     method: Method,
     cpu: f64,
-    /// Every number finite, no element above full drive.
+    /// All numbers are finite, and no element exceeds full drive.
     is_sound: bool,
     quality: Quality,
     rank: usize,
     condition: f64,
-    /// Of the weakest focus, against the best of 200 starts.
+    /// Loss of the weakest focus relative to the strongest of 200 starts.
     loss: Option<f64>,
 }
 
-/// Rows are of the default method alone, unless the measurement is thorough: then 1000 foci belong to it, and a long search
-/// as the baseline of strength.
+/// A thorough measurement has rows for all methods instead of `best` alone, a set of 1000 foci, and a long search as
+/// the baseline of strength.
 ///
 /// # Errors
 /// A method that fails.
@@ -49,19 +50,19 @@ pub fn run(is_thorough: bool) -> anyhow::Result<Report> {
         let problem = Problem::new(&case.aperture, case.foci.clone());
         let is_searched = is_thorough && case.foci.len() <= MOST_SEARCHED;
         let strongest = is_searched.then(|| weakest(&problem, &solver::search(&problem, SEARCHES).values));
-        for method in Method::ALL.into_iter().filter(|&method| method != Method::Focus) {
+        for &method in Method::VARIANTS.iter().filter(|method| **method != Method::Focus) {
             records.push(measure(&case, &problem, method, strongest)?);
         }
     }
     let sound = records.iter().filter(|record| record.is_sound).count();
     let mut notes = vec![format!(
-        "{sound} of {} solutions by all methods are sound: every number finite and no element above full drive.",
+        "{sound} of {} solutions by all methods are valid: all numbers finite, and no element above full drive.",
         records.len()
     )];
     if is_thorough {
         notes.push(
-            "loss: of the weakest focus, relative to its target, against the strongest of 200 starts; below 0 the method did \
-             better."
+            "loss: of the weakest focus, in pressure/target, relative to the strongest of 200 starts; negative if the \
+             method is better."
                 .to_owned(),
         );
     }
@@ -71,11 +72,11 @@ pub fn run(is_thorough: bool) -> anyhow::Result<Report> {
             "M",
             "method",
             "CPU ms",
-            "sound",
+            "valid",
             "rank",
             "condition",
             "residual",
-            "spread",
+            "std/mean",
             "weakest Pa",
             "loss",
         ],
@@ -120,7 +121,7 @@ fn measure(
     })
 }
 
-/// The smallest pressure over its target that the uniform drive makes.
+/// The smallest pressure/target of the uniform drive.
 fn weakest(problem: &Problem<'_>, values: &[num_complex::Complex64]) -> f64 {
     let Aperture { positions, driven, .. } = problem.aperture;
     let drive = Drive::uniform(positions.len(), driven, values);
@@ -182,7 +183,7 @@ fn cases(is_thorough: bool) -> Vec<Case> {
     cases
 }
 
-/// The same array and wave, all lengths times `scale`, in a medium without absorption.
+/// Array and wave with all lengths times `scale`, without absorption.
 fn scaled(mut aperture: Aperture, scale: f64) -> Aperture {
     aperture.element.wavenumber /= scale;
     aperture.element.radius *= scale;
@@ -202,7 +203,7 @@ fn row(record: &Record) -> Vec<String> {
     vec![
         record.case.to_owned(),
         record.foci.to_string(),
-        record.method.name().to_owned(),
+        record.method.into_str().to_owned(),
         digits(record.cpu * 1e3),
         if record.is_sound { "yes" } else { "NO" }.to_owned(),
         record.rank.to_string(),
@@ -219,7 +220,7 @@ fn json(record: &Record) -> serde_json::Value {
     json!({
         "set": record.case,
         "foci": record.foci,
-        "method": record.method.name(),
+        "method": record.method.into_str(),
         "cpu_ms": record.cpu * 1e3,
         "sound": record.is_sound,
         "rank": record.rank,

@@ -1,4 +1,4 @@
-//! What work takes, and how much that varies: medians and quartiles over rounds in which everything compared takes turns.
+//! CPU and wall time: medians and quartiles over rounds in which the compared tasks alternate.
 
 use std::ops::AddAssign;
 use std::time::{Duration, Instant};
@@ -6,30 +6,30 @@ use std::time::{Duration, Instant};
 use cpu_time::ProcessTime;
 use serde_json::{Value, json};
 
-/// Rounds in which a work and its baseline take turns, so that both meet the same machine.
+/// Rounds in which a task and its baseline alternate, so that both see the same load.
 pub const ROUNDS: usize = 5;
-/// What one measurement of a round takes: as many runs as fit, at least one and at most [`MOST_RUNS`]. Of what is quick so many that
-/// the first few, which find the caches full of what had its turn before, are not the median.
+/// Time for the runs of a task in one round, from one to [`MOST_RUNS`]: enough runs of a fast task that those with cold
+/// caches do not determine the median.
 const BUDGET: Duration = Duration::from_millis(60);
 const MOST_RUNS: usize = 30;
 
-/// Time of a piece of work, s.
+/// Time of a task, s.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spent {
-    /// Of all threads of the process.
+    /// Sum over all threads of the process.
     pub cpu: f64,
     pub wall: f64,
 }
 
 impl Spent {
-    /// What one run takes.
+    /// Times one run.
     pub fn once<T>(work: impl FnOnce() -> T) -> (Self, T) {
         let (cpu, wall) = (ProcessTime::now(), Instant::now());
         let done = work();
         (Self { cpu: cpu.elapsed().as_secs_f64(), wall: wall.elapsed().as_secs_f64() }, done)
     }
 
-    /// The medians of as many runs as the budget allows; `work` gets the number of the run.
+    /// Medians of as many runs as the budget allows; `work` receives the number of the run.
     pub fn on<E>(mut work: impl FnMut(usize) -> Result<(), E>) -> Result<Self, E> {
         let mut runs = Vec::new();
         let start = Instant::now();
@@ -41,13 +41,13 @@ impl Spent {
         Ok(Self::median(&runs))
     }
 
-    /// What several pieces of work take on average.
+    /// Means over several tasks.
     pub fn mean(pieces: &[Self]) -> Self {
         let of = |time: fn(&Self) -> f64| pieces.iter().map(time).sum::<f64>() / pieces.len() as f64;
         Self { cpu: of(|piece| piece.cpu), wall: of(|piece| piece.wall) }
     }
 
-    /// The medians of several runs.
+    /// Medians over several runs.
     pub fn median(runs: &[Self]) -> Self {
         let of = |time: fn(&Self) -> f64| median(&runs.iter().map(time).collect::<Vec<_>>());
         Self { cpu: of(|run| run.cpu), wall: of(|run| run.wall) }
@@ -61,7 +61,7 @@ impl AddAssign for Spent {
     }
 }
 
-/// What a piece of work took in each round.
+/// Time of a task in each round.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Times(Vec<Spent>);
 
@@ -80,19 +80,18 @@ impl Times {
         1e3 * Spent::median(&self.0).wall
     }
 
-    /// This CPU time over that of the other in the same round.
+    /// Ratio of the CPU times, round by round.
     pub fn over(&self, other: &Self) -> Spread {
         Spread::of(self.0.iter().zip(&other.0).map(|(own, other)| own.cpu / other.cpu).collect())
     }
 
-    /// The mean of several works, round by round.
+    /// Mean over several tasks, round by round.
     pub fn mean(works: &[&Self]) -> Self {
         let rounds = works.iter().map(|work| work.0.len()).min().unwrap_or_default();
         let round = |round: usize| Spent::mean(&works.iter().map(|work| work.0[round]).collect::<Vec<_>>());
         (0..rounds).map(round).collect()
     }
 
-    /// All of these times a factor.
     pub fn scaled(&self, factor: f64) -> Self {
         let scaled = |spent: &Spent| Spent { cpu: spent.cpu * factor, wall: spent.wall * factor };
         Self(self.0.iter().map(scaled).collect())
@@ -117,23 +116,22 @@ impl FromIterator<Spent> for Times {
     }
 }
 
-/// The middle half of what was measured several times.
+/// Median and quartiles of repeated measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     pub median: f64,
-    /// A quarter of the values lie below the first, a quarter above the second.
     pub quartiles: [f64; 2],
 }
 
 impl Spread {
-    /// NaN where there is nothing.
+    /// NaN without values.
     pub fn of(mut values: Vec<f64>) -> Self {
         values.sort_by(f64::total_cmp);
         let [low, median, high] = [0.25, 0.5, 0.75].map(|part| quantile(&values, part));
         Self { median, quartiles: [low, high] }
     }
 
-    /// The median with as many digits as tell something.
+    /// The median with three significant digits.
     pub fn text(&self) -> String {
         digits(self.median)
     }
@@ -151,16 +149,16 @@ pub fn median(values: &[f64]) -> f64 {
     Spread::of(values.to_vec()).median
 }
 
-/// Between the two sorted values that stand next to that part of them.
+/// Linear interpolation between the neighbouring sorted values; NaN without values.
 fn quantile(sorted: &[f64], part: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = part * last as f64;
     let (below, above) = (sorted[place.floor() as usize], sorted[place.ceil() as usize]);
-    // Equal ones may be infinite, and their difference no number.
+    // Infinite values have no difference.
     if below == above { below } else { below + (above - below) * place.fract() }
 }
 
-/// Three digits that count.
+/// Three significant digits.
 pub fn digits(value: f64) -> String {
     let magnitude = value.abs();
     match magnitude {
@@ -181,7 +179,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quartiles_stand_between_the_values() {
+    fn quartiles_interpolate_between_values() {
         let spread = Spread::of(vec![5.0, 1.0, 4.0, 2.0]);
         assert_eq!((spread.median, spread.quartiles), (3.0, [1.75, 4.25]));
         assert_eq!(Spread::of(vec![7.0]), Spread { median: 7.0, quartiles: [7.0, 7.0] });
@@ -192,7 +190,7 @@ mod tests {
     #[test]
     fn ratios_are_of_the_same_round() {
         let times = |cpu: &[f64]| Times(cpu.iter().map(|&cpu| Spent { cpu, wall: cpu / 2.0 }).collect());
-        // The machine is slower in every round, and the ratio does not see it.
+        // The ratio is independent of the machine's slowdown from round to round.
         let ratio = times(&[10.0, 20.0, 40.0]).over(&times(&[1.0, 2.0, 4.0]));
         assert_eq!((ratio.median, ratio.quartiles), (10.0, [10.0, 10.0]));
         assert_eq!(times(&[10.0, 20.0, 40.0]).cpu_ms(), 20_000.0);
@@ -200,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn three_digits_count() {
+    fn numbers_have_three_significant_digits() {
         let texts = [0.0, 0.001_234, 0.0512, 0.999, 1.5, 31.46, 512.3, 2e7, -3.0, 1e-5].map(digits);
         assert_eq!(
             texts,

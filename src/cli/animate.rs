@@ -1,4 +1,4 @@
-//! `sonoglyph render --motion` and `--waves`: a scene in, an animation out.
+//! `sonoglyph render --motion` and `--waves`: animations of a scene.
 
 use std::time::Instant;
 
@@ -6,6 +6,7 @@ use anyhow::bail;
 
 use crate::cli::{RenderArgs, View, progress, read_scene, render};
 use crate::field::{Colouring, Quantity, Request, Stages, missed};
+use crate::rounding::milliseconds;
 use crate::solver::frames;
 use crate::studio::animate::{self, Film, Target, times_of};
 use crate::studio::evaluator::{self, Backend};
@@ -16,7 +17,7 @@ use crate::studio::still::{Diagram, Size};
 use crate::studio::swell::Schedule;
 use crate::studio::{liquid, map, motion};
 
-/// Pixels that a film of a shaded surface is wide.
+/// Default width in pixels of a shaded surface.
 const SHADED_WIDTH: usize = 800;
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
@@ -29,7 +30,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     }
     let quantity = match args.quantity {
         Diagram::Map(quantity) if args.waves && !quantity.declaration().of_liquid => {
-            bail!("--waves are of a liquid's surface: --quantity depression or caustic")
+            bail!("--waves needs a liquid's surface: --quantity depression or caustic")
         }
         Diagram::Map(quantity) => quantity,
         Diagram::Drive | Diagram::Sheet => {
@@ -39,7 +40,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     };
     let is_shaded = args.view == View::Shaded;
     if is_shaded && !quantity.declaration().is_surface() {
-        bail!("--view shaded is of a liquid's surface: --quantity depression")
+        bail!("--view shaded draws a liquid's surface: add --quantity depression")
     }
     let mut files = Files::new();
     let mut scene = read_scene(path, args.method, &mut files)?;
@@ -83,9 +84,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let start = Instant::now();
     film.begin = progress::begin;
     if quantity.declaration().of_liquid && !args.waves {
-        note(
-            "every frame shows the surface that its sound would press in the end; --waves shows how the surface follows",
-        );
+        note("every frame shows the surface at equilibrium under its sound; --waves shows the transient");
     }
     let shot = film.shoot(&target, &stem(path), &|_| Ok(()))?;
     if let Some(missed) = missed(film.error, scene.plane.tolerance) {
@@ -100,10 +99,10 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         let frames = shot.frames();
         let each = drawing / frames as f64;
         say!(
-            "  {:.1} ms for all drives; {:.1} ms for {frames} frames, {:.2} ms for each",
-            solving * 1e3,
-            drawing * 1e3,
-            each * 1e3
+            "  {} for all drives; {} for {frames} frames, {} each",
+            milliseconds(solving, 1),
+            milliseconds(drawing, 1),
+            milliseconds(each, 2)
         )?;
     }
     Ok(())

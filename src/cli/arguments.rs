@@ -1,4 +1,4 @@
-//! What is said of arguments that make no sense, and the help.
+//! Parsers of argument values, and messages about invalid arguments.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -14,10 +14,10 @@ use crate::echo;
 use crate::scene::{Listener, check};
 use crate::studio::output;
 
-/// Bytes of what is said of arguments, at most.
-const MOST: usize = 1900;
+/// Limit of a message about arguments.
+const MOST_BYTES: usize = 1900;
 
-/// The arguments make no sense, and that has been said.
+/// Invalid arguments, already reported.
 #[derive(Debug)]
 pub struct BadArguments;
 
@@ -29,10 +29,10 @@ impl fmt::Display for BadArguments {
 
 impl std::error::Error for BadArguments {}
 
-/// Prints the help or the version that was asked for, or what is wrong.
+/// Prints clap's help, version or error.
 ///
 /// # Errors
-/// [`BadArguments`], and a standard output that takes nothing.
+/// [`BadArguments`], or a standard output that cannot be written.
 pub fn answer(error: &Error) -> anyhow::Result<Next> {
     if error.use_stderr() {
         let _ = writeln!(io::stderr(), "{}", shown(error).trim_end());
@@ -43,13 +43,13 @@ pub fn answer(error: &Error) -> anyhow::Result<Next> {
     Ok(Next::Exit)
 }
 
-/// Refuses a word in the place of a command or a scene that is neither.
+/// Refuses a first word that is neither a command nor a file, and suggests a similar command.
 ///
 /// # Errors
-/// [`BadArguments`], once it is said.
+/// [`BadArguments`].
 pub fn refuse_misspelt() -> anyhow::Result<()> {
-    /// Words so much alike are taken for one another.
-    const ALIKE: f64 = 0.85;
+    /// Least Jaro-Winkler similarity of a suggestion.
+    const SIMILAR: f64 = 0.85;
     let Some(word) = std::env::args_os().nth(1).and_then(|word| word.into_string().ok()) else {
         return Ok(());
     };
@@ -59,18 +59,18 @@ pub fn refuse_misspelt() -> anyhow::Result<()> {
     if !is_word || names.any(|name| name == word) || Path::new(&word).exists() {
         return Ok(());
     }
-    let alike = |name: &str| strsim::jaro_winkler(name, &word);
+    let similarity = |name: &str| strsim::jaro_winkler(name, &word);
     let nearest = commands
         .get_subcommands()
         .map(|command| command.get_name())
-        .max_by(|a, b| alike(a).total_cmp(&alike(b)))
-        .filter(|name| alike(name) >= ALIKE);
+        .max_by(|a, b| similarity(a).total_cmp(&similarity(b)))
+        .filter(|name| similarity(name) >= SIMILAR);
     let hint = nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
     let _ = writeln!(io::stderr(), "error: {}: no such command or file{hint}", echo::value(&word));
     Err(BadArguments.into())
 }
 
-/// What clap says, with the arguments as messages show them.
+/// Clap's message, with arguments escaped and truncated.
 fn shown(error: &Error) -> String {
     let mut text = error.render().to_string();
     for argument in std::env::args_os().skip(1).map(|argument| argument.to_string_lossy().into_owned()) {
@@ -83,22 +83,22 @@ fn shown(error: &Error) -> String {
         }
     }
     let text = echo::lines(&text);
-    text[..text.floor_char_boundary(MOST)].to_owned()
+    text[..text.floor_char_boundary(MOST_BYTES)].to_owned()
 }
 
-/// Parses a number from one to another.
+/// Parser of numbers within a range.
 pub fn between([least, most]: [f64; 2], unit: &str) -> impl Fn(&str) -> Result<f64, String> + Clone + use<> {
     let wanted = format!("give a number from {least} to {most} {unit}");
     move |text| number(text).filter(|number| (least..=most).contains(number)).ok_or_else(|| wanted.clone())
 }
 
-/// Parses a number above 0, `what` it is with its unit.
+/// Parser of positive numbers; `what` names the quantity and its unit.
 pub fn above_zero(most: f64, what: &str) -> impl Fn(&str) -> Result<f64, String> + Clone + use<> {
     let wanted = format!("give {what} above 0, {most} at most");
     move |text| number(text).filter(|number| *number > 0.0 && *number <= most).ok_or_else(|| wanted.clone())
 }
 
-/// Parses a number of seconds above 0.
+/// Parser of positive durations, s.
 pub fn seconds(most: f64) -> impl Fn(&str) -> Result<f64, String> + Clone + use<> {
     above_zero(most, "a number of seconds")
 }
@@ -107,15 +107,15 @@ fn number(text: &str) -> Option<f64> {
     text.trim().parse().ok()
 }
 
-/// So many numbers with commas between them.
+/// `N` numbers separated by commas.
 pub fn numbers<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
     let numbers: Result<Vec<T>, _> = text.split(',').map(|number| number.trim().parse()).collect();
     numbers.ok()?.try_into().ok()
 }
 
-/// A place, X,Y,Z in metres.
+/// A position X,Y,Z, m.
 pub fn parse_place(text: &str) -> Result<DVec3, String> {
-    /// m; what lies beyond is a slip of the unit.
+    /// m; larger coordinates are in a wrong unit.
     const FARTHEST: f64 = 1e6;
     numbers(text)
         .map(DVec3::from_array)
@@ -123,12 +123,11 @@ pub fn parse_place(text: &str) -> Result<DVec3, String> {
         .ok_or_else(|| "give three numbers in metres: X,Y,Z".to_owned())
 }
 
-/// The place of an ear.
 pub fn parse_listener(text: &str) -> Result<Listener, String> {
     parse_place(text).map(|at| Listener { at })
 }
 
-/// A time of search, s.
+/// Duration of the further search, s.
 pub fn parse_search(text: &str) -> Result<f64, String> {
     let search = text.trim().parse().map_err(|_| "give a time in seconds".to_owned())?;
     check::search(search).map_err(|error| error.message)?;

@@ -1,4 +1,4 @@
-//! `sonoglyph devices`: what could compute the field here, and what would.
+//! `sonoglyph devices`: the field evaluators of this machine, and the automatic choice.
 
 use crate::field::gpu::adapter::{self, Kind};
 use crate::simd::Isa;
@@ -6,7 +6,7 @@ use crate::studio::output::say;
 
 pub fn run() -> anyhow::Result<()> {
     let adapters = adapter::adapters();
-    say!("GPU adapters, the best first:")?;
+    say!("GPU adapters, best first:")?;
     if adapters.is_empty() {
         say!("  none: no graphics driver offers one")?;
     }
@@ -17,14 +17,18 @@ pub fn run() -> anyhow::Result<()> {
     say!("CPU evaluator:")?;
     say!("  {} threads, {} (has {})", rayon::current_num_threads(), Isa::best().name(), sets.join(", "))?;
     say!("f64 reference:")?;
-    say!("  always there")?;
+    say!("  always available")?;
     say!("`--backend auto` would use:")?;
     match adapters.first() {
-        Some(info) if info.kind != Kind::Software => say!("  {} for maps, since it is a GPU", info.name)?,
-        Some(info) => say!(
-            "  the CPU evaluator for maps, since {} is software that runs on this same CPU, and slower on it",
-            info.name
-        )?,
+        Some(info) if info.kind != Kind::Software => {
+            say!("  {} for maps, since it is a hardware GPU", info.name)?;
+        }
+        Some(info) => {
+            say!(
+                "  the CPU evaluator for maps, since {} is software on the same CPU, and slower",
+                info.name
+            )?;
+        }
         None => say!("  the CPU evaluator for maps, since there is no GPU adapter")?,
     }
     say!("  the f64 reference for points")

@@ -1,4 +1,4 @@
-//! `sonoglyph elements`: where the elements of a scene stand.
+//! `sonoglyph elements`: positions and normals of a scene's elements, as CSV.
 
 use std::path::PathBuf;
 
@@ -12,7 +12,7 @@ use crate::studio::output::Files;
 pub struct ElementsArgs {
     /// Scene file
     scene: PathBuf,
-    /// Where the table goes; without it, to standard output
+    /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }

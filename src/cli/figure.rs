@@ -1,4 +1,4 @@
-//! `sonoglyph render --figure`: figures for papers.
+//! `sonoglyph render --figure`: figures for papers, with their options.
 
 use std::path::Path;
 
@@ -20,37 +20,37 @@ use crate::studio::{liquid, map};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Figures")]
 pub struct FigureArgs {
-    /// Draw a figure for a paper, with axes and a colour bar: PNG, SVG or PDF by the ending
+    /// Draw a figure for a paper, with axes and a colour bar: .png, .svg or .pdf
     #[arg(long, conflicts_with_all = ["size", "motion", "waves"])]
     pub figure: bool,
-    /// Width of the figure in mm [default: 85, a column]
+    /// Width of the figure in mm [default: 85, one column]
     #[arg(long, value_name = "W", requires = "figure", value_parser = between(WIDTHS, "mm"))]
     width_mm: Option<f64>,
     /// Dots per inch of the map, and of a PNG [default: 300]
     #[arg(long, value_name = "D", requires = "figure", value_parser = between(DENSITIES, "dots per inch"))]
     dpi: Option<f64>,
-    /// Colours by decibels of the largest value
+    /// Logarithmic colours, in dB relative to the largest value
     #[arg(long, requires = "figure")]
     db: bool,
     /// Values of the first and the last colour: Pa, m, W/m², m/s or × undisturbed; with --db in dB
     #[arg(long, value_name = "A,B", requires = "figure", allow_hyphen_values = true, value_parser = parse_range)]
     range: Option<[f64; 2]>,
-    /// Lines at these levels, in dB of the largest value: -6, or -3,-6,-12
+    /// Contour lines at these levels, in dB relative to the largest value: -6, or -3,-6,-12
     #[arg(long, value_name = "L", requires = "figure", allow_hyphen_values = true, value_delimiter = ',', value_parser = parse_level)]
     contours: Vec<f64>,
     /// Draw targets: strokes as lines, foci as rings
     #[arg(long, requires = "figure")]
     targets: bool,
-    /// Draw the -6 dB widths of separate foci, along both axes
+    /// Draw the -6 dB widths of separate foci along both axes
     #[arg(long, requires = "figure")]
     widths: bool,
-    /// Draw a bar of a round length on the map
+    /// Draw a scale bar on the map
     #[arg(long, requires = "figure")]
     scale_bar: bool,
-    /// A line above the map
+    /// Title above the map
     #[arg(long, value_name = "T", requires = "figure")]
     title: Option<String>,
-    /// Colours for a light ground: white where there is no sound; of --view 3d too
+    /// Colours for a light background: silence is white; also for --view 3d
     #[arg(long)]
     pub light: bool,
     /// State pressures as peak amplitudes instead of RMS
@@ -72,15 +72,15 @@ fn parse_level(text: &str) -> Result<f64, String> {
 }
 
 impl FigureArgs {
-    /// What is chosen, where a figure is asked for.
+    /// The options, if --figure is given.
     ///
     /// # Errors
-    /// What has no figure.
+    /// Options that exclude each other, or a quantity without a figure.
     pub(in crate::cli) fn wish(args: &RenderArgs) -> anyhow::Result<Option<(Quantity, Wish)>> {
         let figure = &args.figure;
         if !figure.figure {
             if figure.light {
-                bail!("--light is of figures and of space: add --figure or --view 3d");
+                bail!("--light applies to figures and 3D views: add --figure or --view 3d");
             }
             return Ok(None);
         }
@@ -91,7 +91,7 @@ impl FigureArgs {
         };
         let is_shaded = args.view == View::Shaded;
         if is_shaded && !quantity.declaration().is_surface() {
-            bail!("--view shaded is of a liquid's surface: --quantity depression");
+            bail!("--view shaded draws a liquid's surface: add --quantity depression");
         }
         let of_maps = [
             (figure.db, "--db"),
@@ -102,7 +102,7 @@ impl FigureArgs {
             (figure.light, "--light"),
         ];
         if let Some((_, option)) = of_maps.iter().find(|(is_given, _)| is_shaded && *is_given) {
-            bail!("{option} is of flat maps: leave out --view shaded");
+            bail!("{option} applies to flat maps: leave out --view shaded");
         }
         let column = Paper::default();
         let wish = Wish {
@@ -128,7 +128,6 @@ impl FigureArgs {
     }
 }
 
-/// Draws and writes the figure of a scene.
 pub(in crate::cli) fn write(
     solved: &Solved,
     stages: &mut Stages,

@@ -1,4 +1,4 @@
-//! Ctrl-C and its kin, as a flag: the program ends in order. Lines and files stay whole, and boards fall silent.
+//! Ctrl-C, termination and hangup as a flag, so that commands finish lines and files and silence boards.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,10 +14,10 @@ impl Interrupted {
     }
 }
 
-/// From now on these signals set the flag and do nothing else; a second one ends the program at once.
+/// From now on these signals only set the flag; a second one ends the program immediately.
 ///
 /// # Errors
-/// A system that refuses.
+/// System errors.
 pub fn watch() -> std::io::Result<Interrupted> {
     let flag = Arc::new(AtomicBool::new(false));
     let hangup = if cfg!(unix) { Some(1) } else { None };

@@ -1,4 +1,4 @@
-//! `sonoglyph levitate`: a bead that is released in the sound of a scene, or carried along its motion.
+//! `sonoglyph levitate`: simulates a bead released in a scene's field, or carried along its motion.
 
 use std::path::PathBuf;
 
@@ -12,32 +12,32 @@ use crate::studio::levitation;
 use crate::studio::motion::SOLVING;
 use crate::studio::output::{self, Files, say, warn};
 
-/// What a flight is called while it goes on.
+/// Name of the step in progress reports.
 const FLYING: &str = "the flight of the bead";
-/// s of a flight where nothing moves, and rounds where something does.
+/// Default duration: s at rest, cycles of a motion.
 const SECONDS: f64 = 1.0;
-const ROUNDS: f64 = 2.0;
+const CYCLES: f64 = 2.0;
 
 #[derive(Debug, Args)]
 pub struct LevitateArgs {
     /// Scene file
     scene: PathBuf,
-    /// Number of the trap, from 1 on; by default the first, or the first focus
+    /// Target number of the trap, counted from 1 [default: the first trap, or the first focus]
     #[arg(long, value_name = "N")]
     target: Option<usize>,
-    /// Where the bead is released (m); by default where the first frame holds it
+    /// Release position (m) [default: the equilibrium in the first frame]
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_place)]
     from: Option<DVec3>,
-    /// s that it is followed; by default 1, or two rounds of a motion
+    /// Simulated time (s) [default: 1, or two cycles of a motion]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = arguments::seconds(600.0))]
     seconds: Option<f64>,
-    /// Also find how fast the motion may be so that the bead is not lost
+    /// Also find the highest speed of the motion at which the bead stays
     #[arg(long)]
     fastest: bool,
-    /// Where the flight goes: columns time (s), x, y, z (m), vx, vy, vz (m/s), and where the bead is wanted
+    /// Output file: columns time (s), x, y, z (m), vx, vy, vz (m/s), and the trap's position
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
-    /// The answer as JSON
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
@@ -61,7 +61,7 @@ pub fn run(args: &LevitateArgs) -> anyhow::Result<()> {
     }
     levitation::warning(&scene).iter().for_each(|warning| warn(warning));
     let from = args.from.unwrap_or_else(|| course.start());
-    let seconds = args.seconds.unwrap_or(if course.moves() { ROUNDS * course.round() } else { SECONDS });
+    let seconds = args.seconds.unwrap_or(if course.moves() { CYCLES * course.round() } else { SECONDS });
     let flight = course.fly(from, seconds, 1.0, &progress::begin(FLYING));
     let fastest = args.fastest.then(|| course.fastest());
     if let Some(path) = &args.output {

@@ -1,4 +1,4 @@
-//! `sonoglyph manual` and `sonoglyph completions`: what packages and shells take from the command line.
+//! `sonoglyph manual` and `sonoglyph completions`: manual pages and shell completions, generated from the arguments.
 
 use std::path::PathBuf;
 
@@ -13,16 +13,16 @@ use crate::studio::output;
 
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
-    /// The shell
+    /// Shell
     #[arg(value_enum)]
     shell: Shell,
 }
 
 #[derive(Debug, Args)]
 pub struct ManualArgs {
-    /// The command whose page is wanted; without it, the page of `sonoglyph` itself
+    /// Command of the page [default: the program itself]
     command: Option<String>,
-    /// Write the pages of all commands into this folder instead
+    /// Write the pages of all commands into a folder
     #[arg(short, long, value_name = "FOLDER", conflicts_with = "command")]
     output: Option<PathBuf>,
 }
@@ -35,7 +35,7 @@ pub fn completions(args: &CompletionsArgs) -> anyhow::Result<()> {
 
 pub fn run(args: &ManualArgs) -> anyhow::Result<()> {
     let mut program = Cli::command().disable_help_subcommand(true);
-    // The names of pages, `sonoglyph-render`, stand once all is put together.
+    // Only a built command knows its full name, such as `sonoglyph-render`.
     program.build();
     if let Some(folder) = &args.output {
         let commands = [&program].into_iter().chain(program.get_subcommands());

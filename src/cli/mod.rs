@@ -1,4 +1,4 @@
-//! The command line: arguments in, values through the library, files and text out.
+//! The command line: every command with its arguments and help, dispatched to one module per command.
 
 mod animate;
 mod arguments;
@@ -45,15 +45,15 @@ use crate::studio::output::Files;
 use crate::studio::still::{Diagram, Moment, Size};
 use crate::studio::{opening, output, reach};
 
-/// With the commit, in programs that `./release` builds.
+/// With the commit in builds by `./release`.
 const VERSION: &str = env!("SONOGLYPH_VERSION");
-/// Width of the column of names in answers.
+/// Width of the name column of printed answers.
 const COLUMN: usize = 24;
 
 /// Draw a shape, see the ultrasound field of a phased array, feel it in the air.
 ///
-/// Without a command, the window opens on the scene (or an example). Where there is no display, the scene is solved and its
-/// sheet written to sonoglyph.png: wanted points, phase and amplitude per element, and the map of RMS pressure.
+/// Without a command, the window opens on the scene (or an example). Without a display, the scene is solved and its
+/// sheet written to sonoglyph.png: targets, phase and amplitude per element, and a map of RMS pressure.
 #[derive(Debug, Parser)]
 #[command(name = "sonoglyph", version = VERSION, args_conflicts_with_subcommands = true, max_term_width = 100)]
 struct Cli {
@@ -68,7 +68,7 @@ struct Cli {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Solve scenes and write pictures of them
+    /// Solve scenes and write pictures, animations or volumes
     ///
     /// Maps are drawn y upwards with samples at pixel centres. Examples:
     ///
@@ -88,10 +88,10 @@ enum Command {
     ///
     ///   sonoglyph render assets/scenes/water-moving-square.toml --motion -o square.gif
     ///
-    ///   sonoglyph render assets/scenes/water-moving-square.toml --quantity depression --view shaded --waves -o waves.mp4
+    ///   sonoglyph render water-moving-square.toml --quantity depression --view shaded --waves -o waves.mp4
     #[command(verbatim_doc_comment)]
     Render(Box<RenderArgs>),
-    /// Find the drive of a scene and say how good it is
+    /// Find the drive of a scene and report its quality
     ///
     /// Examples:
     ///
@@ -108,8 +108,8 @@ enum Command {
     Solve(SolveArgs),
     /// Compute the complex pressure at points from a CSV file
     ///
-    /// The file has the columns x, y, z in metres; the answer adds re, im (Pa, peak) and rms (Pa), or with --quantity force what
-    /// the scene's bead feels there: gorkov (J), fx, fy, fz (N), and the stiffness kxx to kzz (N/m). Examples:
+    /// The file has the columns x, y, z in metres. The answer adds re, im (Pa, peak) and rms (Pa), or for the
+    /// scene's bead (--quantity force) gorkov (J), fx, fy, fz (N) and kxx to kzz (N/m). Examples:
     ///
     ///   sonoglyph probe hit.toml --points points.csv -o pressures.csv
     ///
@@ -118,7 +118,7 @@ enum Command {
     ///   sonoglyph probe scene.toml --points points.csv --time --spectrum lines.csv -o course.csv
     #[command(verbatim_doc_comment)]
     Probe(ProbeArgs),
-    /// Measure time against error on this machine, beside a baseline in the same run
+    /// Measure time against error on this machine, relative to a baseline in the same run
     ///
     /// Examples:
     ///
@@ -127,25 +127,25 @@ enum Command {
     ///   sonoglyph bench all --json bench.json --plots plots/
     #[command(verbatim_doc_comment)]
     Bench(BenchArgs),
-    /// Solve scenes that come as JSON lines, and answer with JSON lines in the same order
+    /// Solve scenes given as JSON lines, and answer with JSON lines in the same order
     ///
-    /// A line is a scene with the tables and keys of the file; `format` may be left out, and an `id` comes back with the
-    /// answer. The answer is what `solve --json` prints, or {"error": …} for an invalid line. Example:
+    /// A line is a scene with the tables and keys of the scene file; `format` is optional, and an `id` is
+    /// returned with the answer: the object of `solve --json`, or {"error": …}. Example:
     ///
     ///   echo '{"target": [{"kind": "point", "at": [0, 0, 0.12]}]}' | sonoglyph batch --field
     #[command(verbatim_doc_comment)]
     Batch(BatchArgs),
-    /// Write the places and directions of a scene's elements as CSV, board after board
+    /// Write positions and normals of a scene's elements as CSV, board by board
     ///
-    /// The columns are x,y,z (m) and nx,ny,nz, as `array.elements` of a scene file reads them. Examples:
+    /// The columns are x,y,z (m) and nx,ny,nz: the format of `array.elements` in a scene file. Examples:
     ///
     ///   sonoglyph elements levitator.toml -o levitator.csv
     #[command(verbatim_doc_comment)]
     Elements(ElementsArgs),
-    /// Release a bead in the sound of a scene, or carry it along the scene's motion
+    /// Simulate a bead released in a scene's field, or carried along its motion
     ///
-    /// The scene's bead flies under the radiation force, its weight and the drag of the air, until its time is over or it is more than a
-    /// wavelength away from where it is wanted. Examples:
+    /// The scene's bead moves under radiation force, weight and air drag, for --seconds or until it is more
+    /// than a wavelength from its trap. Examples:
     ///
     ///   sonoglyph levitate assets/scenes/levitated-beads.toml
     ///
@@ -154,42 +154,42 @@ enum Command {
     ///   sonoglyph levitate moving-trap.toml --fastest
     #[command(verbatim_doc_comment)]
     Levitate(LevitateArgs),
-    /// List the adapters and evaluators found, and which would be used
+    /// List GPU adapters and field evaluators, and the automatic choice
     Devices,
-    /// List the serial ports, and the boards that can be driven
+    /// List serial ports and supported boards
     Ports,
     /// Play a scene on a board
     ///
-    /// A scene at rest is played for a second, a scene with motion for one cycle; --loop goes on until Ctrl-C. When it ends, in
-    /// whichever way, the board falls silent. Examples:
+    /// A scene at rest is played for a second, a scene with motion for one cycle; --loop plays until Ctrl-C.
+    /// The board is silenced whenever the command ends. Examples:
     ///
     ///   sonoglyph send hit.toml --port /dev/ttyUSB0 --profile sonicsurface --loop
     ///
-    ///   sonoglyph send assets/scenes/water-moving-square.toml --port /dev/ttyUSB0 --profile native --baud 3000000 --seconds 20
+    ///   sonoglyph send moving.toml --port /dev/ttyUSB0 --profile native --baud 3000000 --seconds 20
     #[command(verbatim_doc_comment)]
     Send(SendArgs),
     /// Let other programs edit a scene over OSC and WebSocket, and play it on a board
     ///
-    /// What is sent and heard is described in docs/control.md. Only programs of this machine are listened to, unless --listen
-    /// says otherwise. Nothing sounds until a program says so; Ctrl-C silences the board. Examples:
+    /// docs/control.md has the protocol. Only programs on this machine can connect, unless --listen names
+    /// another address. The board is silent until a program starts it; Ctrl-C silences it. Examples:
     ///
     ///   sonoglyph serve hit.toml --osc 9000 --port /dev/ttyUSB0 --profile sonicsurface
     ///
     ///   sonoglyph serve --websocket 9001 --listen 0.0.0.0 --token correct-horse
     #[command(verbatim_doc_comment)]
     Serve(ServeArgs),
-    /// Bring a board up: connection, capacity of the line, every element, a focus, the emergency stop
+    /// Bring up a board: connection, bit rates, each element, a focus, the emergency stop
     ///
-    /// Ends with exit status 0 if all steps passed, and leaves the board silent. Examples:
+    /// The exit status is 0 if every step passed. The board is silent at the end. Examples:
     ///
     ///   sonoglyph check --port /dev/ttyUSB0
     ///
     ///   sonoglyph check --port /dev/ttyUSB0 --listen --calibration mine.csv -o report.txt
     #[command(verbatim_doc_comment)]
     Check(CheckArgs),
-    /// Emulate a board: open a pseudo-terminal, decode the stream, and show the field that it would make
+    /// Emulate a board on a pseudo-terminal: decode the stream and show its field
     ///
-    /// Prints the port to send to. Examples:
+    /// Prints the port for `sonoglyph send`. Examples:
     ///
     ///   sonoglyph board --profile sonicsurface --seconds 60 -o field.png
     ///
@@ -198,7 +198,7 @@ enum Command {
     ///   sonoglyph board --faults drop=0.0001,flip=0.0001,unplug=2
     #[command(verbatim_doc_comment)]
     Board(BoardArgs),
-    /// Write a shell's completions of commands, options and values to standard output
+    /// Write shell completions to standard output
     ///
     /// Examples:
     ///
@@ -227,10 +227,10 @@ struct RenderArgs {
     /// Quantity or page to draw
     #[arg(long, value_enum, default_value_t = Diagram::Map(Quantity::Rms))]
     quantity: Diagram,
-    /// Pixels: W, or WxH; W alone keeps the plane's shape [default: 512, pages 1600, films of shaded surfaces 800]
+    /// Pixels: W (keeps the aspect ratio) or WxH [default: 512, pages 1600, films of shaded surfaces 800]
     #[arg(long, value_name = "W[xH]", value_parser = render::parse_size)]
     size: Option<Size>,
-    /// How a surface depression is shown, or all of space
+    /// Map, shaded liquid surface, or 3D view
     #[arg(long, value_enum, default_value_t = View::Flat)]
     view: View,
     /// Solver method, instead of the scene's
@@ -238,43 +238,42 @@ struct RenderArgs {
     method: Option<Method>,
     #[command(flatten)]
     backend: BackendArgs,
-    /// Largest error wanted, relative to the map's peak, or `exact`; instead of the scene's
+    /// Error tolerance relative to the map's peak, or `exact`, instead of the scene's
     ///
     /// A looser tolerance evaluates fewer points and interpolates; `exact` evaluates every pixel.
     #[arg(long, value_name = "T|exact", allow_negative_numbers = true, value_parser = render::parse_tolerance)]
     tolerance: Option<f64>,
-    /// Colours of pressure maps
+    /// Colour map of pressure maps
     #[arg(long, value_enum, default_value_t = ColourMap::Inferno)]
     colours: ColourMap,
-    /// Write the numbers too: NPY, float32, (H, W), row 0 at the smallest y
+    /// Also write the values: NPY, float32, (H, W), row 0 at the smallest y
     ///
-    /// Pressures in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s,
-    /// potential in J. For --waves the
-    /// shape is (frames, H, W), and FILE.times.npy has the time of every frame in s. For `drive` it is (2, rows, columns):
-    /// phase in rad, amplitude before it is made uniform.
+    /// Pressure in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s, potential in
+    /// J, force in N. For --waves the shape is (frames, H, W), and FILE.times.npy has the times (s) of the frames. For
+    /// `drive` it is (2, rows, columns): phase in rad, and the solver's amplitude before it is made uniform.
     #[arg(long, value_name = "FILE.npy")]
     data: Option<PathBuf>,
-    /// Animate a cycle of the scene's motion: FILE.gif, an animated FILE.png or FILE.apng, FILE.mp4 or FILE.webm, or a PNG
-    /// per frame in FOLDER/
+    /// Animate a cycle of the scene's motion: FILE.gif, an animated FILE.png or FILE.apng, FILE.mp4 or FILE.webm, or
+    /// a PNG per frame in FOLDER/
     ///
-    /// All frames share one range of colours or depths. MP4 (H.264) and WebM (VP9) are encoded by the program ffmpeg; their
-    /// sides are even.
+    /// All frames share one range of colours or depths. MP4 (H.264) and WebM (VP9) need ffmpeg and have even sides.
     #[arg(long)]
     motion: bool,
-    /// Animate the liquid's surface from the moment that the sound begins: waves, for --quantity depression
+    /// Animate the waves on a liquid from the onset of the sound, for --quantity depression or caustic
     ///
-    /// The envelope swings and the targets move as the scene says. The walls, 14 capillary lengths beyond the plane, reflect.
+    /// Modulation and motion are those of the scene. Walls, 14 capillary lengths beyond the plane, reflect the waves.
     #[arg(long, conflicts_with = "motion")]
     waves: bool,
-    /// How long --waves goes on [default: a cycle of the motion, or 0.25 s of a static scene]
+    /// Duration of --waves [default: a cycle of the motion, or 0.25 s of a static scene]
     #[arg(long, value_name = "S", requires = "waves")]
     seconds: Option<f64>,
-    /// Frames of --motion or --waves that are shown per second [default: as many as there really are, at most 50]
+    /// Playback rate of --motion and --waves, frames per second [default: real time, at most 50]
     #[arg(long, value_name = "N", value_parser = arguments::between(RATES, "frames per second"))]
     fps: Option<f64>,
-    /// Still picture of a scene with motion: a frame, counted from 1, or the mean of a cycle
+    /// Still picture of a motion: a frame, counted from 1, or the mean over a cycle
     ///
-    /// Otherwise targets stand where the scene puts them, but for `radiation` and `depression`: a liquid is slow and feels the mean.
+    /// Default: the targets at the scene's positions; for `radiation`, `depression` and `caustic` the mean, since a
+    /// liquid is too slow for single frames.
     #[arg(long, value_name = "N|mean", value_parser = render::parse_moment, conflicts_with_all = ["motion", "waves"])]
     frame: Option<Moment>,
     /// Report evaluator, method and times
@@ -301,19 +300,19 @@ struct SolveArgs {
     /// Write the drive: element, x, y (m), phase (rad), amplitude
     #[arg(long, value_name = "FILE")]
     csv: Option<PathBuf>,
-    /// Report the quality on a board with L phase levels per period, and find the best drive on these levels; --csv writes it
+    /// Quality on a board with L phase levels per period, rounded and refined; --csv writes the refined drive
     #[arg(long, value_name = "L", value_parser = clap::value_parser!(u32).range(2..=65536))]
     levels: Option<u32>,
-    /// Solve every frame of the scene's motion, each going on from the one before
+    /// Solve every frame of the scene's motion, each starting from the previous one
     ///
     /// --csv then writes a row per frame: frame, time (s), and phase_0, phase_1, ... (rad), `nan` for elements that are
     /// off. --json prints one object whose `frames` hold time, foci, pressures (Pa, peak) and phases.
     #[arg(long, conflicts_with = "levels")]
     motion: bool,
-    /// Search further for so long (s), instead of the scene's time
+    /// Duration of the further search (s), instead of the scene's
     #[arg(long, value_name = "S", conflicts_with = "motion", allow_negative_numbers = true, value_parser = arguments::parse_search)]
     search: Option<f64>,
-    /// Say how loud it is for an ear at a point (m), instead of the scene's
+    /// Exposure at a listener's position (m), instead of the scene's
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_listener)]
     listener: Option<Listener>,
 }
@@ -327,27 +326,27 @@ struct ProbeArgs {
     points: PathBuf,
     #[command(flatten)]
     backend: BackendArgs,
-    /// Drive as `solve --csv` writes it, instead of the solver's
+    /// Drive in the format of `solve --csv`, instead of the solver's
     #[arg(long, value_name = "FILE.csv")]
     drive: Option<PathBuf>,
-    /// What to compute
+    /// Computed quantity
     ///
-    /// `force`: Gor'kov's potential, the radiation force on the scene's `[bead]` without its weight, and the symmetric part of the
-    /// stiffness -dF/dx, in f64 from closed derivatives; several drives have their mean.
+    /// `force`: Gor'kov potential, radiation force on the scene's `[bead]` without its weight, and the symmetric part
+    /// of the stiffness -dF/dx, in f64 from analytic derivatives; the mean over several drives.
     #[arg(long, value_enum, default_value_t = Probed::Pressure, conflicts_with = "time")]
     quantity: Probed,
     #[command(flatten)]
     time: TimeArgs,
-    /// Where to write; standard output otherwise
+    /// Output file [default: standard output]
     #[arg(short, long, value_name = "FILE.csv")]
     output: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Probed {
-    /// Complex peak and RMS pressure
+    /// Complex peak pressure, and RMS
     Pressure,
-    /// Force of the sound on the scene's bead
+    /// Radiation force on the scene's bead
     Force,
 }
 
@@ -356,19 +355,19 @@ struct BatchArgs {
     /// Solver method, instead of the scenes'
     #[arg(long, value_enum)]
     method: Option<Method>,
-    /// Leave out bound, certified, rank and condition, which take longer than the drive
+    /// Omit bound, certified, rank and condition, which take longer than the drive
     #[arg(long)]
     no_limits: bool,
-    /// Add the peak, its place and the mean of the RMS pressure on the scene's plane, and the -6 dB widths of foci
+    /// Add peak, its position and the mean of the RMS pressure on the scene's plane, and the -6 dB widths of foci
     #[arg(long)]
     field: bool,
-    /// Write the RMS pressure on the plane too: FOLDER/LINE.npy, float32, row 0 at the smallest y; implies --field
+    /// Also write the RMS pressure on the plane: FOLDER/LINE.npy, float32, row 0 at the smallest y; implies --field
     #[arg(long, value_name = "FOLDER")]
     data: Option<PathBuf>,
-    /// Threads [default: as many as there are cores]
+    /// Threads [default: number of cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Pixels of a field along x
+    /// Pixels of the field along x
     #[arg(long, value_name = "W", default_value_t = 256, value_parser = clap::value_parser!(u16).range(2..=4096))]
     size: u16,
 }
@@ -382,19 +381,19 @@ struct BackendArgs {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum View {
-    /// A map of its depth
+    /// Map on the scene's plane
     Flat,
-    /// The surface seen at an angle
+    /// Liquid surface as a shaded relief
     Shaded,
-    /// Space: the field's surface or projection, boards, targets and the scene's plane
+    /// Isosurface or projection of the field, with boards, targets and the scene's plane
     #[value(name = "3d")]
     Space,
 }
 
-/// Runs the command line that the program was given.
+/// Runs the program's command line.
 ///
 /// # Errors
-/// Bad input, or output that cannot be written; the message is for the user as it stands.
+/// Bad input, or output that cannot be written, with a message for the user.
 pub fn run() -> anyhow::Result<Next> {
     output::outlive_file_limits()?;
     arguments::refuse_misspelt()?;
@@ -432,15 +431,15 @@ pub fn run() -> anyhow::Result<Next> {
     done.map(|()| Next::Exit)
 }
 
-/// What is left to do when the command line has been read.
+/// The step after the command line.
 #[derive(Debug)]
 pub enum Next {
     Exit,
-    /// The window on this scene, or on an example.
+    /// The window, on this scene or an example.
     Window(Option<PathBuf>, Renderer),
 }
 
-/// The scene in a file, with the method that the command line may ask for instead; its file and its pictures are never written.
+/// Reads a scene, with `method` instead of its own. It and its named files are then refused as outputs.
 fn read_scene(path: &Path, method: Option<Method>, files: &mut Files) -> anyhow::Result<Scene> {
     files.reads(path)?;
     let mut scene = opening::open(path)?;
@@ -452,7 +451,7 @@ fn read_scene(path: &Path, method: Option<Method>, files: &mut Files) -> anyhow:
     Ok(scene)
 }
 
-/// To the file that is named, or else to standard output.
+/// Writes to the file, by default to standard output.
 fn write_or_print(path: Option<&Path>, text: &str) -> anyhow::Result<()> {
     match path {
         Some(path) => output::write(path, text.as_bytes()),

@@ -1,4 +1,4 @@
-//! `sonoglyph solve --motion`: the drives of all frames of a cycle and their quality, as a table, JSON or CSV.
+//! `sonoglyph solve --motion`: drives and quality of all frames of a cycle, as a table, JSON or CSV.
 
 use std::io::{BufWriter, Write};
 
@@ -6,7 +6,7 @@ use anyhow::bail;
 
 use crate::cli::solve::Methods;
 use crate::cli::{COLUMN, SolveArgs, progress, read_scene};
-use crate::picture::sheet::pascals;
+use crate::rounding::{millimetres, milliseconds, pascals};
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};
 use crate::solver::frames::Sequence;
@@ -14,8 +14,9 @@ use crate::studio::frames::{Summary, playable, write_csv, write_json};
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{self, Files, say, warn};
 
-/// m/s at which a moving focus is felt most: about the speed of waves on skin (Frier et al. 2018).
+/// m/s of a focus that feels strongest, about the speed of waves on skin (Frier et al. 2018).
 const FELT_MOST: (f64, f64) = (5.0, 8.0);
+
 pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let method = match args.method {
         Some(Methods::All) => bail!("--motion follows one solution from frame to frame: name one method"),
@@ -46,7 +47,7 @@ fn warn_of_rate(scene: &Scene) {
     let rate = motion::cycle(scene).map(|cycle| cycle.frames_per_second());
     if let Some(rate) = rate.filter(|&rate| rate > carrier) {
         warn(&format!(
-            "{rate:.0} frames/s are more than the {carrier:.0} periods that the array plays in a second: none can follow; \
+            "{rate:.0} frames/s are more than the {carrier:.0} carrier periods per second: \
              take fewer frames or a lower rate"
         ));
     }
@@ -54,22 +55,22 @@ fn warn_of_rate(scene: &Scene) {
 
 fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
     let (summary, count) = (Summary::new(sequence), sequence.frames.len());
-    let mut rows = vec![("path", scene.motion.path.name().to_owned())];
+    let mut rows = vec![("path", scene.motion.path.into_str().to_owned())];
     match motion::cycle(scene) {
-        Some(cycle) => moving(&cycle, scene.array.frequency, &mut rows),
+        Some(cycle) => rates(&cycle, scene.array.frequency, &mut rows),
         None => rows.push(("frames", count.to_string())),
     }
     rows.extend([
         (
             "method",
             format!(
-                "{}, {:.3} ms per frame{}",
-                scene.solver.method.name(),
-                summary.seconds * 1e3,
+                "{}, {} per frame{}",
+                scene.solver.method.into_str(),
+                milliseconds(summary.seconds, 3),
                 match count - summary.searched {
                     0 => String::new(),
                     followed =>
-                        format!("; {followed} of {count} go on from a neighbour, the rest is searched for"),
+                        format!("; {followed} of {count} start from a neighbour, the others from a search"),
                 }
             ),
         ),
@@ -100,12 +101,12 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// How fast what moves is, by the scene's motion and by those of targets.
-fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)>) {
+/// Rows for frame rate and speeds: of the scene's motion, and of targets with their own.
+fn rates(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)>) {
     let (from, to) = FELT_MOST;
     let of_scene = cycle.groups.iter().find(|group| group.target.is_none() && group.length > 0.0);
     if let (Some(group), Some((_, path))) = (of_scene, rows.first_mut()) {
-        *path += &format!(", {:.1} mm a cycle", group.length * 1e3);
+        *path += &format!(", {} mm a cycle", millimetres(group.length, 1));
     }
     let (frames, rate) = (cycle.frames, cycle.frames_per_second());
     rows.push((
@@ -119,14 +120,14 @@ fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)
     }
     for (group, target) in cycle.groups.iter().filter_map(|group| Some((group, group.target?))) {
         let Group { motion, length, rounds, .. } = group;
-        let (path, rate) = (motion.path.name(), cycle.played(group));
+        let (path, rate) = (motion.path.into_str(), cycle.played(group));
         let times = if *rounds == 1 { "once".to_owned() } else { format!("{rounds} times") };
         rows.push((
             "own motion",
             format!(
-                "target {}: {path}, {:.1} mm, {times} a cycle: {} Hz, {:.3} m/s",
+                "target {}: {path}, {} mm, {times} a cycle: {} Hz, {:.3} m/s",
                 target + 1,
-                length * 1e3,
+                millimetres(*length, 1),
                 figure(rate),
                 length * rate
             ),
@@ -134,7 +135,7 @@ fn moving(cycle: &Cycle<'_>, carrier: f64, rows: &mut Vec<(&'static str, String)
     }
 }
 
-/// A number to three decimals, or fewer where the rest is 0.
+/// A number with three decimals, without trailing zeros.
 fn figure(value: f64) -> String {
     let text = format!("{value:.3}");
     match text.trim_end_matches('0').trim_end_matches('.') {

@@ -1,24 +1,20 @@
-//! What the command line calls values that the layers above declare by name.
+//! Argument values for quantities, methods and colour maps, with the names that their layers declare.
+
+use std::sync::LazyLock;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use strum::VariantArray;
 
 use crate::field::Quantity;
 use crate::picture::ColourMap;
 use crate::scene::Method;
 use crate::studio::still::Diagram;
 
-/// Every quantity, and what is not one.
-const DIAGRAMS: [Diagram; Quantity::ALL.len() + 2] = {
-    let mut all = [Diagram::Drive; Quantity::ALL.len() + 2];
-    let mut i = 0;
-    while i < Quantity::ALL.len() {
-        all[i] = Diagram::Map(Quantity::ALL[i]);
-        i += 1;
-    }
-    all[i] = Diagram::Sheet;
-    all
-};
+/// Every quantity, and the pages.
+static DIAGRAMS: LazyLock<Vec<Diagram>> = LazyLock::new(|| {
+    Quantity::ALL.into_iter().map(Diagram::Map).chain([Diagram::Drive, Diagram::Sheet]).collect()
+});
 
 impl ValueEnum for Diagram {
     fn value_variants<'a>() -> &'a [Self] {
@@ -39,11 +35,11 @@ impl ValueEnum for Diagram {
 
 impl ValueEnum for Method {
     fn value_variants<'a>() -> &'a [Self] {
-        &Self::ALL
+        Self::VARIANTS
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.name()).help(self.title()))
+        Some(PossibleValue::new(self.into_str()).help(self.title()))
     }
 }
 
@@ -53,6 +49,6 @@ impl ValueEnum for ColourMap {
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.name()))
+        Some(PossibleValue::new(self.into_str()))
     }
 }

@@ -1,4 +1,4 @@
-//! `sonoglyph probe`: the complex pressure, or the force on a bead, at points from a CSV file.
+//! `sonoglyph probe`: complex pressure, or the force on a bead, at points from a CSV file.
 
 use std::fs::File;
 use std::path::Path;
@@ -64,9 +64,7 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     }
     let pressures = probe::mean(&drives.iter().map(pressure).collect::<Result<Vec<_>, _>>()?);
     if drives.len() > 1 {
-        note(
-            "`re` and `im` have the modulus of the mean of all drives that take turns, and the phase of the first",
-        );
+        note("`re` and `im` have the RMS modulus of all drives in turn, and the phase of the first");
     }
     write_or_print(args.output.as_deref(), &probe::pressures_csv(&samples.columns, &pressures))
 }
@@ -80,7 +78,7 @@ fn forces(args: &ProbeArgs, levitation: &Levitation, points: &[DVec3]) -> anyhow
     write_or_print(args.output.as_deref(), &probe::forces_csv(levitation, points))
 }
 
-/// What `read` makes of a file; its errors name the file in front of the line.
+/// Reads a file. Errors name it before the line.
 fn read_table<T>(path: &Path, read: impl FnOnce(File) -> Result<T, TableError>) -> anyhow::Result<T> {
     let file = source::open(path).with_context(|| path.display().to_string())?;
     read(file).map_err(|error| anyhow!("{}:{error}", path.display()))

@@ -1,4 +1,4 @@
-//! How far a long step is: a bar with the time that is left on a terminal, and one note with an estimate elsewhere.
+//! Progress of long steps: a bar with the remaining time on a terminal, elsewhere one note with the expected time.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -8,14 +8,14 @@ use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use crate::gauge::Gauge;
 use crate::studio::output::note;
 
-/// In which progress is counted.
+/// Resolution of the bar.
 const STEPS: f64 = 10_000.0;
-/// s that need no progress bar, and after which an estimate is worth something.
+/// s without a bar; earlier estimates are unreliable.
 const SHORT: f64 = 1.0;
-/// s that are worth a note.
+/// Expected s of a step with a note.
 const LONG: f64 = 5.0;
 
-/// Shows the progress of a step of this name.
+/// Starts to show the progress of a step.
 pub fn begin(name: &'static str) -> Gauge {
     let style = ProgressStyle::with_template("{msg} {bar:30} {percent} %, {eta} left");
     let bar = ProgressBar::new(STEPS as u64)
@@ -31,13 +31,9 @@ pub fn begin(name: &'static str) -> Gauge {
             return;
         }
         bar.set_position((part * STEPS) as u64);
-        let all = elapsed.div_f64(part);
-        if bar.is_hidden() && all.as_secs_f64() > LONG && !is_noted.swap(true, Ordering::Relaxed) {
-            note(&format!(
-                "{name}: {:.0} % are done; they take about {} in all",
-                100.0 * part,
-                HumanDuration(all)
-            ));
+        let expected = elapsed.div_f64(part);
+        if bar.is_hidden() && expected.as_secs_f64() > LONG && !is_noted.swap(true, Ordering::Relaxed) {
+            note(&format!("{name}: {:.0} % done, about {} in all", 100.0 * part, HumanDuration(expected)));
         }
     })
 }

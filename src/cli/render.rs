@@ -1,4 +1,4 @@
-//! `sonoglyph render`: scenes in, pictures out.
+//! `sonoglyph render`: still pictures and figures of scenes.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -10,6 +10,7 @@ use crate::cli::figure::{FigureArgs, write as write_figure};
 use crate::cli::{RenderArgs, View, progress, read_scene};
 use crate::echo;
 use crate::field::{Evaluator, Stages};
+use crate::rounding::milliseconds;
 use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say};
 use crate::studio::still::{self, Diagram, LARGEST_SIDE, Look, Moment, Size, Solved};
@@ -19,7 +20,7 @@ use crate::studio::{evaluator, figure};
 pub fn parse_size(text: &str) -> Result<Size, String> {
     let side = |text: &str| match text.parse::<usize>() {
         Ok(side) if (1..=LARGEST_SIDE).contains(&side) => Ok(side),
-        _ => Err(format!("`{text}` is no number of pixels from 1 to {LARGEST_SIDE}")),
+        _ => Err(format!("`{text}` is not a number of pixels from 1 to {LARGEST_SIDE}")),
     };
     match text.split_once(['x', 'X']) {
         Some((width, height)) => Ok(Size { width: side(width)?, height: Some(side(height)?) }),
@@ -43,7 +44,7 @@ pub fn parse_tolerance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// What the arguments ask of every picture.
+/// The options common to all pictures.
 pub fn look(args: &RenderArgs) -> Look {
     Look {
         diagram: args.quantity,
@@ -59,17 +60,17 @@ pub fn look(args: &RenderArgs) -> Look {
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.volume.block.is_some() {
-        bail!("--box is of --volume and of --view 3d");
+        bail!("--box applies to volumes and 3D views: add --volume or --view 3d");
     }
     let outputs = outputs(&args.scenes, &args.output)?;
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
     }
     if args.fps.is_some() {
-        bail!("--fps is of films: add --motion or --waves");
+        bail!("--fps applies to animations: add --motion or --waves");
     }
     let (look, wish) = (look(args), FigureArgs::wish(args)?);
-    // Every scene is read and solved before the first is drawn: a slip in the last one costs no work.
+    // All scenes are read and solved before the first is drawn, so that an error in the last costs no drawing.
     let (mut scenes, mut files) = (Vec::new(), Files::new());
     args.scenes.iter().try_for_each(|path| files.reads(path))?;
     outputs.iter().chain(&args.data).try_for_each(|path| files.keeps(path))?;
@@ -92,7 +93,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     for path in outputs.iter().chain(&args.data) {
         output::check_writable(path)?;
     }
-    // A drive has no field to compute, and so no word is needed on who would.
+    // A drive needs no field, hence no evaluator to report.
     let mut stages = Stages::new(match args.quantity {
         Diagram::Drive => Evaluator::Cpu,
         Diagram::Map(_) | Diagram::Sheet => evaluator::for_maps(look.backend, args.verbose)?,
@@ -116,7 +117,10 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         bar.suspend(|| {
             say!("{}", rendered.line(output))?;
             match args.verbose {
-                true => say!("  {}; {:.0} ms in all", rendered.how, start.elapsed().as_secs_f64() * 1e3),
+                true => {
+                    let whole = milliseconds(start.elapsed().as_secs_f64(), 0);
+                    say!("  {}; {whole} in all", rendered.how)
+                }
                 false => Ok(()),
             }
         })?;
@@ -126,7 +130,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// One output per scene: the file itself, or files in a folder.
+/// One output per scene: the named file, or files in the named folder.
 pub(in crate::cli) fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let named_as_folder = output.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
     if scenes.len() == 1 && !output.is_dir() && !named_as_folder {
@@ -146,7 +150,7 @@ pub(in crate::cli) fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Resu
     Ok(outputs)
 }
 
-/// Makes the folder that outputs go to, unless a single file was named: its folder must be there.
+/// Creates the output folder. The folder of a single named file must exist.
 pub(in crate::cli) fn make_folder(args: &RenderArgs, outputs: &[PathBuf]) -> anyhow::Result<()> {
     if outputs.len() == 1 && outputs[0] == args.output {
         return Ok(());

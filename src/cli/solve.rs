@@ -4,12 +4,14 @@ use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use comfy_table::{CellAlignment, Table};
 use glam::DVec3;
+use strum::VariantArray;
 
 use crate::acoustics::Aperture;
 use crate::cli::{COLUMN, SolveArgs, read_scene};
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
-use crate::picture::sheet::{pascals, pascals_at_most};
-use crate::rounding::{percent, percent_at_least, percent_at_most};
+use crate::rounding::{
+    millimetres, milliseconds, pascals, pascals_at_most, percent, percent_at_least, percent_at_most,
+};
 use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, check};
 use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
@@ -18,7 +20,7 @@ use crate::studio::json;
 use crate::studio::levitation::{self, Held};
 use crate::studio::output::{self, Files, say, warn};
 
-/// What is said in place of figures that compare pressures at the foci, and the rows that do.
+/// Replaces the figures that compare pressures if the foci are silent, in these rows.
 const SILENT: &str = "no sound reaches the foci";
 const UNIFORMITY: &str = "uniformity (std/mean)";
 const COMPARED: [&str; 8] = [
@@ -32,7 +34,6 @@ const COMPARED: [&str; 8] = [
     "error",
 ];
 
-/// Which methods to run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Methods {
     One(Method),
@@ -40,7 +41,7 @@ pub enum Methods {
 }
 
 pub fn methods() -> impl TypedValueParser<Value = Methods> {
-    let names = Method::ALL.iter().filter_map(ValueEnum::to_possible_value);
+    let names = Method::VARIANTS.iter().filter_map(ValueEnum::to_possible_value);
     PossibleValuesParser::new(names.chain([PossibleValue::new("all").help("Every method, side by side")]))
         .map(|name| Method::from_str(&name, false).map_or(Methods::All, Methods::One))
 }
@@ -67,14 +68,14 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let in_file = |error: SolveError| anyhow::anyhow!("{}: {error}", args.scene.display());
     if args.method == Some(Methods::All) {
         if args.levels.is_some() {
-            anyhow::bail!("--levels looks at one drive: name one method");
+            anyhow::bail!("--levels takes one drive: name one method");
         }
         return compare(&scene, args.json, &in_file);
     }
     let mut solution = solver::solve(&scene).map_err(in_file)?;
     if !solution.others.is_empty() && (args.csv.is_some() || args.levels.is_some()) {
         anyhow::bail!(
-            "--csv and --levels are of one drive, and {} take turns (`frames` in [solver]): --json has them all",
+            "--csv and --levels take one drive, and this scene has {} (`frames` in [solver]): --json has them all",
             solution.others.len() + 1
         );
     }
@@ -114,10 +115,10 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What a board with few phase levels makes of the drive.
+/// Prints the quality on a board with few phase levels.
 fn print_played(played: &Played, pressures: Pressures, is_silent: bool) -> anyhow::Result<()> {
     say!(
-        "\nOn {} phase levels (rounding leaves {} of the mean on the average):",
+        "\nOn {} phase levels (rounding leaves {} of the mean on average):",
         played.levels,
         percent(levels::expected_part(played.levels))
     )?;
@@ -147,21 +148,21 @@ fn compare(
     in_file: &dyn Fn(SolveError) -> anyhow::Error,
 ) -> anyhow::Result<()> {
     let mut solutions = Vec::new();
-    for method in Method::ALL {
+    for &method in Method::VARIANTS {
         let mut scene = scene.clone();
-        // An iteration count is meant for the scene's own method.
+        // The scene's iteration count applies to its own method.
         scene.solver.iterations = if scene.solver.method == method { scene.solver.iterations } else { 0 };
         scene.solver.method = method;
         match solver::solve(&scene) {
             Ok(solution) => solutions.push(solution),
-            // A comparison leaves out what cannot be compared.
+            // `focus` solves single foci only.
             Err(SolveError::SeveralFoci(_)) => {}
             Err(error) => return Err(in_file(error)),
         }
     }
     let aperture = Aperture::new(scene);
     let Some(first) = solutions.first() else { return Ok(()) };
-    // The limits are those of foci and array alone, and the stages of the map know all but the drive: both serve every method.
+    // Limits and stages of the map depend on foci and array alone: all methods share them.
     let _room = room::of_limits(scene, first.foci.len()).map_err(in_file)?;
     let problem = Problem::new(&aperture, first.foci.clone());
     let (limits, mut stages) = (Limits::new(&problem), Stages::new(Evaluator::Cpu));
@@ -178,7 +179,7 @@ fn compare(
     }
 }
 
-/// Every warning once, with the methods it is about where it is not about all.
+/// Prints every warning once, with the names of its methods unless it concerns all.
 fn report_warnings(findings: &[Findings]) {
     let mut said = Vec::new();
     for warning in findings.iter().flat_map(|one| &one.warnings) {
@@ -189,7 +190,7 @@ fn report_warnings(findings: &[Findings]) {
         let concerned: Vec<_> = findings
             .iter()
             .filter(|other| other.warnings.contains(warning))
-            .map(|other| other.solution.method.name())
+            .map(|other| other.solution.method.into_str())
             .collect();
         if concerned.len() == findings.len() {
             warn(warning);
@@ -217,7 +218,7 @@ fn comparison(findings: &[Findings]) -> Table {
     for Findings { solution, limits, side_lobe, heard, .. } in findings {
         let quality = &solution.quality;
         let mut row = vec![
-            solution.method.name().to_owned(),
+            solution.method.into_str().to_owned(),
             pascals(quality.mean_pressure),
             pascals(quality.min_pressure),
             if quality.is_silent() { "-".to_owned() } else { percent(quality.spread) },
@@ -240,21 +241,20 @@ fn align_numbers(table: &mut Table) {
     }
 }
 
-/// The drive as a table's row says it.
+/// Number and amplitudes of the driven elements.
 fn drive_row(scene: &Scene, solution: &Solution) -> String {
     let driven = solution.drive.amplitudes.iter().filter(|&&amplitude| amplitude > 0.0).count();
     let part = percent(solution.turned_down);
     let how = match (scene.solver.amplitudes, scene.solver.pressures) {
         (Amplitudes::Uniform, Pressures::Relative) => String::new(),
         (Amplitudes::Uniform, Pressures::Pascal) => format!(", each at {part} of full drive"),
-        (Amplitudes::Free, _) => format!(", each at its own amplitude, the loudest at {part} of full drive"),
+        (Amplitudes::Free, _) => format!(", with free amplitudes, the largest {part} of full drive"),
     };
     format!("{driven} of {}{how}", solution.drive.phases.len())
 }
 
-fn millimetres(point: DVec3) -> [String; 3] {
-    // What rounds to zero is zero, not "-0.00".
-    (point * 1e3).to_array().map(|coordinate| format!("{:.2}", (coordinate * 1e2).round() / 1e2 + 0.0))
+fn coordinates(point: DVec3) -> [String; 3] {
+    point.to_array().map(|coordinate| millimetres(coordinate, 2))
 }
 
 fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
@@ -279,10 +279,10 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         (
             "method",
             format!(
-                "{}, {} iterations, {:.2} ms",
-                solution.method.name(),
+                "{}, {} iterations, {}",
+                solution.method.into_str(),
                 solution.iterations,
-                solution.seconds * 1e3
+                milliseconds(solution.seconds, 2)
             ),
         ),
         ("elements driven", drive_row(scene, solution)),
@@ -307,7 +307,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         ),
     ];
     if let Some(figures) = &solution.figures {
-        let [x, y, z] = millimetres(figures.side_lobe_position);
+        let [x, y, z] = coordinates(figures.side_lobe_position);
         let figures = [
             (
                 "evenness",
@@ -323,8 +323,8 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
     }
     if let Some(areas) = solution.figures.as_ref().and_then(|figures| figures.areas) {
         let what = if scene.aims_at_depression() { "the depression" } else { "|p|²" };
-        let contrast = format!("{:.1}, mean of {what} inside over that around", areas.contrast);
-        let error = format!("{} of {what} from what is drawn, squared", percent(areas.error));
+        let contrast = format!("{:.1}, mean of {what} inside over mean around", areas.contrast);
+        let error = format!("{} squared deviation of {what} from the drawing", percent(areas.error));
         rows.splice(5..5, [("contrast", contrast), ("error", error)]);
     }
     let of = |is_one: &dyn Fn(&Focus) -> bool| solution.foci.iter().filter(|focus| is_one(focus)).count();
@@ -336,7 +336,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         }
     }
     if let Some(heard) = &findings.heard {
-        let [x, y, z] = millimetres(heard.position);
+        let [x, y, z] = coordinates(heard.position);
         rows.push((
             "listener",
             format!("{:.1} dB re 20 µPa ({} RMS) at ({x}, {y}, {z}) mm", heard.spl(), pascals(heard.rms())),
@@ -353,9 +353,9 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
 fn side_lobe_row(found: &Result<SideLobe, NoSideLobe>) -> String {
     match found {
         Ok(lobe) => {
-            let [x, y, z] = millimetres(lobe.position);
+            let [x, y, z] = coordinates(lobe.position);
             format!(
-                "{} of the mean, the loudest beside the foci on the plane: {} at ({x}, {y}, {z}) mm",
+                "{} of the mean, the largest on the plane outside the foci: {} at ({x}, {y}, {z}) mm",
                 percent(lobe.part),
                 pascals(lobe.pressure)
             )
@@ -373,7 +373,7 @@ fn foci_table(scene: &Scene, solution: &Solution) -> Table {
     foci.set_header(["focus", "x / mm", "y / mm", "z / mm", target, "pressure (peak)", "phase / rad"]);
     let separate = solution.foci.iter().zip(&solution.pressures).filter(|(focus, _)| focus.is_separate());
     for (index, (focus, pressure)) in separate.enumerate() {
-        let [x, y, z] = millimetres(focus.position);
+        let [x, y, z] = coordinates(focus.position);
         foci.add_row([
             (index + 1).to_string(),
             x,

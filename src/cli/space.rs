@@ -1,4 +1,4 @@
-//! `sonoglyph render --view 3d`: pictures of scenes in space.
+//! `sonoglyph render --view 3d`: 3D pictures of scenes, with their options.
 
 use anyhow::{Context, anyhow, bail};
 use clap::Args;
@@ -16,31 +16,31 @@ use crate::studio::still::{Diagram, Solved};
 use crate::studio::view_3d::{self, Wish};
 use crate::studio::{evaluator, figure};
 
-/// dB below the peak at which a surface may be.
+/// dB relative to the peak, of an isosurface.
 const LEVELS: [f64; 2] = [-60.0, -0.1];
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Space")]
 pub struct SpaceArgs {
-    /// From where one looks: iso, top, front, side, or azimuth and elevation in degrees
+    /// View direction: iso, top, front, side, or azimuth and elevation in degrees
     #[arg(long, value_name = "VIEW|A,E", allow_hyphen_values = true, value_parser = parse_camera)]
     camera: Option<[f64; 2]>,
-    /// Level of the surface of equal RMS pressure, in dB of the peak [default: -6]
+    /// Isosurface of the RMS pressure, in dB relative to the peak [default: -6]
     #[arg(long, value_name = "DB", allow_hyphen_values = true, value_parser = between(LEVELS, "dB"), conflicts_with = "projection")]
     iso: Option<f64>,
-    /// The largest RMS pressure along every line of sight, instead of a surface
+    /// Maximum-intensity projection of the RMS pressure, instead of an isosurface
     #[arg(long)]
     projection: bool,
-    /// Slices of the box through the field, in m: z=0.1 or x=0,y=0.01
+    /// Slices through the field, at positions in m: z=0.1 or x=0,y=0.01
     #[arg(long, value_name = "AXIS=M", value_delimiter = ',', value_parser = parse_slice)]
     slice: Vec<(usize, f64)>,
-    /// Parallel rays instead of perspective
+    /// Parallel projection instead of perspective
     #[arg(long)]
     parallel: bool,
 }
 
 fn parse_camera(text: &str) -> Result<[f64; 2], String> {
-    if let Some(standard) = Standard::ALL.into_iter().find(|standard| standard.name() == text) {
+    if let Ok(standard) = text.parse::<Standard>() {
         return Ok(standard.direction());
     }
     numbers(text)
@@ -62,7 +62,7 @@ fn parse_slice(text: &str) -> Result<(usize, f64), String> {
 }
 
 impl SpaceArgs {
-    /// An option of it that other pictures do not have.
+    /// The first given option, which only 3D pictures have.
     pub(in crate::cli) fn given(&self) -> Option<&'static str> {
         let all = [
             (self.camera.is_some(), "--camera"),
@@ -96,7 +96,6 @@ impl SpaceArgs {
     }
 }
 
-/// Draws and writes every scene.
 pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.quantity != Diagram::Map(Quantity::Rms) {
         bail!("--view 3d shows the RMS pressure: leave out --quantity");
@@ -135,13 +134,13 @@ pub(in crate::cli) fn run(args: &RenderArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses options of space where no space is drawn.
+/// Refuses options of 3D pictures for other pictures, and animations of 3D pictures.
 pub(in crate::cli) fn refuse(args: &RenderArgs) -> anyhow::Result<()> {
     if args.view == View::Space && (args.motion || args.waves) {
         bail!("--view 3d is a still picture: leave out --motion and --waves");
     }
     match args.space.given() {
-        Some(name) if args.view != View::Space => bail!("{name} is of space: add --view 3d"),
+        Some(name) if args.view != View::Space => bail!("{name} applies to 3D views: add --view 3d"),
         Some(_) | None => Ok(()),
     }
 }

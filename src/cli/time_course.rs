@@ -1,4 +1,4 @@
-//! `sonoglyph probe --time`: the pressure at points in the course of time, and the lines of |p|².
+//! `sonoglyph probe --time`: pressure at points over time, and the spectral lines of |p|².
 
 use std::path::{Path, PathBuf};
 
@@ -16,32 +16,32 @@ use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{self, note, warn};
 use crate::studio::time_course::Course;
 
-/// Rows of a table, and pressures of all frames at all points, at most.
+/// Limits of a table's rows, and of pressures (frames times points) in memory.
 const MOST_ROWS: f64 = 2e6;
 const MOST_PRESSURES: usize = 1 << 26;
 
 #[derive(Debug, Args)]
 pub struct TimeArgs {
-    /// The pressure in the course of time, under modulation, motion and the frame rate of a board: columns x, y, z (m), time (s),
-    /// re, im (Pa, peak), square (|p|², Pa²)
+    /// Pressure over time, under modulation and the frames of a motion: columns x, y, z (m), time (s), re, im (Pa,
+    /// peak), square (|p|², Pa²)
     #[arg(long)]
     pub time: bool,
-    /// s of --time; by default until modulation and motion repeat themselves together
+    /// Duration of --time (s) [default: the common period of modulation and motion]
     #[arg(long, value_name = "S", requires = "time", allow_negative_numbers = true, value_parser = seconds(3600.0))]
     span: Option<f64>,
-    /// Instants per second of --time; by default 32 per period of the modulation and 4 per frame, at least
+    /// Sampling rate of --time (Hz) [default: at least 32 per period of the fastest tone, and 4 per frame]
     #[arg(long, value_name = "HZ", requires = "time", allow_negative_numbers = true, value_parser = above_zero(1e6, "a frequency in Hz"))]
     rate: Option<f64>,
-    /// Also write the lines of |p|²: columns x, y, z (m), frequency (Hz), square (Pa²; amplitude of the cosine, at 0 Hz the mean),
-    /// phase (rad)
+    /// Also write the spectral lines of |p|²: columns x, y, z (m), frequency (Hz), square (Pa²; amplitude of the
+    /// cosine, at 0 Hz the mean), phase (rad)
     #[arg(long, value_name = "FILE.csv", requires = "time")]
     pub spectrum: Option<PathBuf>,
-    /// Highest frequency of --spectrum in Hz
+    /// Highest frequency of --spectrum (Hz)
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, requires = "spectrum", allow_negative_numbers = true, value_parser = above_zero(1e6, "a frequency in Hz"))]
     band: f64,
 }
 
-/// The drives that are played one after the other: of all frames of a motion, or those that take turns.
+/// The drives of all frames of a motion, or those in turn.
 pub fn drives(scene: &Scene, name: &str) -> anyhow::Result<Vec<Drive>> {
     if motion::moves(scene) {
         let sequence = follow(scene, name, &progress::begin(SOLVING))?;
@@ -52,7 +52,7 @@ pub fn drives(scene: &Scene, name: &str) -> anyhow::Result<Vec<Drive>> {
     Ok(solution.drives())
 }
 
-/// Writes what `pressure` makes of the frames' drives at points.
+/// Writes the time course at points, and its spectrum if requested, from the `pressure` of every frame's drive.
 pub fn write(
     args: &TimeArgs,
     scene: &Scene,
@@ -67,19 +67,19 @@ pub fn write(
     let instants = (span * rate).round().max(1.0);
     if instants * points.len() as f64 > MOST_ROWS {
         bail!(
-            "{instants} instants ({span} s at {rate} Hz) at {} points are more than the {MOST_ROWS} rows of a table: take fewer points, \
-             or a smaller --span or --rate",
+            "{instants} instants ({span} s at {rate} Hz) at {} points are more than the {MOST_ROWS} rows of a table: \
+             take fewer points, or a smaller --span or --rate",
             points.len()
         );
     }
     if drives.len().saturating_mul(points.len()) > MOST_PRESSURES {
         bail!(
-            "{} frames at {} points are more than memory is asked for: take fewer points",
+            "{} frames at {} points exceed the memory limit: take fewer points",
             drives.len(),
             points.len()
         );
     }
-    tell(&course, args, span);
+    note_rates(&course, args, span);
     let frames: Vec<Vec<Complex64>> = drives.iter().map(pressure).collect::<Result<_, _>>()?;
     let band = args.spectrum.as_ref().map(|_| args.band);
     let [table, spectrum] = course.tables(points, &frames, (instants as usize, rate), band)?;
@@ -89,17 +89,17 @@ pub fn write(
     write_or_print(to, &table)
 }
 
-/// Says what is seen of the course.
-fn tell(course: &Course, args: &TimeArgs, span: f64) {
+/// Notes frame and cycle rates, and the choice of the span.
+fn note_rates(course: &Course, args: &TimeArgs, span: f64) {
     let rate = course.frames_per_second();
     if rate > 0.0 {
         note(&format!("{rate:.3} frames/s, {:.3} cycles/s", course.cycles_per_second()));
     }
     match course.period() {
-        _ if span == 0.0 => note("the sound is steady: one instant holds for all"),
+        _ if span == 0.0 => note("the sound is steady: a single instant is written"),
         None if args.span.is_none() && rate > 0.0 => {
             note(
-                "modulation and motion have no common period: the longer one of the two is written, and its end does not meet its begin",
+                "modulation and motion have no common period: the table covers the longer one, and does not repeat",
             );
         }
         Some(_) | None => {}

@@ -1,4 +1,4 @@
-//! `sonoglyph render --volume`: the field at a lattice of points in space, as a file.
+//! `sonoglyph render --volume`: the field on a lattice of points in a box, as VTI or NPY.
 
 use std::time::Instant;
 
@@ -10,24 +10,25 @@ use crate::cli::arguments::numbers;
 use crate::cli::{RenderArgs, View, read_scene, render};
 use crate::field::Stages;
 use crate::field::volume::{Block, MOST_POINTS_ALONG};
+use crate::rounding::milliseconds;
 use crate::studio::evaluator;
 use crate::studio::output::{Files, say, warn};
 use crate::studio::space::SIDES;
 use crate::studio::still::{Diagram, Solved};
 use crate::studio::volume::{self, Wish};
 
-/// m; a centre beyond is a slip of the unit.
+/// m; centres beyond are in a wrong unit.
 const FARTHEST: f64 = 100.0;
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Volumes")]
 pub struct VolumeArgs {
-    /// Write the quantity at NX x NY x NZ points in space: FILE.vti (VTK ImageData) or FILE.npy, shape (NZ, NY, NX)
+    /// Write the quantity at NX x NY x NZ points: FILE.vti (VTK ImageData) or FILE.npy, shape (NZ, NY, NX)
     ///
-    /// Values are float32, as those of --data. The points are the centres of cells that fill the box.
+    /// Values are float32, in the units of --data, at the centres of cells that fill the box.
     #[arg(long, value_name = "NX,NY,NZ", value_parser = parse_counts, conflicts_with_all = ["size", "motion", "waves", "figure", "data"])]
     pub volume: Option<UVec3>,
-    /// Box of --volume and --view 3d: its size, then its centre, in m [default: plane, targets and most of the way to the boards]
+    /// Box of --volume and --view 3d: size, then centre (m) [default: plane, targets, most of the way to the boards]
     #[arg(long = "box", value_name = "SX,SY,SZ,CX,CY,CZ", allow_hyphen_values = true, value_parser = parse_block)]
     pub block: Option<Block>,
 }
@@ -54,7 +55,6 @@ fn parse_block(text: &str) -> Result<Block, String> {
     Ok(Block { centre, size })
 }
 
-/// Computes and writes the volume of a scene.
 pub(in crate::cli) fn run(args: &RenderArgs, counts: UVec3) -> anyhow::Result<()> {
     let [path] = &args.scenes[..] else {
         bail!("--volume takes one scene, and {} are given", args.scenes.len());
@@ -78,7 +78,7 @@ pub(in crate::cli) fn run(args: &RenderArgs, counts: UVec3) -> anyhow::Result<()
     written.missed.iter().for_each(|missed| warn(&format!("{}: {missed}", solved.name)));
     say!("{}", written.line)?;
     if args.verbose {
-        say!("  {:.0} ms for the volume", start.elapsed().as_secs_f64() * 1e3)?;
+        say!("  {} for the volume", milliseconds(start.elapsed().as_secs_f64(), 0))?;
     }
     Ok(())
 }

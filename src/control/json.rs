@@ -3,6 +3,7 @@
 use glam::DVec3;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
+use strum::VariantArray;
 
 use crate::control::edit::{Edit, admitted};
 use crate::control::refusal::{EditError, Number};
@@ -77,9 +78,9 @@ pub fn message(text: &str, id: &mut Option<Value>) -> Result<Message, EditError>
             edits.push(Edit::Add(Box::new(table::target(keys, index)?)));
         }
     }
-    for table in Table::ALL.into_iter().filter(|table| *table != Table::Motion) {
-        if let Some(keys) = take(table.name()) {
-            edits.push(Edit::Table(table, read_as(table.name(), keys)?));
+    for &table in Table::VARIANTS.iter().filter(|table| **table != Table::Motion) {
+        if let Some(keys) = take(table.into_str()) {
+            edits.push(Edit::Table(table, read_as(table.into_str(), keys)?));
         }
     }
     match take("motion") {

@@ -90,12 +90,12 @@ fn word(message: &OscMessage) -> Result<Word, String> {
         (["stop"], _) => Some(Word::Edit(Edit::Stop)),
         (["state"], []) => Some(Word::State),
         (["token"], [OscType::String(token)]) => Some(Word::Token(token.clone())),
-        ([table, key], args) => match Table::of_name(table) {
-            Some(table) => value(args).map(|value| {
+        ([table, key], args) => match table.parse::<Table>() {
+            Ok(table) => value(args).map(|value| {
                 let keys = Map::from_iter([((*key).to_owned(), value)]);
                 Word::Edit(Edit::Table(table, keys))
             }),
-            None => return Err(format!("{}: there is no such address", what())),
+            Err(_) => return Err(format!("{}: there is no such address", what())),
         },
         (["clear" | "motion" | "send" | "state" | "token"], _) => None,
         (_, _) => return Err(format!("{}: there is no such address", what())),

@@ -94,7 +94,7 @@ impl Report {
             "elements": scene.map(|scene| scene.elements()),
             "plane": scene.map(|scene| json!(scene.plane)),
             "modulation": scene.map(|scene| json!(scene.modulation)),
-            "method": scene.map(|scene| scene.solver.method.name()),
+            "method": scene.map(|scene| scene.solver.method.into_str()),
             "moves": wish.map(|wish| wish.moves && motion::moves(&wish.scene)),
             "sends": wish.map(|wish| wish.sends),
             "solving": self.is_solving,

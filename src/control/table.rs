@@ -3,6 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::control::refusal::EditError;
 use crate::echo;
@@ -12,7 +13,8 @@ use crate::scene::target::TargetTable;
 use crate::scene::{Scene, Target};
 
 /// Tables with keys that other programs may set. Array and boards change only with the whole scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Table {
     Medium,
     Solver,
@@ -20,27 +22,6 @@ pub enum Table {
     Liquid,
     Modulation,
     Motion,
-}
-
-impl Table {
-    pub const ALL: [Self; 6] =
-        [Self::Medium, Self::Solver, Self::Plane, Self::Liquid, Self::Modulation, Self::Motion];
-
-    /// As a scene's file calls it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Medium => "medium",
-            Self::Solver => "solver",
-            Self::Plane => "plane",
-            Self::Liquid => "liquid",
-            Self::Modulation => "modulation",
-            Self::Motion => "motion",
-        }
-    }
-
-    pub fn of_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|table| table.name() == name)
-    }
 }
 
 /// Sets some keys of a table. Values are checked with the whole scene.
@@ -68,8 +49,8 @@ pub fn patch(scene: &mut Scene, table: Table, keys: &Map<String, Value>) -> Resu
                 now.remove("speed");
                 now.remove("rate");
             }
-            let motion: MotionTable = read(table.name(), merged(now, keys))?;
-            scene.motion = motion.into_motion().map_err(|error| error.under(&[table.name().into()]))?;
+            let motion: MotionTable = read(table.into_str(), merged(now, keys))?;
+            scene.motion = motion.into_motion().map_err(|error| error.under(&[table.into_str().into()]))?;
         }
     }
     Ok(())
@@ -89,7 +70,7 @@ fn patched<T: Serialize + DeserializeOwned>(
     now: &T,
     keys: &Map<String, Value>,
 ) -> Result<T, EditError> {
-    read(table.name(), merged(as_keys(now), keys))
+    read(table.into_str(), merged(as_keys(now), keys))
 }
 
 /// Checked tables only hold finite numbers, so the conversion is lossless.

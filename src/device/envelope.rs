@@ -61,7 +61,7 @@ pub fn playable(profile: Profile, modulation: &Modulation) -> Result<(), String>
                 "{} is switched on and off at one frequency and plays no modulation.shape = \"{}\": take \"square\" or \"sine\", \
                  and a frequency",
                 profile.name(),
-                modulation.shape.name()
+                modulation.shape.into_str()
             )),
         },
     }

@@ -2,9 +2,10 @@
 
 use glam::DVec2;
 
+use crate::acoustics::element::Radiator;
 use crate::acoustics::{Aperture, Face};
 use crate::field::interpolation::Resampling;
-use crate::scene::{ElementModel, Plane};
+use crate::scene::Plane;
 use crate::surface::Tank;
 
 /// Cells per wavelength. A square has at most two cycles per wavelength, for which three cells would suffice.
@@ -145,7 +146,10 @@ fn pattern(aperture: &Aperture, plane: &Plane) -> Option<f64> {
     let clear = heights.fold(f64::INFINITY, f64::min);
     let is_clear = aperture.faces.iter().all(|face| face.layout.is_flat() && height(face) > least);
     let height = if is_clear { clear } else { least };
-    let radius = if aperture.element.model == ElementModel::Piston { aperture.element.radius } else { 0.0 };
+    let radius = match aperture.element.radiator() {
+        Radiator::Piston(radius) => radius,
+        Radiator::Monopole | Radiator::Disk(_) => 0.0,
+    };
     Some((1f64.hypot(radius / height) / HIGHEST).max(1.0))
 }
 

@@ -15,11 +15,11 @@ use std::ops::Range;
 use glam::{DVec2, DVec3};
 use num_complex::Complex32;
 
-use crate::acoustics::element::NEAREST;
+use crate::acoustics::element::{NEAREST, Radiator};
 use crate::acoustics::{Aperture, Face};
 use crate::field::interpolation::Resampling;
 use crate::field::{Samples, Wave};
-use crate::scene::{ElementModel, Plane};
+use crate::scene::Plane;
 
 /// Limit of a table of waves in bytes; above, every superposition evaluates its waves again.
 pub const TABLE_CEILING: usize = 256 << 20;
@@ -283,7 +283,12 @@ impl View {
         /// Part of the tolerance for a truncated series of reflections.
         const CUT: f64 = 0.05;
         let (x_axis, y_axis) = plane.axes()?;
-        let (element, half) = (&aperture.element, plane.size / 2.0);
+        let half = plane.size / 2.0;
+        let (disk, pattern) = match aperture.element.radiator() {
+            Radiator::Monopole => (0.0, 0.0),
+            Radiator::Piston(radius) => (0.0, radius),
+            Radiator::Disk(radius) => (radius, 0.0),
+        };
         let (mut faces, mut walls) = (Vec::new(), Vec::new());
         for (number, face) in aperture.faces.iter().enumerate() {
             if face.rest < CUT * plane.tolerance {
@@ -329,8 +334,8 @@ impl View {
             wavelength: aperture.wavelength(),
             faces,
             walls,
-            disk: if element.model == ElementModel::ExactPiston { element.radius } else { 0.0 },
-            pattern: if element.model == ElementModel::Piston { element.radius } else { 0.0 },
+            disk,
+            pattern,
         })
     }
 

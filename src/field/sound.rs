@@ -1,6 +1,7 @@
 //! The sound at a point: pressure, its slopes, and the properties of the air used by formulae.
 
 use num_complex::{Complex, Complex32, Complex64};
+use strum::VariantArray;
 
 use crate::acoustics::Air;
 use crate::force::Sphere;
@@ -41,8 +42,8 @@ impl Sound<f64> {
     }
 }
 
-/// One of the numbers of a [`Sound`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// One of the numbers of a [`Sound`], in the order of the evaluators.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum Part {
     Pressure,
     AlongX,
@@ -51,16 +52,13 @@ pub enum Part {
 }
 
 impl Part {
-    /// In the order of the evaluators.
-    pub const ALL: [Self; 4] = [Self::Pressure, Self::AlongX, Self::AlongY, Self::Normal];
-
     const fn bit(self) -> u8 {
         1 << self as u8
     }
 
     /// The parts of a bit set.
     pub fn of(bits: u8) -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(move |part| bits & part.bit() != 0)
+        Self::VARIANTS.iter().copied().filter(move |part| bits & part.bit() != 0)
     }
 }
 

@@ -14,11 +14,10 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-use crate::acoustics::element::{self, NEAREST, SMALLEST_DISK};
+use crate::acoustics::element::{self, NEAREST, Radiator};
 use crate::acoustics::{Aperture, Element, Face, Layout};
 use crate::drive::Drive;
 use crate::field::{Samples, polynomial};
-use crate::scene::ElementModel;
 
 /// Coefficients of sin(πf)/f in f², |f| ≤ ½, lowest first; 7e-9 off before rounding.
 pub const SINE: [f32; 5] = [std::f32::consts::PI, -5.167_71, 2.550_077_4, -0.598_290_4, 0.077_655_91];
@@ -159,13 +158,14 @@ pub fn tilts(layout: &Layout, elements: impl Iterator<Item = usize>) -> Vec<[f32
 impl Wave {
     /// The wave of elements in this layout, at samples in their coordinates. `None` for elements and absorption
     /// beyond f32's polynomials (a radius above about three and a half wavelengths, or more than about 38 dB between
-    /// the nearest and the farthest distance), for paths beyond its range, and for an exact piston with zero radius
-    /// or on a curved board.
+    /// the nearest and the farthest distance), for paths beyond its range, and for an exact piston on a curved
+    /// board.
     pub fn new(element: &Element, layout: &Layout, samples: &Samples) -> Option<Self> {
-        let is_disk = element.radius >= SMALLEST_DISK && layout.is_flat();
-        if element.model == ElementModel::ExactPiston && !is_disk {
-            return None;
-        }
+        let piston = match element.radiator() {
+            Radiator::Disk(_) if !layout.is_flat() => return None,
+            Radiator::Disk(radius) => Some(piston(element, radius, samples)),
+            Radiator::Monopole | Radiator::Piston(_) => None,
+        };
         let turns_per_metre = element.wavenumber / TAU;
         let sought = |s: f64| element.directivity(((s + 1.0) / 2.0).max(0.0).sqrt());
         let directivity = Polynomial::fit(FEW_DIRECTIVITY, sought, |_| POLYNOMIAL_ERROR)?;
@@ -184,7 +184,7 @@ impl Wave {
             directivity,
             decay,
             decay_scale: [(1.0 / half) as f32, (-middle / half) as f32],
-            piston: (element.model == ElementModel::ExactPiston).then(|| piston(element, samples)),
+            piston,
             is_flat: layout.is_flat(),
         })
     }
@@ -253,8 +253,8 @@ fn distances(layout: &Layout, samples: &Samples) -> (f64, f64) {
 }
 
 /// The number of nodes for the sample nearest to a rim, if within the limit.
-fn piston(element: &Element, samples: &Samples) -> Piston {
-    let (a, k) = (element.radius, element.wavenumber);
+fn piston(element: &Element, a: f64, samples: &Samples) -> Piston {
+    let k = element.wavenumber;
     let z = samples.bounds().0.z.max(NEAREST);
     let count = element::piston_nodes(k * a, 1.0, z / a, NODE_ERROR).min(MOST_NODES);
     let node = |i: usize| {
@@ -267,7 +267,7 @@ fn piston(element: &Element, samples: &Samples) -> Piston {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Plane, Scene};
+    use crate::scene::{ElementModel, Plane, Scene};
 
     fn aperture(ka: f64) -> Aperture {
         let mut aperture = Aperture::new(&Scene::default());

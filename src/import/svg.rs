@@ -1,18 +1,14 @@
 //! The painted paths of an SVG as polylines. usvg resolves styles, units, transforms and the view box.
 
-use std::f64::consts::PI;
-
 use glam::DVec2;
-use usvg::tiny_skia_path::{PathSegment, Point};
+use kurbo::{BezPath, PathEl, Point};
+use usvg::tiny_skia_path::{self, PathSegment};
 use usvg::{Group, Node, Options, Paint, Path, Transform, Tree, roxmltree};
 
 use crate::import::{ImportError, Line};
 
-/// Largest turn of a curve between segments, rad.
-const TURN: f64 = 5.0 * PI / 180.0;
-/// Pieces of a curve.
-const FEWEST: usize = 8;
-const MOST: usize = 96;
+/// Largest deviation from a curve relative to the size of its path: a circle has about 100 vertices.
+const FINENESS: f64 = 2e-4;
 /// Bytes of stack for elements within elements: usvg goes down 1024 of them.
 const STACK: usize = 64 << 20;
 /// XML nodes: more is no drawing for an array.
@@ -106,8 +102,6 @@ fn is_paper(path: &Path) -> bool {
 
 /// The subpaths of a path.
 fn flatten(path: &Path, lines: &mut Vec<Line>) {
-    let transform = path.abs_transform();
-    let place = |point: Point| placed(&transform, point);
     let mut line = Line { points: Vec::new(), closed: false };
     let mut end = |line: &mut Line| {
         line.points.dedup();
@@ -121,49 +115,43 @@ fn flatten(path: &Path, lines: &mut Vec<Line>) {
             lines.push(done);
         }
     };
-    for segment in path.data().segments() {
-        let from = line.points.last().copied().unwrap_or(DVec2::ZERO);
-        match segment {
-            PathSegment::MoveTo(to) => {
-                end(&mut line);
-                line.points.push(place(to));
-            }
-            PathSegment::LineTo(to) => line.points.push(place(to)),
-            PathSegment::QuadTo(a, to) => {
-                let (a, to) = (place(a), place(to));
-                curve(&mut line, [from, from.lerp(a, 2.0 / 3.0), to.lerp(a, 2.0 / 3.0), to]);
-            }
-            PathSegment::CubicTo(a, b, to) => curve(&mut line, [from, place(a), place(b), place(to)]),
-            PathSegment::Close => {
-                let first = line.points.first().copied();
-                line.closed = true;
-                end(&mut line);
-                // A continuation without a move starts at the beginning of the closed part.
-                line.points.extend(first);
-            }
+    let size = path.abs_bounding_box();
+    let tolerance = FINENESS * f64::from(size.width().max(size.height())).max(1e-6);
+    kurbo::flatten(placed(path), tolerance, |element| match element {
+        PathEl::MoveTo(to) => {
+            end(&mut line);
+            line.points.push(DVec2::new(to.x, to.y));
         }
-    }
+        PathEl::LineTo(to) => line.points.push(DVec2::new(to.x, to.y)),
+        PathEl::ClosePath => {
+            let first = line.points.first().copied();
+            line.closed = true;
+            end(&mut line);
+            // A continuation without a move starts at the beginning of the closed part.
+            line.points.extend(first);
+        }
+        // Flat paths have none.
+        PathEl::QuadTo(..) | PathEl::CurveTo(..) => {}
+    });
     end(&mut line);
 }
 
-fn placed(transform: &Transform, point: Point) -> DVec2 {
-    let [x, y] = [point.x, point.y].map(f64::from);
-    let [sx, kx, ky, sy] = [transform.sx, transform.kx, transform.ky, transform.sy].map(f64::from);
-    DVec2::new(sx * x + kx * y + f64::from(transform.tx), -(ky * x + sy * y + f64::from(transform.ty)))
-}
-
-/// A cubic in segments of small turns; the control polygon turns by more than the curve.
-fn curve(line: &mut Line, [p0, p1, p2, p3]: [DVec2; 4]) {
-    let sides: Vec<_> =
-        [p1 - p0, p2 - p1, p3 - p2].into_iter().filter(|side| side.length_squared() > 0.0).collect();
-    let turn: f64 = sides.windows(2).map(|pair| pair[0].angle_to(pair[1]).abs()).sum();
-    let pieces = ((turn / TURN) as usize).clamp(FEWEST, MOST);
-    for i in 1..=pieces {
-        let t = i as f64 / pieces as f64;
-        let s = 1.0 - t;
-        let at = p0 * (s * s * s) + p1 * (3.0 * s * s * t) + p2 * (3.0 * s * t * t) + p3 * (t * t * t);
-        line.points.push(at);
-    }
+/// The path in the drawing's coordinates, with y upwards.
+fn placed(path: &Path) -> BezPath {
+    let Transform { sx, kx, ky, sy, tx, ty } = path.abs_transform();
+    let [sx, kx, ky, sy, tx, ty] = [sx, kx, ky, sy, tx, ty].map(f64::from);
+    let place = |point: tiny_skia_path::Point| {
+        let [x, y] = [point.x, point.y].map(f64::from);
+        Point::new(sx * x + kx * y + tx, -(ky * x + sy * y + ty))
+    };
+    let element = |segment| match segment {
+        PathSegment::MoveTo(to) => PathEl::MoveTo(place(to)),
+        PathSegment::LineTo(to) => PathEl::LineTo(place(to)),
+        PathSegment::QuadTo(a, to) => PathEl::QuadTo(place(a), place(to)),
+        PathSegment::CubicTo(a, b, to) => PathEl::CurveTo(place(a), place(b), place(to)),
+        PathSegment::Close => PathEl::ClosePath,
+    };
+    path.data().segments().map(element).collect()
 }
 
 #[cfg(test)]

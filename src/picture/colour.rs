@@ -2,10 +2,13 @@
 
 use std::f64::consts::TAU;
 
+use strum::IntoStaticStr;
+
 use crate::field::quantity::Range;
 
 /// A table of colours.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub enum ColourMap {
     #[default]
     Inferno,
@@ -24,22 +27,9 @@ impl ColourMap {
     /// Those to choose from for amounts; phases and signed values have their own.
     pub const OF_AMOUNTS: [Self; 5] = [Self::Inferno, Self::Viridis, Self::Cividis, Self::Magma, Self::Grey];
 
-    /// In arguments, settings and, with a capital, in menus.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Inferno => "inferno",
-            Self::Viridis => "viridis",
-            Self::Cividis => "cividis",
-            Self::Magma => "magma",
-            Self::Grey => "grey",
-            Self::Cyclic => "cyclic",
-            Self::Diverging => "diverging",
-        }
-    }
-
     /// The name as menus have it.
     pub fn title(self) -> String {
-        let (first, rest) = self.name().split_at(1);
+        let (first, rest) = self.into_str().split_at(1);
         first.to_uppercase() + rest
     }
 

@@ -8,7 +8,7 @@ use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
 use crate::picture::lettering::Lettered;
 use crate::picture::{ColourMap, Picture, PictureError};
-use crate::rounding::{at_most, percent_at_least};
+use crate::rounding::{pascals, percent_at_least};
 use crate::scene::{Focus, Plane, Sampling, Scene, chart, outline};
 use crate::solver::{self, Problem, Solution};
 
@@ -112,28 +112,6 @@ fn summary(scene: &Scene, solution: &Solution) -> String {
         100.0 * quality.efficiency,
         percent_at_least(solution.certified(bound), 0),
     )
-}
-
-/// A pressure with the unit that suits it.
-pub fn pascals(pressure: f64) -> String {
-    pascals_by(pressure, |value, decimals| format!("{value:.decimals$}"))
-}
-
-/// An upper bound of a pressure, as text.
-pub fn pascals_at_most(pressure: f64) -> String {
-    pascals_by(pressure, at_most)
-}
-
-fn pascals_by(pressure: f64, rounded: impl Fn(f64, usize) -> String) -> String {
-    let (value, unit) = if pressure >= 1000.0 { (pressure / 1000.0, "kPa") } else { (pressure, "Pa") };
-    let decimals = if value >= 100.0 {
-        1
-    } else if value >= 10.0 {
-        2
-    } else {
-        3
-    };
-    format!("{} {unit}", rounded(value, decimals))
 }
 
 type Root<'a> = DrawingArea<Lettered<'a>, plotters::coord::Shift>;

@@ -1,6 +1,7 @@
 //! The levitated bead: named materials, and properties given by the scene.
 
 use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::range::{KeyError, within};
 
@@ -48,8 +49,8 @@ impl Bead {
 }
 
 /// Materials with known properties at 20 °C.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
+#[strum(serialize_all = "kebab-case", const_into_str)]
 pub enum Material {
     /// Expanded polystyrene.
     Eps,
@@ -60,18 +61,6 @@ pub enum Material {
 }
 
 impl Material {
-    pub const ALL: [Self; 4] = [Self::Eps, Self::Water, Self::Ethanol, Self::Silica];
-
-    /// The name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Eps => "eps",
-            Self::Water => "water",
-            Self::Ethanol => "ethanol",
-            Self::Silica => "silica",
-        }
-    }
-
     /// Full name.
     pub fn title(self) -> &'static str {
         match self {

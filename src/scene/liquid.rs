@@ -1,6 +1,7 @@
 //! The liquid under the array: named liquids, and properties given by the scene.
 
 use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 /// The liquid. `None` takes the named liquid's value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,8 +42,10 @@ fn is_false(value: &bool) -> bool {
 }
 
 /// The direction of the light of caustics, along the normal of the level surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
+)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Light {
     /// From below through the liquid.
     #[default]
@@ -52,16 +55,6 @@ pub enum Light {
 }
 
 impl Light {
-    pub const ALL: [Self; 2] = [Self::Through, Self::Reflected];
-
-    /// The name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Through => "through",
-            Self::Reflected => "reflected",
-        }
-    }
-
     fn is_through(&self) -> bool {
         *self == Self::Through
     }
@@ -133,8 +126,8 @@ impl Liquid {
 }
 
 /// Liquids with known properties at 20 °C.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
+#[strum(serialize_all = "kebab-case", const_into_str)]
 pub enum LiquidName {
     Water,
     Glycerol,
@@ -152,20 +145,6 @@ struct Properties {
 }
 
 impl LiquidName {
-    pub const ALL: [Self; 5] =
-        [Self::Water, Self::Glycerol, Self::SiliconeOil, Self::VegetableOil, Self::Ethanol];
-
-    /// The name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Water => "water",
-            Self::Glycerol => "glycerol",
-            Self::SiliconeOil => "silicone-oil",
-            Self::VegetableOil => "vegetable-oil",
-            Self::Ethanol => "ethanol",
-        }
-    }
-
     /// At 20 °C. Water: IAPWS R6-95, R1-76, R12-08. Glycerol and ethanol: CRC Handbook of Chemistry and Physics.
     /// Silicone oil: polydimethylsiloxane of 50 cSt, makers' data sheets. Vegetable oil: sunflower; density and viscosity
     /// from Noureddini, Teoh and Clements, JAOCS 69 (1992), tension from Sahasrabudhe et al., Int. J. Food
@@ -191,8 +170,10 @@ mod tests {
     fn what_the_scene_gives_goes_before_the_name() {
         let oil = Liquid { name: LiquidName::VegetableOil, density: Some(925.0), ..Liquid::default() };
         assert_eq!((oil.density(), oil.surface_tension()), (925.0, 0.033));
-        let [water, glycerol, silicone, vegetable, ethanol] =
-            LiquidName::ALL.map(|name| Liquid { name, ..Liquid::default() }.capillary_length() * 1e3);
+        let names = <LiquidName as VariantArray>::VARIANTS;
+        let lengths: Vec<_> =
+            names.iter().map(|&name| Liquid { name, ..Liquid::default() }.capillary_length() * 1e3).collect();
+        let [water, glycerol, silicone, vegetable, ethanol] = lengths[..] else { panic!("{names:?}") };
         // mm; of water 2.727, and the rest in the order of σ/ρ.
         assert!((water - 2.727).abs() < 1e-3, "{water}");
         assert!(water > glycerol && glycerol > vegetable && vegetable > ethanol && ethanol > silicone);

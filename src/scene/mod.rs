@@ -16,6 +16,7 @@ mod loaded;
 mod location;
 pub mod modulation;
 pub mod motion;
+mod names;
 pub mod outline;
 pub mod pixels;
 mod range;
@@ -31,6 +32,7 @@ pub mod zone;
 
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 pub use bead::{Bead, Material};
 pub use check::KeyError;
@@ -363,8 +365,8 @@ pub enum Amplitudes {
 }
 
 /// The solver's method; see `crate::solver`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Method {
     Focus,
     Pinv,
@@ -378,33 +380,6 @@ pub enum Method {
 }
 
 impl Method {
-    pub const ALL: [Self; 9] = [
-        Self::Focus,
-        Self::Pinv,
-        Self::Weighted,
-        Self::Naive,
-        Self::Gs,
-        Self::Gspat,
-        Self::Wgs,
-        Self::Greedy,
-        Self::Best,
-    ];
-
-    /// The name in scene files and on the command line.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Focus => "focus",
-            Self::Pinv => "pinv",
-            Self::Weighted => "weighted",
-            Self::Naive => "naive",
-            Self::Gs => "gs",
-            Self::Gspat => "gspat",
-            Self::Wgs => "wgs",
-            Self::Greedy => "greedy",
-            Self::Best => "best",
-        }
-    }
-
     /// Full name.
     pub fn title(self) -> &'static str {
         match self {

@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::Wave;
 
@@ -197,8 +198,8 @@ fn divisor(a: u64, b: u64) -> u64 {
     if b == 0 { a } else { divisor(b, a % b) }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Envelope {
     Off,
     Sine,
@@ -207,21 +208,6 @@ pub enum Envelope {
     Tones,
     /// A waveform from a file.
     File,
-}
-
-impl Envelope {
-    pub const ALL: [Self; 5] = [Self::Off, Self::Sine, Self::Square, Self::Tones, Self::File];
-
-    /// The name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Off => "off",
-            Self::Sine => "sine",
-            Self::Square => "square",
-            Self::Tones => "tones",
-            Self::File => "file",
-        }
-    }
 }
 
 #[cfg(test)]
@@ -234,7 +220,7 @@ mod tests {
         let values = (0..50).map(|i| (f64::from(i * i) * 0.37).sin() as f32).collect();
         let wave = Wave::new(Samples { file: "a.wav".into(), rate: 10_000.0, values });
         let mut all = Vec::new();
-        for shape in Envelope::ALL {
+        for &shape in <Envelope as VariantArray>::VARIANTS {
             for (depth, law) in
                 [0.0, 0.3, 1.0].into_iter().flat_map(|d| [(d, Law::Amplitude), (d, Law::Power)])
             {

@@ -3,6 +3,7 @@
 use glam::{DQuat, DVec3};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
+use strum::{EnumString, IntoStaticStr, VariantNames};
 
 use crate::scene::check::{Key, KeyError};
 use crate::scene::motion::MotionTable;
@@ -227,9 +228,9 @@ pub(crate) struct TargetTable {
     motion: Option<MotionTable>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Kind {
+#[derive(Clone, Copy, Debug, Default, PartialEq, EnumString, IntoStaticStr, VariantNames)]
+#[strum(serialize_all = "lowercase", const_into_str)]
+pub(super) enum Kind {
     #[default]
     Point,
     Line,
@@ -317,7 +318,7 @@ impl TargetTable {
             None => Ok(target),
             Some(key) => Err(KeyError::new(
                 [Key::from("target"), Key::from(index), Key::from(key)],
-                format!("a target of kind `{}` has no such key", self.kind.name()),
+                format!("a target of kind `{}` has no such key", self.kind.into_str()),
             )),
         }
     }
@@ -406,21 +407,4 @@ impl TargetTable {
 fn no_file(index: usize) -> KeyError {
     let path = [Key::from("target"), Key::from(index), Key::from("file")];
     KeyError::new(path, "a target of kind `picture` needs the `file` that holds the picture")
-}
-
-impl Kind {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Point => "point",
-            Self::Line => "line",
-            Self::Circle => "circle",
-            Self::Rectangle => "rectangle",
-            Self::Triangle => "triangle",
-            Self::Polygon => "polygon",
-            Self::Path => "path",
-            Self::Text => "text",
-            Self::Picture => "picture",
-            Self::Trap => "trap",
-        }
-    }
 }

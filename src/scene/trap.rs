@@ -3,13 +3,15 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::range::{KeyError, refuse};
 
 /// The kind of a trap, relative to its axis.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
+)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Trap {
     /// A plain focus, which holds beads denser or stiffer than air only in standing waves.
     Focus,
@@ -32,7 +34,6 @@ pub struct Lobe {
 }
 
 impl Trap {
-    pub const ALL: [Self; 5] = [Self::Focus, Self::Twin, Self::Vortex, Self::Bottle, Self::Standing];
     /// Limit of the topological charge, of either sign.
     pub const MOST_TURNS: i32 = 8;
 
@@ -42,17 +43,6 @@ impl Trap {
             return refuse("charge", format!("must be a whole number from -{most} to {most}, and not 0"));
         }
         Ok(())
-    }
-
-    /// The name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Focus => "focus",
-            Self::Twin => "twin",
-            Self::Vortex => "vortex",
-            Self::Bottle => "bottle",
-            Self::Standing => "standing",
-        }
     }
 
     /// Short display name.

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantNames};
 
 use crate::scene::check::{Key, KeyError};
 
@@ -126,23 +127,13 @@ pub(crate) struct ZoneTable {
     weight: Option<f64>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum Kind {
+#[derive(Clone, Copy, Debug, Default, PartialEq, EnumString, IntoStaticStr, VariantNames)]
+#[strum(serialize_all = "lowercase", const_into_str)]
+pub(super) enum Kind {
     #[default]
     Circle,
     Rectangle,
     Polygon,
-}
-
-impl Kind {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Circle => "circle",
-            Self::Rectangle => "rectangle",
-            Self::Polygon => "polygon",
-        }
-    }
 }
 
 impl ZoneTable {
@@ -167,7 +158,7 @@ impl ZoneTable {
         if let Some((key, _)) = left.into_iter().find(|(_, given)| *given) {
             return Err(KeyError::new(
                 [Key::from("quiet"), Key::from(index), Key::from(key)],
-                format!("a zone of kind `{}` has no such key", kind.name()),
+                format!("a zone of kind `{}` has no such key", kind.into_str()),
             ));
         }
         let plain = Zone::new(area, at.unwrap_or(DVec3::new(0.0, 0.0, 0.1)));

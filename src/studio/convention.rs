@@ -2,27 +2,22 @@
 
 use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
 
+use strum::{IntoStaticStr, VariantArray};
+
 use crate::field::Quantity;
-use crate::picture::sheet::pascals;
+use crate::rounding::pascals;
 
 /// Convention for the amplitude of a sinusoidal pressure.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Convention {
     #[default]
+    #[strum(serialize = "RMS")]
     Rms,
     Peak,
 }
 
 impl Convention {
-    pub const ALL: [Self; 2] = [Self::Rms, Self::Peak];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Rms => "RMS",
-            Self::Peak => "peak",
-        }
-    }
-
     /// The same as a title.
     pub fn title(self) -> &'static str {
         match self {
@@ -46,7 +41,7 @@ impl Convention {
 
     /// A peak amplitude (Pa) with its unit and this convention's name.
     pub fn pressure(self, peak: f64) -> String {
-        format!("{} {}", pascals(peak * self.of_peak()), self.name())
+        format!("{} {}", pascals(peak * self.of_peak()), self.into_str())
     }
 }
 

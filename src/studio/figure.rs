@@ -15,6 +15,7 @@ use crate::picture::figure::surface::{self, Measure, Surface};
 use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper, round_step};
 use crate::picture::relief::Relief;
 use crate::picture::{ColourMap, Picture, colour, sheet};
+use crate::rounding::millimetres;
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::or_by_cpu;
@@ -94,7 +95,7 @@ impl Default for Wish {
 /// An unknown or missing extension.
 pub fn format(path: &Path) -> anyhow::Result<Format> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
-    Format::ALL.into_iter().find(|format| format.ending() == ending).with_context(|| {
+    ending.parse().ok().with_context(|| {
         format!("{}: figures are written as .png, .svg and .pdf, by the ending", echo::path(path))
     })
 }
@@ -288,7 +289,7 @@ fn lengths(foci: &[Focus], request: &Request) -> Vec<([[f64; 2]; 2], String)> {
         shown.take(MOST_WIDTHS).flat_map(|focus| width::spans(aperture, drives, focus.position, [x, y]));
     spans
         .filter_map(|[from, to]| {
-            let text = format!("{:.1} mm", from.distance(to) * 1e3);
+            let text = format!("{} mm", millimetres(from.distance(to), 1));
             Some(([place(from)?, place(to)?], text))
         })
         .collect()

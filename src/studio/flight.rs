@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 use crate::acoustics::{Air, Aperture, viscosity};
 use crate::force::{Carriage, Drag, Flight, Levitation};
 use crate::gauge::Gauge;
+use crate::rounding::millimetres;
 use crate::scene::{Focus, Part, Scene, motion};
 use crate::solver;
 use crate::studio::motion::follow;
@@ -122,21 +123,22 @@ fn place(foci: &[Focus], target: Option<usize>) -> Option<DVec3> {
 /// A flight from a place, in words.
 pub fn words(scene: &Scene, flight: &Flight, from: DVec3) -> String {
     let mm = |place: DVec3| {
-        let [x, y, z] = place.to_array().map(|length| format!("{:.2}", length * 1e3));
+        let [x, y, z] = place.to_array().map(|length| millimetres(length, 2));
         format!("({x}, {y}, {z}) mm")
     };
     let bead = &scene.bead;
-    let mut text = format!("{:<14}  {}, radius {:.3} mm\n", "bead", bead.material.title(), bead.radius * 1e3);
+    let radius = millimetres(bead.radius, 3);
+    let mut text = format!("{:<14}  {}, radius {radius} mm\n", "bead", bead.material.title());
     let _ = writeln!(text, "{:<14}  {}, at rest", "released", mm(from));
     let Some(last) = flight.moments.last() else { return text };
     let end = if flight.is_lost {
         format!("lost after {:.4} s at {}", last.time, mm(last.at))
     } else {
         format!(
-            "stays: after {:.4} s at {}, never more than {:.2} mm from its place",
+            "stays: after {:.4} s at {}, never more than {} mm from its place",
             last.time,
             mm(last.at),
-            flight.farthest * 1e3
+            millimetres(flight.farthest, 2)
         )
     };
     let _ = write!(text, "{:<14}  {end}", "flight");

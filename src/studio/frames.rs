@@ -57,7 +57,7 @@ fn own_motions(cycle: &Cycle<'_>) -> Vec<Value> {
         let rate = cycle.played(group);
         json!({
             "target": target,
-            "path": group.motion.path.name(),
+            "path": group.motion.path.into_str(),
             "length": group.length,
             "rounds": group.rounds,
             "rate": rate,
@@ -78,9 +78,9 @@ pub fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> st
     let length = of_scene.map_or(0.0, |group| group.length);
     let rate = cycle.as_ref().map(|cycle| cycle.rate);
     let head = json!({
-        "method": scene.solver.method.name(),
+        "method": scene.solver.method.into_str(),
         "elements": scene.elements(),
-        "path": scene.motion.path.name(),
+        "path": scene.motion.path.into_str(),
         "rate": rate,
         "frames_per_second": cycle.as_ref().map(|cycle| cycle.frames_per_second()),
         "length": length,

@@ -45,12 +45,14 @@ pub fn verdict(hold: &Hold) -> String {
         Outcome::Holds => {
             let (way, escape) = hold.nearest_escape();
             let out = match escape.distance.is_finite() {
-                true => format!("let go {} mm along {}", millimetres(escape.distance), axis(way)),
+                true => {
+                    format!("let go {} mm along {}", rounding::millimetres(escape.distance, 2), axis(way))
+                }
                 false => "let go nowhere within a wavelength".to_owned(),
             };
             format!(
                 "holds: rests {} mm below its place, weakest stiffness {} along {}, {out}, lift {:.1} times the weight",
-                millimetres(hold.sag()),
+                rounding::millimetres(hold.sag(), 2),
                 stiffness(weakest.stiffness),
                 line(weakest.direction),
                 hold.lift
@@ -75,10 +77,6 @@ pub fn verdict(hold: &Hold) -> String {
 fn stiffness(value: f64) -> String {
     let (factor, unit) = if value.abs() >= 1e-4 { (1e3, "mN/m") } else { (1e6, "µN/m") };
     format!("{:.3} {unit}", value * factor)
-}
-
-fn millimetres(length: f64) -> String {
-    format!("{:.2}", length * 1e3)
 }
 
 /// A direction as an axis name or as components.

@@ -5,9 +5,8 @@ use glam::DVec2;
 use crate::echo;
 use crate::field::{Depression, Pressed, Quantity};
 use crate::picture::relief::{self, Relief, Words};
-use crate::picture::sheet::pascals_at_most;
 use crate::picture::{Picture, PictureError};
-use crate::rounding::{at_most, digits, percent_at_least};
+use crate::rounding::{at_most, digits, milliseconds, pascals_at_most, percent_at_least};
 use crate::scene::{self, Envelope, Law, Liquid, Modulation, Plane, Scene};
 use crate::studio::map::{DrawnMap, SILENT, extent};
 use crate::studio::output::warn;
@@ -110,7 +109,7 @@ pub fn frame(
 ) -> Result<Picture, PictureError> {
     let when = match moment {
         Moment::Frame(index, count) => format!("Frame {} of {count}", index + 1),
-        Moment::Time(seconds) => format!("{:.1} ms after the sound begins", seconds * 1e3),
+        Moment::Time(seconds) => format!("{} after the sound begins", milliseconds(seconds, 1)),
     };
     let depth = |depth: f32| Quantity::Depression.with_unit(depth.into());
     let all = match moment {
@@ -164,7 +163,7 @@ fn liquid(scene: &Scene) -> String {
     let name = if given {
         format!("liquid of {:.0} kg/m³ and {:.1} mN/m", liquid.density(), liquid.surface_tension() * 1e3)
     } else {
-        liquid.name.name().replace('-', " ")
+        liquid.name.into_str().replace('-', " ")
     };
     format!("{name} {height:.0} mm from the array")
 }
@@ -189,7 +188,7 @@ fn envelope(scene: &Scene) -> String {
     let what = match modulation.shape {
         Envelope::Off => "no modulation".to_owned(),
         Envelope::Sine | Envelope::Square => {
-            format!("{} modulation at {frequency} Hz", modulation.shape.name())
+            format!("{} modulation at {frequency} Hz", modulation.shape.into_str())
         }
         Envelope::Tones => {
             let all: Vec<_> = tones.iter().map(|tone| tone.frequency.to_string()).collect();

@@ -5,6 +5,7 @@ use web_time::Instant;
 use crate::field::quantity::Norm;
 use crate::field::{By, Colouring, FieldError, Map, Pressed, Quantity, Request, Stages};
 use crate::picture::{ColourMap, Picture};
+use crate::rounding::milliseconds;
 use crate::simd::Isa;
 use crate::studio::evaluator::or_by_cpu;
 
@@ -80,7 +81,7 @@ fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String
         ),
         By::Gpu => stages.gpu().map_or_else(cpu, |gpu| gpu.info().to_string()),
     };
-    let milliseconds = start.elapsed().as_secs_f64() * 1e3;
+    let time = milliseconds(start.elapsed().as_secs_f64(), 1);
     let whose = if quantity.declaration().of_light { "the radiation pressure's peak" } else { "the peak" };
     let error = match map.peak {
         0.0 => "silent: every pressure underflows when squared in f32".to_owned(),
@@ -89,7 +90,7 @@ fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String
             map.error
         ),
     };
-    format!("{who} took {milliseconds:.1} ms for the map and its colours\n  {}\n  {error}", map.how)
+    format!("{who} took {time} for the map and its colours\n  {}\n  {error}", map.how)
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use crate::acoustics::Aperture;
 use crate::gauge::Gauge;
-use crate::picture::sheet::pascals;
+use crate::rounding::pascals;
 use crate::scene::{Pressures, Scene, motion};
 use crate::solver::frames::{self, Frame, Sequence};
 use crate::solver::warning;

@@ -10,6 +10,7 @@ use crate::field::volume::camera::Projection;
 use crate::field::volume::scenery::{Body, Item};
 use crate::field::volume::{Block, Scenery};
 use crate::picture::ColourMap;
+use crate::rounding::millimetres;
 use crate::scene::{Focus, Scene, outline};
 
 /// m, sides of a box.
@@ -359,8 +360,8 @@ pub fn labels(block: &Block, projection: &Projection, scale: f64) -> Vec<Label> 
         let along = (b - a).normalize_or_zero();
         let outward = along.perp() * along.perp().dot((a + b) / 2.0 - middle).signum();
         let off = outward * OFF * scale;
-        let ends = [block.low()[axis], block.high()[axis]].map(|place| format!("{:.0}", place * 1e3));
-        let [low, high] = ends.map(|text| if text == "-0" { "0".to_owned() } else { text.replace('-', "−") });
+        let ends = [block.low()[axis], block.high()[axis]].map(|place| millimetres(place, 0));
+        let [low, high] = ends.map(|text| text.replace('-', "−"));
         labels.push(Label { at: a + off + along * 8.0 * scale, text: low });
         labels.push(Label { at: b + off - along * 8.0 * scale, text: high });
         labels.push(Label { at: (a + b) / 2.0 + off * 1.35, text: name.to_owned() });

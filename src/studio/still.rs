@@ -11,6 +11,7 @@ use crate::field::{Quantity, Request, Stages, missed};
 use crate::gauge::Gauge;
 use crate::memory;
 use crate::picture::{ColourMap, Picture, export, numbers, relief, sheet};
+use crate::rounding::milliseconds;
 use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
@@ -242,7 +243,7 @@ impl Rendered {
 pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<Rendered> {
     let Solved { name, scene, solution } = solved;
     let page = look.pixels(scene)?;
-    let time = format!("{} took {:.1} ms", solution.method.name(), solution.seconds * 1e3);
+    let time = format!("{} took {}", solution.method.into_str(), milliseconds(solution.seconds, 1));
     let drives = look.drives(solved)?;
     let quantity = match look.diagram {
         Diagram::Drive => return drive(solved, look, page, time),

@@ -15,6 +15,7 @@ use crate::field::{Evaluator, Quantity, Request};
 use crate::memory;
 use crate::picture::Picture;
 use crate::picture::space::{Bar, Words};
+use crate::rounding::milliseconds;
 use crate::studio::evaluator::Backend;
 use crate::studio::output::note;
 use crate::studio::space::block_of;
@@ -105,10 +106,10 @@ pub fn draw(
     let start = Instant::now();
     let (rgba, who) = picture((&shot, &scenery), &volume, evaluator, is_gpu_asked_for)?;
     let how = format!(
-        "{} points in {:.1} ms, {width} x {height} pixels by {who} in {:.1} ms",
+        "{} points in {}, {width} x {height} pixels by {who} in {}",
         volume.values.len(),
-        sampled.as_secs_f64() * 1e3,
-        start.elapsed().as_secs_f64() * 1e3
+        milliseconds(sampled.as_secs_f64(), 1),
+        milliseconds(start.elapsed().as_secs_f64(), 1)
     );
     let mut picture = Picture { width, height, rgba };
     let what = describe(look.body, &volume);

@@ -10,6 +10,7 @@ use crate::field::volume::{Block, Lattice, MOST_POINTS, MOST_POINTS_ALONG};
 use crate::field::{Quantity, Request, Stages, missed};
 use crate::picture::numbers::Numbers;
 use crate::picture::vti::ImageData;
+use crate::rounding::millimetres;
 use crate::studio::evaluator::{Backend, or_by_cpu};
 use crate::studio::space::block_of;
 use crate::studio::still::{Diagram, Look, Solved};
@@ -125,7 +126,7 @@ pub fn write(solved: &Solved, stages: &mut Stages, look: &Look, wish: &Wish<'_>)
     })
     .with_context(|| solved.name.clone())?;
     let missed = if peak > 0.0 { missed(off / peak, scene.plane.tolerance) } else { None };
-    let mm = |v: DVec3| format!("{:.1}, {:.1}, {:.1}", v.x * 1e3, v.y * 1e3, v.z * 1e3);
+    let mm = |v: DVec3| v.to_array().map(|length| millimetres(length, 1)).join(", ");
     let line = format!(
         "{}: {} x {} x {} points from ({}) mm, ({}) mm apart, {}",
         crate::echo::path(path),

@@ -250,6 +250,7 @@ fn hindrance(depth: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use num_complex::Complex64;
+    use strum::VariantArray;
 
     use super::*;
     use crate::scene::LiquidName;
@@ -399,14 +400,14 @@ mod tests {
 
     #[test]
     fn modes_over_any_floor_are_roots_of_the_boundary_conditions() {
-        let named = |name| Liquid { name, ..Liquid::default() };
+        let named = |&name: &LiquidName| Liquid { name, ..Liquid::default() };
         let oil = Liquid {
             density: Some(975.0),
             surface_tension: Some(0.0205),
             viscosity: Some(9.75),
             ..Liquid::default()
         };
-        let liquids = LiquidName::ALL.map(named).into_iter().chain([oil]);
+        let liquids = LiquidName::VARIANTS.iter().map(named).chain([oil]);
         let mut kinds = [0; 2];
         for liquid in liquids {
             for depth in [1e-3, 2e-3, 5e-3, 0.01, 0.02, 0.05, 0.2, 1.0] {

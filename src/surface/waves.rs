@@ -96,6 +96,7 @@ mod tests {
     use std::f64::consts::{PI, TAU};
 
     use num_complex::Complex64;
+    use strum::VariantArray;
 
     use super::*;
     use crate::scene::LiquidName;
@@ -249,7 +250,7 @@ mod tests {
     #[test]
     fn nothing_blows_up_and_what_is_left_alone_comes_to_rest() {
         let tank = Tank::new([30, 24], [0.0015, 0.0015]);
-        for name in LiquidName::ALL {
+        for &name in LiquidName::VARIANTS {
             let liquid = Liquid { name, ..Liquid::default() };
             let pressure: Vec<_> = (0..tank.len()).map(|i| f64::from(u8::from(i == 370))).collect();
             let pressed = rest(&tank, &liquid, &pressure);

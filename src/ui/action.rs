@@ -1,6 +1,7 @@
 //! The list of all commands by name, used by menus, keys, palette and help.
 
 use egui::{Context, Key, KeyboardShortcut, Modifiers, Theme};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::field::Quantity;
 use crate::picture::figure::Format;
@@ -62,7 +63,8 @@ pub enum Action {
 }
 
 /// Position of an action in the menus and in the help.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
 pub enum Group {
     File,
     Edit,
@@ -71,23 +73,6 @@ pub enum Group {
     View,
     Board,
     Help,
-}
-
-impl Group {
-    pub const ALL: [Self; 7] =
-        [Self::File, Self::Edit, Self::Export, Self::Tools, Self::View, Self::Board, Self::Help];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::File => "File",
-            Self::Edit => "Edit",
-            Self::Export => "Export",
-            Self::Tools => "Tools",
-            Self::View => "View",
-            Self::Board => "Board",
-            Self::Help => "Help",
-        }
-    }
 }
 
 const fn ctrl(key: Key) -> KeyboardShortcut {
@@ -132,11 +117,11 @@ impl Action {
             ]
             .map(A::Export),
         );
-        all.extend(Tool::ALL.map(A::Tool));
+        all.extend(Tool::VARIANTS.iter().copied().map(A::Tool));
         all.extend([A::SmallerBrush, A::LargerBrush]);
         all.extend(Quantity::ALL.map(A::Quantity));
         all.extend([A::ShowEverything, A::Space, A::Targets, A::Profile]);
-        all.extend(Panel::ALL.map(A::ShowPanel));
+        all.extend(Panel::VARIANTS.iter().copied().map(A::ShowPanel));
         all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale, A::SwitchTheme]);
         all.extend([A::Send, A::PlayMotion, A::Stop, A::Serve, A::Palette, A::Help]);
         // A page ends as the browser ends it, and has no sockets.
@@ -172,7 +157,7 @@ impl Action {
             Self::Export(Export::Profile) => "Line profile as CSV…",
             Self::Export(Export::Elements) => "Elements as CSV…",
             Self::Export(Export::Motion(_)) => "Motion…",
-            Self::Tool(tool) => tool.name(),
+            Self::Tool(tool) => tool.into_str(),
             Self::SmallerBrush => "Smaller brush",
             Self::LargerBrush => "Larger brush",
             Self::Quantity(quantity) => return format!("Show: {}", quantity.declaration().title),
@@ -180,7 +165,7 @@ impl Action {
             Self::Space => "3D view",
             Self::Targets => "Show targets",
             Self::Profile => "Line profile",
-            Self::ShowPanel(panel) => return format!("{} panel", panel.name()),
+            Self::ShowPanel(panel) => return format!("{} panel", panel.into_str()),
             Self::TogglePanel => "Panel on or off",
             Self::Present => "Presentation mode",
             Self::Larger => "Larger window scale",
@@ -448,7 +433,7 @@ mod tests {
                     "{action:?} {other:?}"
                 );
             }
-            assert!(Group::ALL.contains(&action.group()));
+            assert!(Group::VARIANTS.contains(&action.group()));
         }
     }
 }

@@ -80,7 +80,7 @@ impl Compare {
         match self.with {
             With::Method => [editor.scene().solver.method.title().to_owned(), self.method.title().to_owned()],
             With::Levels => [levels(editor.levels), levels(Some(self.levels))],
-            With::Plane => [editor.view.cut.name().to_owned(), self.cut.name().to_owned()],
+            With::Plane => [editor.view.cut.into_str().to_owned(), self.cut.into_str().to_owned()],
         }
     }
 }

@@ -6,6 +6,7 @@ use egui::{
     UiBuilder, WidgetInfo, pos2, vec2,
 };
 use glam::{DVec2, DVec3};
+use strum::VariantArray;
 
 use crate::field::Quantity;
 use crate::picture::ColourMap;
@@ -13,7 +14,7 @@ use crate::scene::{Method, Scene};
 use crate::ui::beside::{Compare, Difference, With};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::view::{Axes, Cut, Lens, View, Window};
-use crate::ui::{Editor, Map, Shown, Sound, edit, legend, marks, theme};
+use crate::ui::{Editor, Map, Shown, Sound, edit, legend, marks, measure, theme};
 
 /// Zoom per point of wheel or pinch, as on the canvas.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
@@ -68,7 +69,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
                 .height(320.0)
                 .selected_text(compare.method.title());
             let response = combo.show_ui(ui, |ui| {
-                for method in Method::ALL {
+                for &method in Method::VARIANTS {
                     ui.selectable_value(&mut compare.method, method, method.title());
                 }
             });
@@ -84,7 +85,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         With::Plane => {
             for other in [Cut::Xy, Cut::Xz, Cut::Yz, Cut::Own].into_iter().filter(|other| *other != cut) {
                 let chosen = compare.cut == other;
-                let label = ui.selectable_label(chosen, format!("Beside: {}", other.name()));
+                let label = ui.selectable_label(chosen, format!("Beside: {}", other.into_str()));
                 if label.on_hover_text(other.tooltip()).clicked() {
                     (compare.cut, compare.centre) = (other, None);
                 }
@@ -317,8 +318,8 @@ fn words(
     let corner = rect.left_top() + vec2(10.0, 8.0);
     let first = marks::chip(painter, corner, Align2::LEFT_TOP, &format!("{name}{value}"), 13.0, theme::MARK);
     if let Some(point) = point {
-        let [x, y, z] = (point * 1e3).to_array();
-        let text = format!("x {x:.1}   y {y:.1}   z {z:.1} mm");
+        let [x, y, z] = point.to_array().map(measure::mm);
+        let text = format!("x {x}   y {y}   z {z} mm");
         marks::chip(
             painter,
             first.left_bottom() + vec2(0.0, 9.0),

@@ -2,6 +2,7 @@
 
 use egui::{Button, Response, Ui};
 use glam::DVec2;
+use strum::VariantArray;
 
 use crate::scene::Target;
 use crate::ui::Editor;
@@ -55,8 +56,8 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     ui.separator();
     let axes = editor.view.axes(editor.scene());
-    for align in Align::ALL {
-        if item(ui, 2, align.name()) {
+    for &align in Align::VARIANTS {
+        if item(ui, 2, align.into_str()) {
             edit::align(&mut editor.document.scene, &editor.selection, &axes, align);
         }
     }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use glam::{DVec2, DVec3};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::scene::{MotionPath, Scene, Shape, Target, file, outline};
 use crate::ui::group;
@@ -90,7 +91,7 @@ pub fn name(target: &Target) -> String {
 pub fn kind(target: &Target) -> String {
     match &target.shape {
         Shape::Point { .. } => "Point".to_owned(),
-        Shape::Trap { trap, .. } => format!("Trap, {}", trap.name()),
+        Shape::Trap { trap, .. } => format!("Trap, {}", trap.into_str()),
         Shape::Line { .. } => "Line".to_owned(),
         Shape::Circle { .. } => "Circle".to_owned(),
         Shape::Rectangle { .. } => "Rectangle".to_owned(),
@@ -118,29 +119,21 @@ pub fn bounds<'a>(targets: impl IntoIterator<Item = &'a Target>, axes: &Axes) ->
 }
 
 /// Alignment of selected targets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
 pub enum Align {
+    #[strum(serialize = "Align left")]
     Left,
+    #[strum(serialize = "Align centres")]
     Centre,
+    #[strum(serialize = "Align right")]
     Right,
+    #[strum(serialize = "Align top")]
     Top,
+    #[strum(serialize = "Align middles")]
     Middle,
+    #[strum(serialize = "Align bottom")]
     Bottom,
-}
-
-impl Align {
-    pub const ALL: [Self; 6] = [Self::Left, Self::Centre, Self::Right, Self::Top, Self::Middle, Self::Bottom];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Left => "Align left",
-            Self::Centre => "Align centres",
-            Self::Right => "Align right",
-            Self::Top => "Align top",
-            Self::Middle => "Align middles",
-            Self::Bottom => "Align bottom",
-        }
-    }
 }
 
 /// Aligns the selection with its bounding box.

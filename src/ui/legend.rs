@@ -131,7 +131,7 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         ui.end_row();
     }
     if view.quantity.declaration().range != Range::Cyclic {
-        let convention = if view.quantity.declaration().is_root { view.convention.name() } else { "" };
+        let convention = if view.quantity.declaration().is_root { view.convention.into_str() } else { "" };
         label(ui, format!("Range {convention}").trim_end());
         range(view, map, ui);
         ui.end_row();
@@ -244,7 +244,7 @@ impl Law {
     fn title(self, quantity: Quantity, convention: Convention, full: f64) -> String {
         let title = quantity.declaration().title;
         let with_convention = |text: String| match quantity.declaration().is_root {
-            true => format!("{text} {}", convention.name()),
+            true => format!("{text} {}", convention.into_str()),
             false => text,
         };
         match self {

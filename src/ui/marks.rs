@@ -103,7 +103,7 @@ fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer:
 /// Distance of a focus from the plane, for its marker.
 fn off_plane(height: f64) -> String {
     let side = if height > 0.0 { "in front" } else { "behind" };
-    format!("{:.1} mm {side}", height.abs() * 1e3)
+    format!("{} mm {side}", measure::mm(height.abs()))
 }
 
 fn is_of_selection(editor: &Editor, at: DVec3) -> bool {

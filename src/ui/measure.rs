@@ -2,6 +2,8 @@
 
 use glam::DVec2;
 
+use crate::rounding::millimetres;
+
 /// m: a shorter line is a slip of the hand.
 pub const SHORTEST: f64 = 5e-4;
 
@@ -26,8 +28,7 @@ impl ProfileLine {
 
 /// A length (m) in mm with one decimal, without a sign on zero.
 pub fn mm(length: f64) -> String {
-    let tenths = (length * 1e4).round();
-    format!("{:.1}", if tenths == 0.0 { 0.0 } else { tenths / 10.0 })
+    millimetres(length, 1)
 }
 
 /// Length of a line, and its angle from the horizontal axis.
@@ -43,8 +44,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_have_no_negative_zero() {
-        assert_eq!([-1e-9, 0.0, -1e-4, 0.0123].map(mm), ["0.0", "0.0", "-0.1", "12.3"]);
+    fn level_lines_have_no_negative_angle() {
         let line = [DVec2::ZERO, DVec2::new(0.03, -1e-12)];
         assert_eq!(length_and_angle(line), "30.0 mm, 0.0°");
         assert_eq!(length_and_angle([DVec2::ZERO, DVec2::new(0.0, 0.02)]), "20.0 mm, 90.0°");

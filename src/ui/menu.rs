@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use egui::containers::menu::MenuBar;
 use egui::{Button, Color32, Context, Label, ProgressBar, RichText, Sense, Stroke, Ui, vec2};
+use strum::VariantArray;
 
 use crate::device::health::State;
 use crate::ui::action::{self, Action, Group};
@@ -211,7 +212,7 @@ fn edit(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
 /// Columns of tools for this height in points.
 pub fn tool_columns(height: f32) -> usize {
     let rows = ((height + GAP) / (TOOL + GAP)).floor().max(1.0) as usize;
-    Tool::ALL.len().div_ceil(rows).min(3)
+    Tool::VARIANTS.len().div_ceil(rows).min(3)
 }
 
 /// Width of tool columns with margins, in points.
@@ -225,7 +226,7 @@ pub fn tools(editor: &mut Editor, columns: usize, ui: &mut Ui) {
     egui::ScrollArea::vertical()
         .scroll_bar_visibility(egui::scroll_area::ScrollBarVisibility::AlwaysHidden)
         .show(ui, |ui| {
-            for row in Tool::ALL.chunks(columns) {
+            for row in Tool::VARIANTS.chunks(columns) {
                 ui.horizontal(|ui| row.iter().for_each(|&tool| button(editor, tool, ui)));
                 // Shapes are separated in single-column layouts.
                 if columns == 1 && matches!(row[0], Tool::Select | Tool::Text) {
@@ -238,7 +239,8 @@ pub fn tools(editor: &mut Editor, columns: usize, ui: &mut Ui) {
 fn button(editor: &mut Editor, tool: Tool, ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(TOOL, TOOL), Sense::click());
     let chosen = editor.tool == tool;
-    response.widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, tool.name()));
+    response
+        .widget_info(|| egui::WidgetInfo::selected(egui::Role::RadioButton, true, chosen, tool.into_str()));
     if response.clicked() {
         editor.tool = tool;
     }
@@ -252,5 +254,5 @@ fn button(editor: &mut Editor, tool: Tool, ui: &mut Ui) {
     }
     let ink = if chosen { Color32::WHITE } else { ui.visuals().text_color() };
     tool::icon(ui.painter(), tool, rect, Stroke::new(1.8, ink));
-    response.on_hover_text(format!("{} ({})\n{}", tool.name(), tool.key().name(), tool.tooltip()));
+    response.on_hover_text(format!("{} ({})\n{}", tool.into_str(), tool.key().name(), tool.tooltip()));
 }

@@ -57,6 +57,7 @@ use std::path::PathBuf;
 
 use egui::{CentralPanel, Color32, Frame, Ui};
 use glam::{DVec2, DVec3};
+use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::picture::figure::Format;
 use crate::scene::{Scene, Target};
@@ -205,7 +206,8 @@ pub struct Oscillation {
 }
 
 /// The page of the right panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
 pub enum Panel {
     Scene,
     Solver,
@@ -213,22 +215,6 @@ pub enum Panel {
     Liquid,
     Motion,
     Device,
-}
-
-impl Panel {
-    pub const ALL: [Self; 6] =
-        [Self::Scene, Self::Solver, Self::Drive, Self::Liquid, Self::Motion, Self::Device];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Scene => "Scene",
-            Self::Solver => "Solver",
-            Self::Drive => "Drive",
-            Self::Liquid => "Liquid",
-            Self::Motion => "Motion",
-            Self::Device => "Device",
-        }
-    }
 }
 
 /// Commands beyond the user interface.

@@ -152,7 +152,7 @@ fn told(quantity: Quantity, value: f64, convention: Convention) -> String {
 
 /// The convention's name, of quantities that have one.
 fn name(quantity: Quantity, convention: Convention) -> &'static str {
-    if quantity.declaration().is_root { convention.name() } else { "" }
+    if quantity.declaration().is_root { convention.into_str() } else { "" }
 }
 
 /// Draws the profile and its figures.

@@ -4,6 +4,7 @@ use egui::{
     Align2, Button, CursorIcon, DragValue, FontId, Painter, Rect, Response, ScrollArea, Sense, Stroke, Ui,
     WidgetInfo, pos2, vec2,
 };
+use strum::VariantArray;
 
 use crate::picture::figure::axes::round_step;
 use crate::scene::motion::{self, Cycle, Group};
@@ -138,8 +139,8 @@ fn keyframe(editor: &mut Editor, ui: &mut Ui) {
     let (mut other, tip) = (Easing::Linear, "How the way to the next keyframe is gone");
     let easing = chosen.map_or(&mut other, |keyframe| &mut keyframe.easing);
     ui.add_enabled_ui(is_chosen, |ui| {
-        for choice in Easing::ALL {
-            let label = ui.selectable_label(is_chosen && *easing == choice, choice.name());
+        for &choice in Easing::VARIANTS {
+            let label = ui.selectable_label(is_chosen && *easing == choice, choice.into_str());
             if label.on_hover_text(tip).on_disabled_hover_text("Choose a keyframe").clicked() {
                 *easing = choice;
             }
@@ -285,7 +286,7 @@ fn show_keyframe(
     response.on_hover_text(format!(
         "{} ms, pressure x {pressure:.2}, {} to the next. Drag to change its time; right click deletes.",
         clock.time(time / lane.rounds as f64),
-        easing.name()
+        easing.into_str()
     ));
 }
 

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use egui::{Key, Painter, Pos2, Rect, Stroke, StrokeKind};
 use glam::{DVec2, DVec3};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::scene::{Pixels, Scene, Shape, Target};
 use crate::ui::view::Axes;
@@ -13,8 +14,10 @@ const DEFAULT_SIZE: f64 = 0.04;
 /// m: shapes smaller than this are slips of the hand.
 const SMALLEST: f64 = 1e-3;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
 pub enum Tool {
+    #[strum(serialize = "Select and move")]
     Select,
     Point,
     Line,
@@ -30,38 +33,6 @@ pub enum Tool {
 }
 
 impl Tool {
-    pub const ALL: [Self; 12] = [
-        Self::Select,
-        Self::Point,
-        Self::Line,
-        Self::Circle,
-        Self::Rectangle,
-        Self::Triangle,
-        Self::Polygon,
-        Self::Freehand,
-        Self::Text,
-        Self::Brush,
-        Self::Erase,
-        Self::Measure,
-    ];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Select => "Select and move",
-            Self::Point => "Point",
-            Self::Line => "Line",
-            Self::Circle => "Circle",
-            Self::Rectangle => "Rectangle",
-            Self::Triangle => "Triangle",
-            Self::Polygon => "Polygon",
-            Self::Freehand => "Freehand",
-            Self::Text => "Text",
-            Self::Brush => "Brush",
-            Self::Erase => "Erase",
-            Self::Measure => "Measure",
-        }
-    }
-
     pub fn key(self) -> Key {
         match self {
             Self::Select => Key::V,
@@ -273,7 +244,7 @@ mod tests {
         for cut in [Cut::Xy, Cut::Xz, Cut::Yz] {
             let axes = View { cut, ..View::of(&scene) }.axes(&scene);
             let (from, to) = (DVec2::new(-0.01, 0.08), DVec2::new(0.03, 0.1));
-            for tool in Tool::ALL {
+            for tool in Tool::VARIANTS {
                 let Some(target) = tool.drag(&axes, from, to) else { continue };
                 for point in outline::strokes(&target).unwrap().concat() {
                     assert!(axes.height(point).abs() < 1e-9, "{cut:?} {tool:?}: {point}");

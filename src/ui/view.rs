@@ -4,6 +4,7 @@ use std::f64::consts::FRAC_PI_4;
 
 use egui::{Pos2, Rect, Vec2, vec2};
 use glam::{DQuat, DVec2, DVec3};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::field::colouring::FLOOR;
 use crate::field::quantity::Range;
@@ -21,31 +22,22 @@ const FINEST: f64 = 2e-6;
 const COARSEST: f64 = 5e-3;
 
 /// A plane to look at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "UPPERCASE", const_into_str)]
 pub enum Cut {
     /// Parallel to the array.
     Xy,
     Xz,
     Yz,
     /// As in [`FreePlane`].
+    #[strum(serialize = "Oblique plane")]
     Free,
     /// The scene plane, at any tilt.
+    #[strum(serialize = "Scene plane")]
     Own,
 }
 
 impl Cut {
-    pub const ALL: [Self; 5] = [Self::Xy, Self::Xz, Self::Yz, Self::Free, Self::Own];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Xy => "XY",
-            Self::Xz => "XZ",
-            Self::Yz => "YZ",
-            Self::Free => "Oblique plane",
-            Self::Own => "Scene plane",
-        }
-    }
-
     pub fn tooltip(self) -> &'static str {
         match self {
             Self::Xy => "Parallel to the array, at a distance z from it",
@@ -428,7 +420,7 @@ mod tests {
     fn the_screen_and_the_cut_are_each_others_inverse_and_zooming_keeps_the_pointer() {
         let scene = Scene::default();
         let rect = Rect::from_min_size(pos2(40.0, 20.0), vec2(800.0, 500.0));
-        for cut in Cut::ALL {
+        for &cut in Cut::VARIANTS {
             let view = View { cut, ..View::of(&scene) };
             let lens = view.lens(&scene, rect);
             let at = pos2(333.0, 111.0);

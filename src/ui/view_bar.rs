@@ -1,6 +1,7 @@
 //! The two rows above the canvas: the quantity and the plane.
 
 use egui::{Slider, Ui};
+use strum::VariantArray;
 
 use crate::field::Quantity;
 use crate::studio::convention::Convention;
@@ -88,13 +89,14 @@ fn quantities(editor: &mut Editor, ui: &mut Ui) {
 
 /// The convention of pressures in the whole window.
 fn convention(editor: &mut Editor, ui: &mut Ui) {
-    let choices = Convention::ALL.map(|convention| {
+    let choice = |&convention: &Convention| {
         let tip = match convention {
             Convention::Rms => "Pressures and velocities are RMS values, everywhere in the window",
             Convention::Peak => "Pressures and velocities are peak amplitudes, √2 times the RMS values",
         };
         (convention, convention.title(), tip.to_owned())
-    });
+    };
+    let choices: Vec<_> = Convention::VARIANTS.iter().map(choice).collect();
     segments::show(ui, "Convention", &mut editor.view.convention, &choices);
 }
 
@@ -138,7 +140,8 @@ fn surface(editor: &mut Editor, ui: &mut Ui) {
 }
 
 fn cuts(editor: &mut Editor, ui: &mut Ui) {
-    let choices = Cut::ALL.map(|cut| (cut, cut.name(), cut.tooltip().to_owned()));
+    let choice = |&cut: &Cut| (cut, cut.into_str(), cut.tooltip().to_owned());
+    let choices: Vec<_> = Cut::VARIANTS.iter().map(choice).collect();
     if segments::show(ui, "Plane", &mut editor.view.cut, &choices) {
         editor.look_at(editor.view.cut);
     }

@@ -1,4 +1,4 @@
-//! The program with a board: it plays what is said, and nothing when it is told so, or ends.
+//! `sonoglyph serve` with a board: it plays the commanded scene, and falls silent on stop, on errors and at the end.
 
 use std::io::{BufRead, BufReader};
 use std::path::Path;
@@ -20,7 +20,7 @@ const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[[target]]\
 fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
     let until = Instant::now() + PATIENCE;
     while !condition() {
-        assert!(Instant::now() < until, "{what} did not come");
+        assert!(Instant::now() < until, "timed out waiting for {what}");
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
 }
@@ -30,14 +30,14 @@ fn is_silent(board: &Board) -> bool {
     playing.is_none_or(|playing| playing.drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0))
 }
 
-/// Whether the board plays what the scene's own solution is in its levels.
+/// Whether the board plays the scene's own solution at its levels.
 fn plays(board: &Board, text: &str) -> bool {
     let solution = solver::solve(&scene(text)).unwrap();
     let levels = Levels::new(PROFILE, &solution.drive, &Calibration::default()).unwrap();
     board.report().playing.is_some_and(|playing| playing.drive() == levels.drive())
 }
 
-/// The program, and where it listens for OSC.
+/// The program, and its OSC socket.
 fn serve(folder: &Path, args: &[&str]) -> (Child, BufReader<ChildStdout>, Udp) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_sonoglyph"))
         .args(["serve", "--osc", "0"])
@@ -67,7 +67,7 @@ fn a_board_follows_falls_silent_and_comes_back() {
         serve(folder.path(), &["two.toml", "--port", &port, "--profile", PROFILE.name()]);
     osc.osc("state", &[]);
     assert_eq!(osc.heard()[0].args[4], OscType::String("ready".to_owned()));
-    assert!(is_silent(&board), "nothing sounds before it is asked for");
+    assert!(is_silent(&board), "silent before the first play");
     osc.osc("send", &[]);
     eventually("the scene", || plays(&board, SCENE));
     let moved = |x: f32| message("target/1/at", &floats([x, 0.0, 0.11]));
@@ -78,11 +78,11 @@ fn a_board_follows_falls_silent_and_comes_back() {
     eventually("silence", || is_silent(&board));
     osc.bundle(vec![moved(0.01)]);
     std::thread::sleep(std::time::Duration::from_millis(100));
-    assert!(is_silent(&board), "an edit does not sound by itself");
+    assert!(is_silent(&board), "an edit alone does not start sound");
     osc.osc("send", &[OscType::Bool(true)]);
     let text = SCENE.replace("0.01, 0.02, 0.1]", "0.01, 0, 0.11]");
     eventually("the scene again", || plays(&board, &text));
-    // What cannot be solved is not played, and said.
+    // An unsolvable scene is silent, and reported.
     osc.osc("solver/method", &[OscType::String("focus".to_owned())]);
     eventually("silence", || is_silent(&board));
     osc.osc("state", &[]);
@@ -94,7 +94,7 @@ fn a_board_follows_falls_silent_and_comes_back() {
     osc.bundle(vec![moved(0.012)]);
     board.unplug(false);
     let text = text.replace("0.01, 0, 0.11]", "0.012, 0, 0.11]");
-    eventually("the newest after a loss", || plays(&board, &text));
+    eventually("the newest scene after a lost connection", || plays(&board, &text));
     let status = |child: &mut Child| {
         assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
         child.wait().unwrap()
@@ -104,7 +104,7 @@ fn a_board_follows_falls_silent_and_comes_back() {
 }
 
 #[test]
-fn bad_arguments_end_with_one_message() {
+fn bad_arguments_give_one_message() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("two.toml"), SCENE).unwrap();
     let taken = std::net::UdpSocket::bind("127.0.0.1:0").unwrap();

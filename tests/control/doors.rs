@@ -1,4 +1,4 @@
-//! Who is let in: programs of this machine, its own pages, and who knows the token.
+//! Access: programs on this machine, pages of the same origin, and clients with the token.
 
 use std::io::{Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream, UdpSocket};
@@ -17,7 +17,7 @@ fn with_token(listen: IpAddr) -> Settings {
     Settings { listen, token: Some(TOKEN.to_owned()), ..Settings::default() }
 }
 
-/// The status of a handshake of a page from there, 101 if it is let in.
+/// The HTTP status of a handshake with this origin: 101 if it is accepted.
 fn status(address: &str, origin: Option<&str>) -> u16 {
     let mut request = address.into_client_request().unwrap();
     if let Some(origin) = origin {
@@ -31,7 +31,7 @@ fn status(address: &str, origin: Option<&str>) -> u16 {
 }
 
 #[test]
-fn a_server_listens_to_this_machine_alone_unless_it_is_told_otherwise() {
+fn a_server_listens_on_the_local_address_by_default() {
     let serving = Serving::local(TWO);
     let server = serving.server.as_ref().unwrap();
     let Addresses { osc, websocket, ultraino } = server.addresses();
@@ -42,7 +42,7 @@ fn a_server_listens_to_this_machine_alone_unless_it_is_told_otherwise() {
 }
 
 #[test]
-fn pages_of_strangers_need_the_token() {
+fn pages_of_other_origins_need_the_token() {
     let serving = Serving::local(TWO);
     let address = format!("ws://{}", serving.address("websocket"));
     for (origin, expected) in [
@@ -67,7 +67,7 @@ fn pages_of_strangers_need_the_token() {
 }
 
 #[test]
-fn from_elsewhere_a_connection_gives_the_token_in_its_address_or_first() {
+fn remote_connections_give_the_token_in_the_address_or_first() {
     let serving = Serving::new(TWO, with_token(Ipv4Addr::UNSPECIFIED.into()));
     let address = format!("ws://{}", serving.address("websocket"));
     let mut web = Web::new(&format!("{address}/control?a=b&token={TOKEN}"));
@@ -81,14 +81,14 @@ fn from_elsewhere_a_connection_gives_the_token_in_its_address_or_first() {
         assert!(matches!(web.0.read(), Ok(Message::Close(_)) | Err(_)));
     }
     let mut web = Web::new(&address);
-    // Who says nothing but much is let go before it is read.
+    // A client without the token is disconnected before a long message is read.
     let _ = web.0.send(Message::text(" ".repeat(1 << 20)));
     assert!(web.0.read().map_or(true, |answer| answer.is_close()));
     assert_eq!(serving.desk.generation(), 3);
 }
 
 #[test]
-fn from_elsewhere_packets_count_after_the_token_of_their_sender() {
+fn remote_packets_are_accepted_after_their_sender_gave_the_token() {
     let serving = Serving::new(TWO, with_token(Ipv4Addr::UNSPECIFIED.into()));
     let (osc, other) = (serving.udp("osc"), serving.udp("osc"));
     osc.osc("target/1/at", &floats([0.01, 0.0, 0.1]));
@@ -103,7 +103,7 @@ fn from_elsewhere_packets_count_after_the_token_of_their_sender() {
     other.osc("clear", &[]);
     other.osc("state", &[]);
     assert_eq!(other.error(), "give the token first: /sonoglyph/token");
-    // Strangers are not answered as often as they ask.
+    // Answers to senders without the token are limited.
     (0..100).for_each(|_| other.osc("state", &[]));
     let answered = std::iter::from_fn(|| (!other.is_silent()).then_some(())).count();
     assert!(answered < 10, "{answered}");
@@ -111,7 +111,7 @@ fn from_elsewhere_packets_count_after_the_token_of_their_sender() {
 }
 
 #[test]
-fn what_is_no_handshake_ends_and_slow_ones_leave_room() {
+fn invalid_handshakes_end_and_slow_ones_do_not_block() {
     let serving = Serving::local(TWO);
     let address: SocketAddr = serving.address("websocket");
     for bytes in [
@@ -121,7 +121,7 @@ fn what_is_no_handshake_ends_and_slow_ones_leave_room() {
         b"\r\n\r\n",
     ] {
         let mut stream = TcpStream::connect(address).unwrap();
-        // The other end may be gone before all of it is there.
+        // The server may close before all bytes are written.
         let _ = stream.write_all(bytes).and_then(|()| stream.shutdown(std::net::Shutdown::Write));
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);

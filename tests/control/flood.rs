@@ -1,4 +1,4 @@
-//! Random and mutated packets: counted, refused, and forgotten.
+//! Random and mutated packets: counted, refused, and without lasting effect.
 
 use std::io::Write;
 use std::net::{TcpStream, UdpSocket};
@@ -15,9 +15,9 @@ use sonoglyph::control::ultraino::Draft;
 use crate::mutation::{Dice, mutated};
 use crate::{PATIENCE, Serving, TWO, floats, message, scene};
 
-/// Packets in this process; `SONOGLYPH_MUTATIONS=10` takes ten times as many.
+/// Packets of a default run; `SONOGLYPH_MUTATIONS=10` makes ten times as many.
 const PACKETS: u64 = 1_000_000;
-/// Bytes that may come all the same.
+/// Bytes of growth allowed to allocators.
 const ALLOWED: usize = 16 << 20;
 
 fn corpus() -> Vec<Vec<u8>> {
@@ -61,11 +61,11 @@ fn awkward() -> Vec<Vec<u8>> {
     words
 }
 
-/// One of the corpus changed, or bytes without sense.
+/// A mutated packet of the corpus, or random bytes.
 fn packet(corpus: &[Vec<u8>], words: &[Vec<u8>], seed: u64) -> Vec<u8> {
     match seed % 8 {
         1..=3 => {
-            // One bit is another.
+            // Flip one bit.
             let mixed = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 24;
             let mut bytes = corpus[(mixed % corpus.len() as u64) as usize].clone();
             let place = (mixed >> 8) as usize % bytes.len();
@@ -77,13 +77,18 @@ fn packet(corpus: &[Vec<u8>], words: &[Vec<u8>], seed: u64) -> Vec<u8> {
     }
 }
 
-/// Bytes of this program in memory.
+/// Resident memory of this process, bytes.
 fn resident() -> usize {
-    let pages = std::fs::read_to_string("/proc/self/statm").expect("Linux says what a program takes");
-    pages.split(' ').nth(1).and_then(|pages| pages.parse::<usize>().ok()).expect("a number of pages") * 4096
+    let pages = std::fs::read_to_string("/proc/self/statm").expect("Linux reports memory in /proc");
+    pages
+        .split(' ')
+        .nth(1)
+        .and_then(|pages| pages.parse::<usize>().ok())
+        .expect("statm holds a number of pages")
+        * 4096
 }
 
-/// As the sockets' threads take it.
+/// Handles a packet like the sockets' threads.
 fn hear(desk: &Desk, draft: &mut Draft, bytes: &[u8]) -> bool {
     let of_osc = osc::words(bytes).unwrap_or_default();
     let edit = |word| match word {
@@ -96,7 +101,7 @@ fn hear(desk: &Desk, draft: &mut Draft, bytes: &[u8]) -> bool {
     let of_json = json::message(text, &mut None)
         .map_or_else(|error| vec_of(&error.to_string()), |message| message.edits);
     let changes = [of_osc, of_ultraino, of_json].into_iter().filter(|edits| !edits.is_empty());
-    // Counted by the desk; an error is a line.
+    // The desk counts errors, and each is one line.
     changes
         .map(|edits| desk.change(&edits).map_err(|error| assert!(!error.to_string().contains('\n'))).is_ok())
         .fold(false, |a, b| a | b)
@@ -109,7 +114,7 @@ fn vec_of(error: &str) -> Vec<Edit> {
 }
 
 #[test]
-fn packets_without_sense_change_nothing_for_the_worse_and_take_no_memory() {
+fn random_packets_keep_the_scene_valid_and_memory_bounded() {
     let times = std::env::var("SONOGLYPH_MUTATIONS").map_or(1, |times| times.parse().unwrap());
     let (corpus, words) = (corpus(), awkward());
     let desk = Desk::new(Arc::new(scene(TWO)), Box::new(|| {}));
@@ -134,12 +139,12 @@ fn packets_without_sense_change_nothing_for_the_worse_and_take_no_memory() {
         begun.elapsed().as_secs_f64()
     );
     assert!(more < ALLOWED, "{more} bytes");
-    // The mutations reach what they are for.
+    // Enough mutations are accepted, and enough refused.
     assert!(done > packets / 50 && tally.refused > packets / 100, "{done}, {tally}");
 }
 
 #[test]
-fn a_server_that_is_flooded_goes_on_answering() {
+fn a_flooded_server_keeps_answering() {
     let serving = Serving::local(TWO);
     let (corpus, words) = (corpus(), awkward());
     let [to_osc, to_ultraino] =
@@ -147,7 +152,7 @@ fn a_server_that_is_flooded_goes_on_answering() {
     for seed in 0..20_000 {
         let bytes = packet(&corpus, &words, seed);
         for (socket, address) in [&to_osc, &to_ultraino] {
-            // Packets beyond what UDP holds are not sent.
+            // Larger packets than UDP allows are not sent.
             let _ = socket.send_to(&bytes, address);
         }
         if seed % 200 == 0 {
@@ -162,7 +167,7 @@ fn a_server_that_is_flooded_goes_on_answering() {
         osc.osc("clear", &[]);
         osc.osc("state", &[]);
         let mut bytes = vec![0; 65536];
-        // What still waits at the other doors may add targets after this clear.
+        // Queued packets of other protocols may add targets after this clear.
         if let Ok(length) = osc.0.recv(&mut bytes)
             && bytes[..length].windows(6).any(|part| part == b"/state")
             && serving.web().ask(r#"{"state": true}"#)["state"]["targets"].as_array().unwrap().is_empty()
@@ -189,7 +194,7 @@ fn deep_and_endless_packets_are_refused_before_they_are_read() {
     arrays.resize(arrays.len().next_multiple_of(4) + 4, 0);
     assert!(osc::words(&arrays).unwrap_err().contains("bundles or arrays"));
     assert!(osc::words(&vec![b'/'; osc::LONGEST + 1]).unwrap_err().contains("more than"));
-    // Old senders write no type tags, and a stop is a stop.
+    // Old senders write no type tags, and a stop must work without.
     assert_eq!(osc::words(b"/sonoglyph/stop\0"), Ok(vec![Word::Edit(Edit::Stop)]));
     let mut draft = Draft::default();
     for _ in 0..100_000 {

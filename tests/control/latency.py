@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""From a packet to the first byte on a board's line: `tests/control/latency.py PROGRAM [PACKETS] [PER_SECOND] [PROFILE]`.
+"""Latency from a packet to the first byte on a board's line.
+
+    tests/control/latency.py PROGRAM [PACKETS] [PER_SECOND] [PROFILE]
 
 Opens a pseudo-terminal, lets `sonoglyph serve` play on it, moves eight foci by OSC bundles, and reads the line.
 """

@@ -1,4 +1,4 @@
-//! Control from other programs: words move the scene, strangers are kept out, floods change nothing, a board follows.
+//! Control by other programs: edits of the scene, access, floods of packets, and a board that follows.
 
 #![cfg(unix)]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
@@ -29,7 +29,7 @@ use sonoglyph::solver;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
 
-/// Nothing here waits for longer, however slow the machine is.
+/// Upper limit of every wait, for slow machines.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 const TWO: &str =
@@ -39,7 +39,7 @@ fn scene(text: &str) -> Scene {
     file::parse(text, Path::new("test.toml")).unwrap()
 }
 
-/// A server on free ports of this machine, and what solves for it.
+/// A server on free ports, with the loop that solves for it.
 struct Serving {
     server: Option<Server>,
     desk: Arc<Desk>,
@@ -91,7 +91,7 @@ impl Serving {
         Web::new(&format!("ws://{}", self.address("websocket")))
     }
 
-    /// Waits until the foci of the last report are those of another scene, to the last digit.
+    /// Waits until the reported foci equal those of another scene, to the last digit.
     fn has_foci_of(&self, text: &str) {
         let expected = solver::solve(&scene(text)).unwrap();
         let expected: Vec<_> = expected
@@ -117,7 +117,7 @@ impl Drop for Serving {
     }
 }
 
-/// A program that speaks by packets.
+/// A client by UDP.
 struct Udp(UdpSocket);
 
 impl Udp {
@@ -141,7 +141,7 @@ impl Udp {
         bytes
     }
 
-    /// The messages of the next answer.
+    /// The messages in the next answer.
     fn heard(&self) -> Vec<OscMessage> {
         let bytes = self.answer();
         let (_, packet) = rosc::decoder::decode_udp(&bytes).unwrap();
@@ -156,7 +156,7 @@ impl Udp {
         parts.into_iter().map(message).collect()
     }
 
-    /// The text of an error, which must be the next answer.
+    /// The error in the next answer.
     fn error(&self) -> String {
         match &self.heard()[..] {
             [OscMessage { addr, args }] if addr == "/sonoglyph/error" => args[0].clone().string().unwrap(),
@@ -180,7 +180,7 @@ fn floats<const N: usize>(values: [f32; N]) -> [OscType; N] {
     values.map(OscType::Float)
 }
 
-/// A program that speaks by WebSocket.
+/// A client by WebSocket.
 struct Web(WebSocket<MaybeTlsStream<TcpStream>>);
 
 impl Web {

@@ -1,4 +1,4 @@
-//! What is said moves the scene as its file would, wholly or not at all.
+//! Commands of every protocol edit the scene as its file would, atomically.
 
 use rosc::OscType;
 use serde_json::json;
@@ -58,7 +58,7 @@ fn osc_moves_types_adds_and_removes_as_the_file_would() {
 }
 
 #[test]
-fn a_bundle_is_one_change_and_is_done_wholly_or_not_at_all() {
+fn a_bundle_is_one_atomic_change() {
     let serving = Serving::local(TWO);
     let osc = serving.udp("osc");
     let move_to = |x: f32| message("target/1/at", &floats([x, 0.0, 0.1]));
@@ -88,7 +88,7 @@ fn a_bundle_is_one_change_and_is_done_wholly_or_not_at_all() {
 }
 
 #[test]
-fn of_a_flood_of_moves_the_newest_wins() {
+fn the_newest_of_many_moves_wins() {
     let serving = Serving::local(TWO);
     let osc = serving.udp("osc");
     for step in 0..=200u8 {
@@ -98,7 +98,7 @@ fn of_a_flood_of_moves_the_newest_wins() {
 }
 
 #[test]
-fn ultraino_s_words_place_points_with_y_upwards_and_sound_at_commit() {
+fn ultraino_commands_place_points_with_y_upwards_and_play_at_commit() {
     let serving = Serving::local(TWO);
     let ultraino = serving.udp("ultraino");
     ultraino.send(b"clear");
@@ -126,7 +126,7 @@ fn ultraino_s_words_place_points_with_y_upwards_and_sound_at_commit() {
 }
 
 #[test]
-fn json_edits_tell_the_state_and_give_maps() {
+fn json_edits_are_answered_with_state_and_maps() {
     let serving = Serving::local(TWO);
     let mut web = serving.web();
     let done = web.ask(
@@ -175,7 +175,7 @@ fn json_edits_tell_the_state_and_give_maps() {
 }
 
 #[test]
-fn json_that_asks_for_what_cannot_be_is_answered_and_changes_nothing() {
+fn impossible_json_requests_are_answered_and_change_nothing() {
     let serving = Serving::local(TWO);
     let mut web = serving.web();
     for (text, part) in [
@@ -206,6 +206,6 @@ fn json_that_asks_for_what_cannot_be_is_answered_and_changes_nothing() {
     web.0.send(Message::binary(vec![1, 2, 3])).unwrap();
     assert_eq!(web.heard()["error"], "messages are JSON, and text");
     assert_eq!(serving.desk.generation(), 1);
-    // A published array is no file.
+    // A published array is not a file.
     assert_eq!(web.ask(r#"{"scene": {"array": {"elements": "preset:tinylev-72"}}, "id": 1}"#)["done"], 2);
 }

@@ -1,4 +1,4 @@
-//! The field of the bytes: what a board makes of a focus, summed over the places that its author published.
+//! The sound field of the bytes sent to a board, summed over the transducer positions that its author published.
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -16,7 +16,7 @@ use sonoglyph::solver;
 
 use crate::published::{Gateware, Transducer, played};
 
-/// Off the axes, so that an order that is mirrored or turned puts it elsewhere.
+/// Off the axes, so that a mirrored or rotated order moves it.
 const FOCUS: DVec3 = dvec3(0.03, -0.02, 0.1);
 
 fn scene(profile: Profile) -> Scene {
@@ -38,13 +38,13 @@ fn bytes(profile: Profile, calibration: &Calibration) -> Vec<u8> {
     }
 }
 
-/// Pa, peak, at a point.
+/// Complex pressure at a point, Pa (peak).
 fn pressure(transducers: &[Transducer], element: &Element, at: DVec3) -> Complex64 {
     let wave = |one: &Transducer| one.plays * element.transfer(at - one.place.extend(0.0));
     transducers.iter().map(wave).sum()
 }
 
-/// Where the sound is loudest at the focus's height, to a quarter of a millimetre.
+/// Position of the maximum at the focus' height, to 0.25 mm.
 fn loudest(transducers: &[Transducer], element: &Element) -> DVec2 {
     let search = |about: DVec2, half: i32, step: f64| {
         let places = (-half..=half).flat_map(|i| (-half..=half).map(move |j| (f64::from(i), f64::from(j))));
@@ -55,7 +55,7 @@ fn loudest(transducers: &[Transducer], element: &Element) -> DVec2 {
     search(search(DVec2::ZERO, 45, 2e-3), 8, 0.25e-3)
 }
 
-/// The pressure at the focus, in parts of what the same pulses make there when they are all in phase.
+/// The pressure at the focus relative to that of the same pulses all in phase.
 fn in_phase(transducers: &[Transducer], element: &Element) -> f64 {
     let reach = |one: &Transducer| (one.plays * element.transfer(FOCUS - one.place.extend(0.0))).norm();
     pressure(transducers, element, FOCUS).norm() / transducers.iter().map(reach).sum::<f64>()
@@ -69,11 +69,11 @@ fn heard(profile: Profile, calibration: &Calibration, gateware: Gateware) -> (DV
 }
 
 #[test]
-fn a_focus_is_where_it_is_wanted_on_every_board() {
+fn a_focus_is_in_its_place_on_every_board() {
     for profile in Profile::ALL {
         let (place, part) = heard(profile, &Calibration::default(), Gateware::Published);
         assert!(place.distance(FOCUS.truncate()) < 2e-3, "{}: {:.2} mm", profile.name(), place * 1e3);
-        // Phases rounded to L levels leave sin(π/L) / (π/L) in the mean, 0.984 of the Mega's 10.
+        // Rounding phases to L levels leaves sin(π/L) / (π/L) on average: 0.984 for the Mega's 10.
         let step = PI / f64::from(profile.levels());
         let expected = step.sin() / step;
         assert!(part > 0.98 && (part - expected).abs() < 0.003, "{}: {part} of in phase", profile.name());
@@ -81,7 +81,7 @@ fn a_focus_is_where_it_is_wanted_on_every_board() {
 }
 
 #[test]
-fn the_tactile_boards_own_corrections_are_taken_off_unless_its_table_is_zero() {
+fn the_tactile_boards_built_in_corrections_are_compensated() {
     let tactile =
         |calibration: &Calibration, gateware| heard(Profile::SonicSurfaceTactile, calibration, gateware).1;
     let file =

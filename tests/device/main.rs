@@ -1,4 +1,4 @@
-//! Boards as values: what they are told of a drive, and what they make of it.
+//! Boards without hardware: bytes of a drive, the emulators' response to them, and the gateware.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
@@ -18,7 +18,7 @@ use sonoglyph::device::stock::{self, Heard, Modulated, Twin};
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{Envelope, Modulation};
 
-/// Numbers that look random and are the same every time.
+/// Reproducible random numbers.
 fn numbers(seed: u32) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(2_654_435_769) | 1;
     move || {
@@ -33,7 +33,7 @@ fn stock_profiles() -> impl Iterator<Item = Profile> {
     Profile::ALL.into_iter().filter(|&profile| profile != Profile::Native)
 }
 
-/// Random phases, amplitudes in every strength, one element in eight off.
+/// Random phases and amplitudes; one element in eight is off.
 fn random_drive(elements: usize, seed: u32) -> Drive {
     let mut number = numbers(seed);
     let amplitude = |number: &mut dyn FnMut() -> f64| if number() < 0.125 { 0.0 } else { number() };
@@ -52,7 +52,7 @@ fn hear(twin: &mut Twin, bytes: &[u8]) -> Vec<Heard> {
 }
 
 #[test]
-fn boards_play_what_they_are_sent() {
+fn boards_play_the_frames_sent() {
     for profile in stock_profiles() {
         let mut twin = Twin::new(profile);
         hear(&mut twin, &stock::silence(profile));
@@ -69,7 +69,7 @@ fn boards_play_what_they_are_sent() {
 }
 
 #[test]
-fn frames_are_as_long_as_the_bandwidth_says() {
+fn frame_lengths_agree_with_the_bandwidth() {
     for profile in stock_profiles() {
         let full = Drive { amplitudes: vec![1.0; profile.elements()], phases: vec![0.3; profile.elements()] };
         let levels = Levels::new(profile, &full, &Calibration::default()).unwrap();
@@ -81,12 +81,12 @@ fn frames_are_as_long_as_the_bandwidth_says() {
 }
 
 #[test]
-fn the_bytes_are_those_of_the_boards() {
+fn bytes_follow_the_boards_formats() {
     let delay = |n: usize| Some(Level { delay: n as u16 % 32, amplitude: 1 });
     let levels =
         Levels { profile: Profile::SonicSurface, elements: (0..256).map(|n| delay(n / 16)).collect() };
     let frame = stock::frame(&levels);
-    // Rows of the first registers, channel by channel, then a swap.
+    // The first registers row by row, channel by channel, then a swap.
     assert_eq!(frame[..10], [254, 0, 0, 0, 1, 1, 1, 1, 0, 2]);
     assert_eq!((frame[257], frame.len()), (253, 258));
     assert_eq!(stock::frame(&Levels::off(Profile::SonicSurface))[1..257], [32; 256]);
@@ -100,12 +100,12 @@ fn the_bytes_are_those_of_the_boards() {
     let fpga = Drive { amplitudes: vec![0.5; 256], phases: vec![0.0; 256] };
     let fpga = Levels::new(Profile::UltrainoSimpleFpga, &fpga, &Calibration::default()).unwrap();
     let fpga = stock::frame(&fpga);
-    // An arcsine of 1/2 is a sixth of half a turn: 5 of 32.
+    // arcsin(1/2) is a sixth of half a turn: 5 of 32.
     assert_eq!((fpga[0], fpga[257], fpga[258], fpga[514], fpga.len()), (254, 251, 5, 253, 515));
 }
 
 #[test]
-fn silence_is_silent_whatever_was_heard_before() {
+fn silence_is_silent_after_any_bytes() {
     for profile in stock_profiles() {
         for seed in 0..40 {
             let mut number = numbers(seed);
@@ -127,11 +127,11 @@ fn silence_is_silent_whatever_was_heard_before() {
 }
 
 #[test]
-fn a_board_that_was_just_switched_on_makes_sense_of_all_that_it_is_told() {
+fn boards_understand_all_commands_after_power_up() {
     for profile in stock_profiles() {
         let mut twin = Twin::new(profile);
         let sounds = twin.shown().elements.iter().any(Option::is_some);
-        // Every element in phase, until the program connects.
+        // In phase on all elements, until the program connects.
         let sounding = [
             Profile::SonicSurface,
             Profile::SonicSurface2,
@@ -152,7 +152,7 @@ fn a_board_that_was_just_switched_on_makes_sense_of_all_that_it_is_told() {
 }
 
 #[test]
-fn quantised_sounds_are_the_nearest() {
+fn quantised_levels_are_the_nearest() {
     for profile in Profile::ALL {
         let drive = random_drive(profile.elements(), 7);
         let levels = Levels::new(profile, &drive, &Calibration::default()).unwrap();
@@ -177,8 +177,8 @@ fn quantised_sounds_are_the_nearest() {
 }
 
 #[test]
-fn delay_wraps_and_is_never_taken_for_off() {
-    // 31.6 of 32 rounds to a whole period, which is 0 and not 32.
+fn delays_wrap_and_never_mean_off() {
+    // 31.6 of 32 rounds to a whole period, which is 0 rather than 32.
     let level = Profile::SonicSurface.level(1.0, -TAU * 31.6 / 32.0).unwrap();
     assert_eq!(level.delay, 0);
     assert_eq!(Profile::SonicSurface.level(1.0, -TAU / 4.0).unwrap().delay, 8, "a byte is a delay");
@@ -194,7 +194,7 @@ fn other_arrays_are_refused_with_both_numbers() {
 }
 
 #[test]
-fn calibration_is_taken_off_phases_and_amplitudes() {
+fn calibration_corrects_phases_and_amplitudes() {
     let rows = (0..64).map(|n| match n {
         3 => "3,180,1,0\n".to_owned(),
         4 => "4, 0, 0.5, 0\n".to_owned(),
@@ -210,7 +210,7 @@ fn calibration_is_taken_off_phases_and_amplitudes() {
     assert_eq!(levels.elements[3], Some(Level { delay: 5, amplitude: 5 }));
     assert_eq!(levels.elements[4].unwrap().amplitude, 2);
     assert_eq!(levels.elements[5], None);
-    // A fifth of a period ahead by itself, it is played a fifth of a period later.
+    // An element that leads by a fifth of a period is played a fifth of a period later.
     assert_eq!(levels.elements[6], Some(Level { delay: 2, amplitude: 5 }));
     let notices = levels::notices(Profile::SonicSurface, &drive, &calibration, 40_000.0);
     assert!(notices.len() == 1 && notices[0].contains("no amplitudes"), "{notices:?}");
@@ -222,7 +222,7 @@ fn calibration_is_taken_off_phases_and_amplitudes() {
 }
 
 #[test]
-fn calibration_that_makes_no_sense_is_refused_by_line() {
+fn invalid_calibrations_are_refused_with_their_line() {
     let parse = |rows: &str| Calibration::parse(&format!("element,offset,gain,off\n{rows}"), 3);
     let line_of = |rows: &str| match parse(rows) {
         Err(CalibrationError::Row(error)) => error.line,
@@ -245,7 +245,7 @@ fn calibration_that_makes_no_sense_is_refused_by_line() {
 }
 
 #[test]
-fn modulation_is_done_by_whoever_can() {
+fn modulation_is_by_the_board_or_by_the_host() {
     let modulation = Modulation { shape: Envelope::Sine, frequency: 200.0, ..Modulation::default() };
     let modulated = |profile: Profile, modulation| stock::modulated(profile, modulation, profile.baud());
     for profile in
@@ -253,15 +253,15 @@ fn modulation_is_done_by_whoever_can() {
     {
         assert_eq!(modulated(profile, &modulation), Modulated::FromHere(200.0), "{}", profile.name());
     }
-    // 48.8 frames/s at 250000 baud, and two to a period.
+    // 48.8 frames/s at 250000 baud, and two frames per modulation period.
     let never = modulated(Profile::Acoustophoretic512, &modulation);
     assert!(matches!(never, Modulated::Never(fastest) if (fastest - 24.4).abs() < 0.1), "{never:?}");
     let fast = stock::modulated(Profile::Acoustophoretic512, &modulation, 3_000_000);
-    assert_eq!(fast, Modulated::FromHere(200.0), "a faster line does it");
-    // 1250 / (step + 1): 208.3 Hz is the nearest that the tactile build has.
+    assert_eq!(fast, Modulated::FromHere(200.0), "fast enough on a faster line");
+    // 1250 / (step + 1): 208.3 Hz is the nearest step of the tactile build.
     let tactile = |modulation| modulated(Profile::SonicSurfaceTactile, modulation);
     assert_eq!(tactile(&modulation), Modulated::ByBoard(0xA5, 1250.0 / 6.0));
     let slow = Modulation { frequency: 1.0, ..modulation.clone() };
-    assert_eq!(tactile(&slow), Modulated::ByBoard(0xBF, 1250.0 / 32.0), "the slowest that it has");
+    assert_eq!(tactile(&slow), Modulated::ByBoard(0xBF, 1250.0 / 32.0), "its slowest step");
     assert_eq!(modulated(Profile::SonicSurface, &Modulation::default()), Modulated::Steady);
 }

@@ -1,10 +1,10 @@
-//! The native device as a value: what it plays, and what it never does. The Verilog is compared with it in `tests/device/gateware`.
+//! The model of the native device: its output and its safety. `tests/device/gateware` compares the Verilog with it.
 
 use sonoglyph::device::native::line;
 use sonoglyph::device::native::model::{Model, Pulse};
 use sonoglyph::device::native::packet::{BROADCAST, Body, Info, Kind, Outcome, Packet, Reply, Status, Table};
 
-/// Applies a packet that has to succeed.
+/// Applies a packet that must succeed.
 fn apply(model: &mut Model, packet: &Packet) -> Reply {
     let reply = model.apply(packet);
     assert_eq!(reply.outcome, Outcome::Ok, "{packet:?}");
@@ -23,7 +23,7 @@ fn status(model: &mut Model) -> (Reply, Status) {
     (reply, status)
 }
 
-/// Without silencer and with one frame at full amplitude in slot 1.
+/// Without silencer, one frame at full amplitude in slot 1.
 fn playing(phase_bits: u8, phases: &[u8; 256]) -> Model {
     let mut model = Model::new(phase_bits);
     apply(&mut model, &Packet::silencer(0xFFFF, 0xFFFF));
@@ -58,7 +58,7 @@ fn a_pulse_is_half_a_period_around_its_delay() {
         let mut model = playing(phase_bits, &ramp());
         for (phase, pulse) in model.period().iter().enumerate() {
             assert_eq!(i32::from(pulse.width), levels / 2);
-            // The middle of the pulse, in half levels, against the delay.
+            // The centre of the pulse, in half levels, against the delay.
             let middle = 2 * i32::from(pulse.rise) + i32::from(pulse.width);
             let wanted = 2 * levels * i32::try_from(phase).unwrap() / 256;
             let off = (middle - wanted + levels).rem_euclid(2 * levels) - levels;
@@ -68,7 +68,7 @@ fn a_pulse_is_half_a_period_around_its_delay() {
 }
 
 #[test]
-fn amplitude_is_the_sine_of_the_width_and_never_more_than_half_a_period() {
+fn amplitude_is_the_sine_of_the_width_up_to_half_a_period() {
     let mut model = Model::new(8);
     apply(&mut model, &Packet::silencer(0xFFFF, 0xFFFF));
     apply(&mut model, &Packet::enable(1000));
@@ -82,22 +82,22 @@ fn amplitude_is_the_sine_of_the_width_and_never_more_than_half_a_period() {
     apply(&mut model, &Packet::widths(&[255; 256]));
     run(&mut model, 2);
     let played = model.played();
-    assert!(played[1..].iter().all(|pulse| pulse.width == 128), "duty is capped whatever the table says");
+    assert!(played[1..].iter().all(|pulse| pulse.width == 128), "the duty cycle is capped for any table");
     assert_eq!(played[0].width, 0, "and amplitude 0 is silent");
 }
 
 #[test]
-fn a_commit_is_played_whole_from_the_next_sweep_on() {
+fn a_commit_takes_effect_as_a_whole_at_the_next_sweep() {
     let mut model = playing(8, &[0; 256]);
     let before = *model.period();
     apply(&mut model, &Packet::phases(2, 255, &[128; 256], true));
-    assert_eq!(*model.period(), before, "swept before the packet came");
+    assert_eq!(*model.period(), before, "swept before the packet");
     let after = *model.period();
     assert!(after.iter().all(|pulse| *pulse == after[0]) && after != before);
 }
 
 #[test]
-fn what_is_played_is_not_written() {
+fn slots_in_play_cannot_be_written() {
     let mut model = playing(7, &ramp());
     let busy = |model: &mut Model, slot| model.apply(&Packet::phases(slot, 9, &[1; 256], false)).outcome;
     assert_eq!(busy(&mut model, 1), Outcome::Busy);
@@ -108,11 +108,11 @@ fn what_is_played_is_not_written() {
     apply(&mut model, &Packet::play(10, 11, 1, 0, true));
     assert_eq!(busy(&mut model, 11), Outcome::Busy);
     apply(&mut model, &Packet::stop());
-    assert_eq!((busy(&mut model, 3), busy(&mut model, 4)), (Outcome::Busy, Outcome::Ok), "stays on 3");
+    assert_eq!((busy(&mut model, 3), busy(&mut model, 4)), (Outcome::Busy, Outcome::Ok), "still plays 3");
 }
 
 #[test]
-fn slots_are_played_for_their_time_and_as_often_as_asked() {
+fn slots_are_played_for_their_periods_and_loops() {
     let mut model = playing(7, &ramp());
     apply(&mut model, &Packet::play(3, 5, 2, 2, false));
     let mut slots = Vec::new();
@@ -126,7 +126,7 @@ fn slots_are_played_for_their_time_and_as_often_as_asked() {
     assert_eq!(
         slots,
         [3, 3, 4, 4, 5, 5, 8, 8, 8, 8, 8, 8, 8, 8, 8],
-        "a PLAY that waits comes at the loop's end"
+        "a waiting PLAY starts at the end of the loop"
     );
     let mut model = playing(7, &ramp());
     apply(&mut model, &Packet::play(3, 4, 1, 2, false));
@@ -139,7 +139,7 @@ fn slots_are_played_for_their_time_and_as_often_as_asked() {
 }
 
 #[test]
-fn silence_of_the_sender_mutes_by_a_ramp_and_latches() {
+fn a_silent_sender_mutes_by_a_ramp_and_latches() {
     let mut model = playing(7, &ramp());
     apply(&mut model, &Packet::silencer(0x0300, 0x0100));
     apply(&mut model, &Packet::enable(2));
@@ -153,14 +153,14 @@ fn silence_of_the_sender_mutes_by_a_ramp_and_latches() {
     assert!(status(&mut model).0.flags.tripped);
     apply(&mut model, &Packet::phases(2, 255, &ramp(), true));
     run(&mut model, 300);
-    assert!(!model.outputs_on(), "packets alone do not switch on again");
+    assert!(!model.outputs_on(), "only ENABLE switches on again");
     apply(&mut model, &Packet::enable(100));
     run(&mut model, 300);
     assert!(model.outputs_on() && !status(&mut model).0.flags.tripped);
 }
 
 #[test]
-fn the_emergency_stop_is_off_at_once_and_refuses_to_be_enabled() {
+fn the_emergency_stop_is_immediate_and_prevents_enable() {
     let mut model = playing(7, &ramp());
     model.press(true);
     model.press(false);
@@ -179,13 +179,13 @@ fn the_emergency_stop_is_off_at_once_and_refuses_to_be_enabled() {
 }
 
 #[test]
-fn reset_is_refused_while_anything_sounds_and_forgets_all_but_the_line() {
+fn reset_is_refused_during_sound_and_clears_all_but_the_line() {
     let mut model = playing(7, &ramp());
     apply(&mut model, &Packet::baud(4800));
     apply(&mut model, &Packet::silencer(1, 0x0100));
     apply(&mut model, &Packet::widths(&[9; 256]));
     assert_eq!(model.apply(&Packet::reset()).outcome, Outcome::State);
-    // The stop silences at once, but the silencer comes down by its own pace.
+    // The stop silences at once, but the silencer ramps down at its own rate.
     model.press(true);
     run(&mut model, 250);
     assert_eq!((model.apply(&Packet::reset()).outcome, model.outputs_on()), (Outcome::State, false));
@@ -199,7 +199,7 @@ fn reset_is_refused_while_anything_sounds_and_forgets_all_but_the_line() {
     let Body::Status(counts) = after.body else { panic!() };
     assert_eq!((counts.slot, counts.good, counts.periods), (0, before.good + 2, before.periods));
     assert_eq!(model.baud(), rate);
-    // Of what it was told nothing is left: the tables are those of a device just switched on.
+    // The tables are those of a device after power-up.
     let mut fresh = Model::new(7);
     for table in [Table::Slot(0), Table::Slot(1), Table::Envelope, Table::Widths, Table::Calibration] {
         assert_eq!(digest(&mut model, table), digest(&mut fresh, table), "{table:?}");
@@ -218,7 +218,7 @@ fn digest(model: &mut Model, table: Table) -> u32 {
 }
 
 #[test]
-fn a_digest_is_the_crc_of_what_the_packet_carried() {
+fn a_digest_is_the_crc_of_the_packets_payload() {
     let mut model = Model::new(7);
     let pairs: [[u8; 2]; 256] = std::array::from_fn(|n| [n as u8, 255 - n as u8]);
     let packets = [
@@ -227,7 +227,7 @@ fn a_digest_is_the_crc_of_what_the_packet_carried() {
         (Packet::widths(&ramp().map(|n| n / 2)), Table::Widths),
         (Packet::calibration(&pairs), Table::Calibration),
     ];
-    // As the protocol's document has them.
+    // Values of the protocol's document.
     let power_up = [0xB2AA_7578, 0xFEA8_A821, 0xAF04_75A1, 0x1B6E_50DD];
     for ((packet, table), fresh) in packets.into_iter().zip(power_up) {
         assert_eq!(digest(&mut model, table), fresh, "{table:?}");
@@ -240,24 +240,28 @@ fn a_digest_is_the_crc_of_what_the_packet_carried() {
 }
 
 #[test]
-fn a_device_heeds_its_address_and_all_devices() {
+fn a_device_heeds_its_address_and_broadcasts() {
     let mut model = Model::new(7).with_address(3);
     for other in [0, 2, 4, 8, 254] {
         assert_eq!(model.hear(&Packet::enable(10).to(other)), None);
     }
-    assert_eq!(model.hear(&Packet { code: 0x83, ..Packet::status().to(3) }), None, "a reply is no packet");
+    assert_eq!(
+        model.hear(&Packet { code: 0x83, ..Packet::status().to(3) }),
+        None,
+        "a reply is not a command"
+    );
     let reply = model.hear(&Packet::status().to(3)).unwrap();
     let Body::Status(counts) = reply.body else { panic!() };
     assert_eq!((reply.address, counts.good, reply.flags.enabled), (3, 1, false));
     assert_eq!(model.hear(&Packet::enable(10).to(BROADCAST)), None);
     assert!(model.hear(&Packet::status().to(3)).unwrap().flags.enabled);
-    assert_eq!(model.spoil(false), None, "whose it was is not known");
+    assert_eq!(model.spoil(false), None, "a corrupted packet's address is unknown");
     let Body::Status(counts) = model.hear(&Packet::status().to(3)).unwrap().body else { panic!() };
     assert_eq!((counts.good, counts.spoiled), (4, 1));
 }
 
 #[test]
-fn what_is_in_step_waits_for_a_leaders_mark() {
+fn packets_in_step_wait_for_the_leaders_mark() {
     let slot = |model: &mut Model| status(model).1.slot;
     let mut leader = playing(7, &ramp());
     assert!(!leader.marks());
@@ -275,7 +279,7 @@ fn what_is_in_step_waits_for_a_leaders_mark() {
     follower.mark();
     follower.period();
     assert_eq!((follower.marks(), slot(&mut follower)), (false, 5));
-    // A mark without anything that waits is forgotten; one that leads no longer waits.
+    // A mark without a waiting packet is forgotten; a device that becomes a leader no longer waits.
     follower.mark();
     follower.period();
     apply(&mut follower, &Packet::phases(6, 9, &ramp(), true).in_step());
@@ -291,7 +295,7 @@ fn modulation_follows_its_table_at_its_rate() {
     let mut model = playing(8, &[0; 256]);
     let table = std::array::from_fn(|n| if n < 128 { 255 } else { 0 });
     apply(&mut model, &Packet::envelope(&table));
-    // 200 Hz of 40 kHz: 200 periods.
+    // 200 Hz at 40 kHz: 200 periods.
     apply(&mut model, &Packet::rate((1 << 24) / 200, true));
     model.period();
     let on = (0..2000).filter(|_| model.period()[0].width > 0).count();
@@ -299,7 +303,7 @@ fn modulation_follows_its_table_at_its_rate() {
 }
 
 #[test]
-fn the_silencer_turns_the_short_way_round() {
+fn the_silencer_turns_phases_the_short_way() {
     let mut model = playing(8, &[250; 256]);
     apply(&mut model, &Packet::silencer(0x0100, 0xFFFF));
     apply(&mut model, &Packet::phases(2, 255, &[6; 256], true));
@@ -310,7 +314,7 @@ fn the_silencer_turns_the_short_way_round() {
 }
 
 #[test]
-fn calibration_turns_and_weakens_its_channel() {
+fn calibration_shifts_and_attenuates_its_channel() {
     let mut model = playing(8, &[10; 256]);
     let mut pairs = [[0, 255]; 256];
     pairs[7] = [64, 127];
@@ -356,7 +360,7 @@ fn refusals_change_nothing() {
 }
 
 #[test]
-fn the_bit_rate_is_what_was_asked_until_nobody_speaks() {
+fn the_bit_rate_is_kept_until_the_line_is_idle() {
     for phase_bits in 5..=8 {
         let mut model = Model::new(phase_bits);
         assert!((model.baud() - 2e6).abs() < 100.0);
@@ -370,7 +374,7 @@ fn the_bit_rate_is_what_was_asked_until_nobody_speaks() {
 }
 
 #[test]
-fn a_device_says_what_it_is() {
+fn info_describes_the_device() {
     let mut model = Model::new(6).with_carrier(39_950_000);
     let Body::Info(info) = apply(&mut model, &Packet::info()).body else { panic!() };
     let Info { phase_bits, slots, carrier_millihertz, channels, .. } = info;

@@ -1,6 +1,6 @@
-//! Boards as their authors published them: where each channel stands, and what becomes of the bytes that arrive.
+//! Boards as published by their authors: transducer positions, and the gateware's response to the bytes.
 //!
-//! Nothing here is the program's: places, pins and corrections are data of `tests/reference/board_places.json`.
+//! Independent of the program: positions, pins and corrections come from `tests/reference/board_places.json`.
 
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -10,14 +10,14 @@ use num_complex::Complex64;
 use serde_json::Value;
 use sonoglyph::device::profile::Profile;
 
-/// A transducer of a board: its place (m, about the middle, x to the right and y upwards seen from the front), and the phasor of what it
-/// plays, 1 for half a period from the period's beginning.
+/// A transducer: its position (m, from the centre, x to the right and y upwards as seen from the front), and its
+/// phasor, which is 1 for half a period from the period's beginning.
 pub struct Transducer {
     pub place: DVec2,
     pub plays: Complex64,
 }
 
-/// What gateware does to bytes that another one does not.
+/// Variants of a board's gateware.
 #[derive(Clone, Copy, PartialEq)]
 pub enum Gateware {
     Published,
@@ -35,34 +35,34 @@ fn integers(list: &Value) -> Vec<usize> {
     list.as_array().unwrap().iter().map(|value| value.as_u64().unwrap() as usize).collect()
 }
 
-/// In the source's axes, m.
+/// Positions in the source's axes, m.
 fn places(source: &Value) -> Vec<DVec2> {
     let place = |place: &Value| DVec2::new(place[0].as_f64().unwrap(), place[1].as_f64().unwrap()) * 1e-3;
     source["places"].as_array().unwrap().iter().map(place).collect()
 }
 
-/// Of boards with the normal +y: x to the right leaves z pointing down.
+/// For boards with normal +y: if x is to the right, z points down.
 fn seen_from_above(source: &Value) -> Vec<DVec2> {
     centred(places(source).iter().map(|place| DVec2::new(place.x, -place.y)).collect())
 }
 
-/// SonicSurface's table is 2 mm off its middle.
+/// SonicSurface's table is 2 mm off centre.
 fn centred(places: Vec<DVec2>) -> Vec<DVec2> {
     let middle = places.iter().sum::<DVec2>() / places.len() as f64;
     places.into_iter().map(|place| place - middle).collect()
 }
 
-/// Where channels are wired to any array: the order of this program's scenes, of `columns` and the pitch (m).
+/// For arrays of any wiring: the order of the program's scenes, with `columns` and the pitch (m).
 fn wired(elements: usize, columns: usize, pitch: f64) -> Vec<DVec2> {
     centred((0..elements).map(|n| DVec2::new((n % columns) as f64, (n / columns) as f64) * pitch).collect())
 }
 
-/// The fundamental of a pin that is high in some of the divisions of a period, e^{jωt}.
+/// The fundamental, e^{jωt}, of a pin that is high in some divisions of a period.
 fn fundamental(high: &[bool]) -> Complex64 {
     let divisions = high.len() as f64;
     let turn = |division: usize| Complex64::from_polar(1.0, -TAU * division as f64 / divisions);
     let sum: Complex64 = (0..high.len()).filter(|&division| high[division]).map(turn).sum();
-    // Half a period of divisions has the sum 1 / sin(π / divisions).
+    // The sum over half a period of divisions is 1 / sin(π / divisions).
     sum * (TAU / 2.0 / divisions).sin()
 }
 
@@ -71,12 +71,12 @@ fn pulse(divisions: usize, begin: usize, width: usize) -> Complex64 {
     fundamental(&high)
 }
 
-/// A byte of a list, as `PhaseLine.vhd` plays it: 32 is off, the rest a delay in 1/32 of a period.
+/// A byte of a list, as played by `PhaseLine.vhd`: 32 is off, other values are delays in 1/32 of a period.
 fn listed(byte: u8) -> Complex64 {
     if byte == 32 { Complex64::ZERO } else { pulse(32, usize::from(byte & 0x1F), 16) }
 }
 
-/// What a board plays after the bytes of one frame.
+/// The board's output after the bytes of one frame.
 pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) -> Vec<Transducer> {
     let (places, plays): (Vec<_>, Vec<_>) = match profile {
         Profile::Native => (wired(256, 16, pitch), native(bytes)),
@@ -102,14 +102,15 @@ pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) ->
     places.into_iter().zip(plays).map(|(place, plays)| Transducer { place, plays }).collect()
 }
 
-/// Phases of 256 to the period, by channel (`gateware/doc/protocol.md`): a COBS packet that ends with them and a CRC of 4 bytes.
+/// Phases in 1/256 of a period by channel (`gateware/doc/protocol.md`): the end of a COBS packet, before its CRC of 4
+/// bytes.
 fn native(line: &[u8]) -> Vec<Complex64> {
     let packet = cobs::decode_vec(&line[..line.len() - 1]).unwrap();
     let phases = &packet[packet.len() - 256 - 4..packet.len() - 4];
     phases.iter().map(|&phase| pulse(256, usize::from(phase), 128)).collect()
 }
 
-/// The second board goes on where the rows of the first end: 16 of its pitch further up.
+/// The second board continues the rows of the first, 16 pitches further up.
 fn two_surfaces(bytes: &[u8]) -> (Vec<DVec2>, Vec<Complex64>) {
     assert_eq!((bytes[0], bytes[1], bytes[258], bytes[515]), (254, 192, 193, 253));
     const UP: f64 = 16.0 * 10.5e-3;
@@ -119,7 +120,7 @@ fn two_surfaces(bytes: &[u8]) -> (Vec<DVec2>, Vec<Complex64>) {
     (centred(both.collect()), lists.map(|&byte| listed(byte)).collect())
 }
 
-/// `Distribute.vhd` and `PhaseLine.vhd` of the tactile build: a correction, then 16 delays and 7 of them high.
+/// `Distribute.vhd` and `PhaseLine.vhd` of the tactile build: a correction, then 16 delays, with 7 divisions high.
 fn tactile(bytes: &[u8], gateware: Gateware) -> Vec<Complex64> {
     let corrections = integers(&source("sonicsurface-tactile")["phase_correction"]);
     let channel = |(&byte, correction): (&u8, usize)| {
@@ -145,18 +146,18 @@ fn mega(bytes: &[u8]) -> (Vec<DVec2>, Vec<Complex64>) {
     (seen_from_above(&source), integers(&source["port_mapping"]).into_iter().map(pin).collect())
 }
 
-/// `MuxPhase.vhd`: high from the delay on for the second byte's length, of 128 in a period.
+/// `MuxPhase.vhd`: high from the delay on for the second byte's length, in 1/128 of a period.
 fn acoustophoretic(bytes: &[u8]) -> (Vec<DVec2>, Vec<Complex64>) {
     let source = source("acoustophoretic-512");
     let (places, channels) = (places(&source), integers(&source["channels"]));
-    the_other_source_agrees(&places, &channels, &integers(&source["levitate_grid"]));
+    agrees_with_levitate(&places, &channels, &integers(&source["levitate_grid"]));
     let channel =
         |channel: usize| pulse(128, usize::from(bytes[channel] & 0x7F), usize::from(bytes[256 + channel]));
     (places, channels.into_iter().map(channel).collect())
 }
 
-/// Levitate lists the channels row by row, from the upper left.
-fn the_other_source_agrees(places: &[DVec2], channels: &[usize], grid: &[usize]) {
+/// Levitate lists the channels row by row from the upper left.
+fn agrees_with_levitate(places: &[DVec2], channels: &[usize], grid: &[usize]) {
     for (place, &channel) in places.iter().zip(channels) {
         let from_the_corner = (DVec2::new(place.x, -place.y) + 78.75e-3) / 10.5e-3;
         let [column, row] = [from_the_corner.x, from_the_corner.y].map(|at| at.round() as usize);

@@ -1,11 +1,11 @@
-//! Numbers that look random and are the same for the same seed.
+//! Reproducible random numbers for tests.
 
 /// SplitMix64 (Steele, Lea and Flood, OOPSLA 2014).
 #[derive(Clone, Debug)]
 pub struct Dice(u64);
 
 impl Dice {
-    /// A stream of its own for every `number` under one `seed`.
+    /// An independent stream for every `number` under one `seed`.
     pub fn new(seed: u64, number: usize) -> Self {
         let mut dice = Self(seed ^ (number as u64).wrapping_mul(0xD1B5_4A32_D192_ED03));
         dice.next();
@@ -28,12 +28,12 @@ impl Dice {
         low + (high - low) * self.unit()
     }
 
-    /// Evenly in the logarithm.
+    /// Log-uniform.
     pub fn magnitude(&mut self, low: f64, high: f64) -> f64 {
         (low * (high / low).powf(self.unit())).clamp(low, high)
     }
 
-    /// `low` to `high`, both included.
+    /// Uniform over the integers from `low` to `high`, both included.
     pub fn whole(&mut self, low: u32, high: u32) -> u32 {
         low + (self.next() % u64::from(high - low + 1)) as u32
     }

@@ -1,4 +1,4 @@
-//! Disks that are full, and files that may not become so large: one message, the old file as it was, nothing half written.
+//! Full disks and file size limits: one message, the old file unchanged, no partial file.
 
 use std::fs::{self, File, OpenOptions};
 use std::path::Path;
@@ -8,7 +8,7 @@ use crate::{PROGRAM, folder, listing, message_of, program, program_after, refuse
 
 const OLD: &str = "what was there before";
 
-/// Every command that writes a file by name, and the file.
+/// Every command that writes a named file, with that file.
 const WRITERS: [(&[&str], &str); 10] = [
     (&["render", "a.toml", "-o", "x.png"], "x.png"),
     (&["render", "a.toml", "-o", "x.png", "--quantity", "sheet"], "x.png"),
@@ -27,7 +27,7 @@ fn points(folder: &Path) {
 }
 
 #[test]
-fn a_file_that_may_not_grow_leaves_the_old_one_and_nothing_else() {
+fn a_file_beyond_the_size_limit_keeps_the_old_one() {
     for (args, name) in WRITERS {
         let folder = folder();
         let folder = folder.path();
@@ -36,7 +36,7 @@ fn a_file_that_may_not_grow_leaves_the_old_one_and_nothing_else() {
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(&path, OLD).unwrap();
         let before = listing(folder);
-        // 512 bytes.
+        // The limit is 512 bytes.
         let message = refused(&mut program_after("ulimit -f 1", folder, args));
         assert!(message.contains(name) && message.contains("files may not become that large"), "{message}");
         assert_eq!(fs::read_to_string(&path).unwrap(), OLD, "{args:?}");
@@ -46,8 +46,8 @@ fn a_file_that_may_not_grow_leaves_the_old_one_and_nothing_else() {
 }
 
 #[test]
-fn a_device_that_is_full_is_said_to_be_and_stays_a_device() {
-    // An animation's format is told by its name, and a folder is no file.
+fn a_full_device_gives_an_error_and_stays_a_device() {
+    // The format of an animation follows from its file name, and a folder is not a file.
     let is_of_any_name = |args: &[&str]| {
         args.first().is_some_and(|&command| command != "render" || !args.contains(&"--motion"))
     };
@@ -64,10 +64,10 @@ fn a_device_that_is_full_is_said_to_be_and_stays_a_device() {
 }
 
 #[test]
-fn a_small_disk_that_fills_up_keeps_its_old_file() {
+fn a_disk_that_fills_up_keeps_the_old_file() {
     let can_mount = Command::new("unshare").args(["-rm", "true"]).status();
     if !can_mount.is_ok_and(|status| status.success()) {
-        eprintln!("NOT TESTED ON A SMALL DISK: this machine lets nobody mount one");
+        eprintln!("NOT TESTED ON A SMALL DISK: mounting is not permitted here");
         return;
     }
     let folder = folder();
@@ -97,7 +97,7 @@ fn a_small_disk_that_fills_up_keeps_its_old_file() {
 }
 
 #[test]
-fn what_cannot_be_printed_is_an_error_and_no_panic() {
+fn a_failing_standard_output_is_an_error() {
     let folder = folder();
     let full = || OpenOptions::new().write(true).open("/dev/full").unwrap();
     for args in [
@@ -112,7 +112,7 @@ fn what_cannot_be_printed_is_an_error_and_no_panic() {
     ] {
         let message = refused(program(folder.path(), args).stdout(full()));
         assert!(message.contains("standard output: cannot write: No space left"), "{args:?}: {message}");
-        // Warnings and notes that nobody can hear end nothing.
+        // Warnings and notes may be lost without an error.
         succeed(program(folder.path(), args).stderr(full()));
     }
     let mut batch = program(folder.path(), &["batch", "--no-limits"]);
@@ -122,10 +122,10 @@ fn what_cannot_be_printed_is_an_error_and_no_panic() {
 }
 
 #[test]
-fn who_stops_reading_is_not_told_of_an_error() {
+fn a_closed_pipe_is_no_error() {
     let folder = folder();
     for args in ["solve a.toml --json", "devices", "ports", "solve a.toml --method all"] {
-        // The reader is gone before the first line.
+        // The reader ends before the first line.
         let script = format!("(sleep 0.2; \"$0\" {args}; echo \"status $?\" >&2) | true");
         let output =
             Command::new("sh").args(["-c", &script, PROGRAM]).current_dir(folder.path()).output().unwrap();
@@ -135,7 +135,7 @@ fn who_stops_reading_is_not_told_of_an_error() {
 }
 
 #[test]
-fn a_batch_without_room_says_so_for_every_line_and_goes_on() {
+fn a_batch_on_a_full_disk_answers_every_line_with_the_error() {
     let folder = folder();
     fs::write(folder.path().join("lines"), "{\"target\": [{}]}\n".repeat(3)).unwrap();
     let mut batch = program_after(

@@ -1,4 +1,4 @@
-//! A GPU that goes away in the middle of things: what comes next says so once, and nothing panics.
+//! A GPU lost during work: later work returns errors and does not panic.
 
 use glam::{DVec2, DVec3};
 use sonoglyph::field::gpu::adapter;
@@ -11,7 +11,7 @@ pub fn gpu() -> Option<Gpu> {
     crate::requirement::found("gpu", adapter::open_best(true))
 }
 
-/// What a GPU makes of a focus over water.
+/// Requests of every kind, with one focus over water.
 fn requests() -> Vec<Request> {
     let target = Target::new(Shape::Point { at: DVec3::new(0.01, 0.0, 0.1) });
     let plane = Plane { size: DVec2::splat(0.06), ..Plane::default() };
@@ -27,9 +27,9 @@ fn is_lost<T>(done: &Result<T, FieldError>) -> bool {
 }
 
 #[test]
-fn every_kind_of_work_on_a_lost_gpu_is_an_error_and_no_panic() {
+fn all_work_on_a_lost_gpu_is_an_error() {
     let grey = |request: &Request| Colouring::new(request.quantity, ColourMap::Grey.table());
-    // With everything made before, and with nothing: programs are made when they are first needed.
+    // With warm and with cold caches, since GPU programs are compiled when first needed.
     for is_warm in [true, false] {
         for request in requests() {
             let name = format!("{:?}, warm: {is_warm}", request.quantity);
@@ -43,7 +43,7 @@ fn every_kind_of_work_on_a_lost_gpu_is_an_error_and_no_panic() {
             }
             stages.gpu().unwrap().lose();
             if is_warm {
-                // What has left the GPU is still there, and goes on without it; what has not is gone.
+                // Results that have been read back remain available, others are lost.
                 assert!(stages.map(&request).is_ok(), "{name}");
                 assert!(stages.contours(&request, 0.5).is_ok(), "{name}");
                 let other = Colouring { full: Some(7.0), ..grey(&request) };
@@ -58,7 +58,7 @@ fn every_kind_of_work_on_a_lost_gpu_is_an_error_and_no_panic() {
             assert!(is_lost(&stages.picture(&request, &grey(&request)).map(drop)), "{name}");
             assert!(is_lost(&stages.figures(&request).map(drop)), "{name}");
             assert!(is_lost(&stages.pressed(&request).map(drop)), "{name}");
-            // It stays lost.
+            // The loss is permanent.
             assert!(is_lost(&stages.map(&request).map(drop)), "{name}");
         }
     }

@@ -1,4 +1,4 @@
-//! Boards whose program is stopped, ended or joined by another: they fall silent when they should, and nothing that is sent is torn.
+//! Senders that are stopped, killed or joined by another: the board falls silent, and no frame is torn.
 
 use std::io::{BufRead, BufReader};
 use std::process::Stdio;
@@ -12,7 +12,7 @@ use tempfile::TempDir;
 
 use crate::{Running, eventually, folder, message_of, program, program_after};
 
-/// A virtual board, what it shows, and a folder for who sends to it.
+/// A virtual board, its output, and a folder for programs that send to it.
 struct Stage {
     board: Board,
     shown: Receiver<Shown>,
@@ -34,11 +34,11 @@ impl Stage {
         vec!["send", scene, "--port", port, "--profile", profile.name(), "--loop"]
     }
 
-    /// Plays the scene for ever; returns when it sounds.
+    /// Plays the scene in a loop; returns once it sounds.
     fn play(&self, scene: &str, profile: Profile) -> Running {
         let mut send = program(self.folder.path(), &self.args(scene, profile));
         let send = Running(send.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap());
-        // Some boards are loud when they are switched on.
+        // Some boards sound from power-up.
         eventually("sound", || self.board.report().frames > 0 && self.sounds());
         send
     }
@@ -52,14 +52,14 @@ impl Stage {
         eventually("silence", || !self.sounds());
     }
 
-    /// What was shown since this was last asked for.
+    /// Frames shown since the last call.
     fn seen(&self) -> Vec<Levels> {
         self.shown.try_iter().map(|shown| shown.levels).collect()
     }
 }
 
 #[test]
-fn whatever_ends_a_program_that_sends_its_board_falls_silent() {
+fn a_board_falls_silent_however_its_sender_ends() {
     for profile in [Profile::Native, Profile::SonicSurface] {
         for signal in ["TERM", "INT", "HUP"] {
             let stage = Stage::new(profile);
@@ -70,38 +70,38 @@ fn whatever_ends_a_program_that_sends_its_board_falls_silent() {
             stage.wait_for_silence();
         }
     }
-    // Nobody can do anything after that, so the board itself does.
+    // After SIGKILL only the board itself can act.
     let stage = Stage::new(Profile::Native);
     drop(stage.play("still.toml", Profile::Native));
     stage.wait_for_silence();
 }
 
 #[test]
-fn a_program_that_sends_goes_on_when_nobody_reads_what_it_says() {
+fn a_sender_continues_after_its_output_is_closed() {
     let stage = Stage::new(Profile::Native);
     let mut send = program(stage.folder.path(), &stage.args("still.toml", Profile::Native));
     let mut send = Running(send.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
     drop((send.0.stdout.take(), send.0.stderr.take()));
     eventually("sound", || stage.board.report().frames > 0 && stage.sounds());
-    // It says how it fares every second.
+    // It prints its state every second.
     std::thread::sleep(Duration::from_millis(2500));
     assert!(stage.sounds() && send.0.try_wait().unwrap().is_none());
     send.signal("INT");
-    assert_eq!(send.ended().code(), Some(0), "what nobody reads is no error");
+    assert_eq!(send.ended().code(), Some(0), "unread output is no error");
     stage.wait_for_silence();
 }
 
 #[test]
-fn a_program_that_is_stopped_is_silenced_by_the_board_and_sounds_again_when_it_goes_on() {
+fn a_stopped_sender_is_silenced_by_the_board_and_sounds_again_when_continued() {
     for (scene, pause) in [("still.toml", 600), ("still.toml", 2500), ("a.toml", 2500)] {
         let stage = Stage::new(Profile::Native);
         let mut send = stage.play(scene, Profile::Native);
-        // As a laptop does to all its programs when it is shut.
+        // As on suspending a laptop.
         send.signal("STOP");
         let stopped = Instant::now();
         stage.wait_for_silence();
         std::thread::sleep(Duration::from_millis(pause).saturating_sub(stopped.elapsed()));
-        assert!(!stage.sounds(), "nobody is there to tell it to");
+        assert!(!stage.sounds(), "silent while stopped");
         send.signal("CONT");
         eventually("sound", || stage.sounds());
         std::thread::sleep(Duration::from_millis(500));
@@ -112,7 +112,7 @@ fn a_program_that_is_stopped_is_silenced_by_the_board_and_sounds_again_when_it_g
 }
 
 #[test]
-fn a_second_program_is_turned_away_at_once_and_the_first_is_not_disturbed() {
+fn a_second_sender_is_refused_without_disturbing_the_first() {
     for profile in [Profile::Native, Profile::SonicSurface] {
         let stage = Stage::new(profile);
         let send = stage.play("still.toml", profile);
@@ -128,9 +128,9 @@ fn a_second_program_is_turned_away_at_once_and_the_first_is_not_disturbed() {
         assert!(stage.seen().iter().all(|levels| *levels == playing), "{}: another frame", profile.name());
         let after = stage.board.report();
         assert_eq!((after.spoiled, after.wrong_baud), (before.spoiled, before.wrong_baud));
-        eventually("what the first goes on with", || stage.board.report().bytes > after.bytes);
+        eventually("the next frame of the first", || stage.board.report().bytes > after.bytes);
         drop(send);
-        // The port is free again, and not before.
+        // Only now is the port free.
         let mut last = program(stage.folder.path(), &stage.args("still.toml", profile));
         let last = Running(last.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap());
         eventually("the next program's frame", || !stage.seen().is_empty());
@@ -139,13 +139,13 @@ fn a_second_program_is_turned_away_at_once_and_the_first_is_not_disturbed() {
 }
 
 #[test]
-fn a_virtual_board_whose_picture_finds_no_room_says_so() {
+fn a_virtual_board_reports_a_picture_beyond_the_size_limit() {
     let folder = folder();
     std::fs::write(folder.path().join("x.png"), "old").unwrap();
     let args = ["board", "--profile", "native", "-o", "x.png", "--seconds", "60"];
     let mut board = program_after("ulimit -f 1", folder.path(), &args);
     let mut board = board.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // It prints on until it ends, and would not like to be left alone.
+    // It prints until it ends, so its output must stay open.
     let mut said = BufReader::new(board.stdout.take().unwrap());
     let mut port = String::new();
     said.read_line(&mut port).unwrap();
@@ -158,5 +158,5 @@ fn a_virtual_board_whose_picture_finds_no_room_says_so() {
     assert!(message.contains("x.png: cannot write: files may not become that large here"), "{message}");
     assert_eq!(std::fs::read_to_string(folder.path().join("x.png")).unwrap(), "old");
     drop(said);
-    assert!(!std::path::Path::new(port.trim()).exists(), "its port is gone with it");
+    assert!(!std::path::Path::new(port.trim()).exists(), "its port is removed");
 }

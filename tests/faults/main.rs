@@ -1,11 +1,10 @@
-//! What goes wrong around the program: disks that are full, folders that may not be written, signals in the middle of things,
-//! drivers and boards that go away, little memory. The real program meets the real fault.
+//! The real program under real faults: full disks, signals, lost drivers and boards, little memory, hostile input.
 
 #![cfg(target_os = "linux")]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 #[path = "../dice/mod.rs"]
-#[expect(dead_code, reason = "other tests throw more")]
+#[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
 mod disk;
 mod gpu;
@@ -17,6 +16,8 @@ mod place;
 mod program;
 #[path = "../requirement/mod.rs"]
 mod requirement;
+#[path = "../running/mod.rs"]
+mod running;
 mod screen;
 mod signal;
 #[cfg(feature = "window")]
@@ -24,13 +25,14 @@ mod window;
 
 use std::fs;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Output};
+use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
 use program::{PROGRAM, SCENE, at_home, program, program_after};
+use running::Running;
 use tempfile::TempDir;
 
-/// Nothing here waits for longer, however slow the machine is.
+/// Upper limit of every wait, for slow machines.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// A folder with the scene `a.toml` in it.
@@ -40,7 +42,7 @@ fn folder() -> TempDir {
     folder
 }
 
-/// The names in a folder, hidden ones too.
+/// The names in a folder, including hidden ones.
 fn listing(folder: &Path) -> Vec<String> {
     let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
     let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(name).collect();
@@ -48,7 +50,7 @@ fn listing(folder: &Path) -> Vec<String> {
     names
 }
 
-/// What a command says that must fail as bad input does: with status 2 and one line that is no panic.
+/// The message of a command that must refuse its input: status 2, one line, no panic.
 fn refused(command: &mut Command) -> String {
     message_of(&command.output().unwrap())
 }
@@ -70,31 +72,7 @@ fn succeed(command: &mut Command) -> String {
 fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
     let start = Instant::now();
     while !condition() {
-        assert!(start.elapsed() < PATIENCE, "{what} did not come");
+        assert!(start.elapsed() < PATIENCE, "timed out waiting for {what}");
         std::thread::sleep(Duration::from_millis(2));
-    }
-}
-
-/// A program that ends with the test.
-struct Running(Child);
-
-impl Running {
-    fn signal(&self, name: &str) {
-        let sent =
-            Command::new("sh").args(["-c", &format!("kill -{name} {}", self.0.id())]).status().unwrap();
-        assert!(sent.success(), "SIG{name}");
-    }
-
-    /// How it ended.
-    fn ended(&mut self) -> ExitStatus {
-        eventually("the end of a program", || self.0.try_wait().unwrap().is_some());
-        self.0.wait().unwrap()
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
     }
 }

@@ -1,4 +1,4 @@
-//! Half a gigabyte: what people do every day stays within it, and what cannot fit is refused with a word.
+//! Half a gibibyte of memory: usual commands fit, and larger ones are refused with a message.
 
 use std::fs::{self, File};
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::{PROGRAM, at_home, folder, program_after, refused, requirement, succeed};
 
-/// KiB of memory that a program may write to, its threads' stacks included: a harder limit than that of what it really uses.
+/// KiB of writable memory including stacks, a stricter limit than on resident memory.
 const HALF_A_GIBIBYTE: &str = "ulimit -d 524288";
 
 #[test]
@@ -39,7 +39,7 @@ fn the_usual_commands_stay_within_half_a_gibibyte() {
 }
 
 #[test]
-fn what_cannot_fit_is_refused_with_a_word() {
+fn work_beyond_memory_is_refused_with_a_message() {
     let folder = folder();
     for (first, size, part) in [
         (HALF_A_GIBIBYTE, "8192", "8192 x 8192 pixels need about 1536 MiB of memory, more than there is"),
@@ -57,7 +57,7 @@ fn what_cannot_fit_is_refused_with_a_word() {
     assert_eq!(crate::listing(folder.path()), ["a.toml"]);
 }
 
-/// The program in a namespace of its own, where the kernel says that so many KiB of memory and swap are left.
+/// The program in its own namespace, where `/proc` reports these KiB of free memory and swap.
 fn program_with_left(memory: usize, swap: usize, folder: &Path, args: &[&str]) -> Command {
     let figures = format!("MemAvailable: {memory} kB\nSwapFree: {swap} kB\n");
     fs::write(folder.join("meminfo"), figures).unwrap();
@@ -68,7 +68,7 @@ fn program_with_left(memory: usize, swap: usize, folder: &Path, args: &[&str]) -
 }
 
 #[test]
-fn memory_that_is_promised_but_not_there_is_not_counted_on() {
+fn estimates_use_available_memory_not_overcommitted() {
     let folder = folder();
     let mounted = program_with_left(0, 0, folder.path(), &["--version"]).output();
     let mounted =
@@ -80,7 +80,7 @@ fn memory_that_is_promised_but_not_there_is_not_counted_on() {
         return;
     }
     let args = ["render", "a.toml", "-o", "x.png", "--size", "2048"];
-    // 24 bytes a pixel.
+    // 24 bytes per pixel.
     let kibibytes = 2048 * 2048 * 24 / 1024;
     let message = refused(&mut program_with_left(kibibytes - 1000, 999, folder.path(), &args));
     assert!(

@@ -1,4 +1,4 @@
-//! Places that are no plain file in a folder of one's own: links, pipes, devices, folders, and what may not be written.
+//! Outputs and inputs other than plain files: links, pipes, devices, folders, and missing permissions.
 
 use std::fs::{self, File, Permissions};
 use std::io::Read;
@@ -18,20 +18,20 @@ fn solve_to(folder: &Path, path: &str) -> Command {
     program(folder, &["solve", "a.toml", "--csv", path])
 }
 
-/// Root is refused little.
+/// Permissions hardly restrict root.
 fn is_root() -> bool {
     fs::metadata("/proc/self").unwrap().uid() == 0
 }
 
 #[test]
-fn a_link_stays_a_link_and_what_it_leads_to_is_written() {
+fn a_link_stays_and_its_target_is_written() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     fs::create_dir(at("elsewhere")).unwrap();
     fs::write(at("elsewhere/old.csv"), "old").unwrap();
     symlink("elsewhere/old.csv", at("near.csv")).unwrap();
     symlink("near.csv", at("far.csv")).unwrap();
-    // There is nothing behind this one yet.
+    // This link is dangling.
     symlink(at("elsewhere/new.csv"), at("dangling.csv")).unwrap();
     for (link, target) in [("far.csv", "old.csv"), ("dangling.csv", "new.csv")] {
         succeed(&mut solve_to(folder.path(), link));
@@ -51,7 +51,7 @@ fn a_file_keeps_its_mode_and_owner_when_it_is_replaced() {
     for mode in [0o600, 0o644, 0o664, 0o755] {
         fs::write(&path, "old").unwrap();
         fs::set_permissions(&path, Permissions::from_mode(mode)).unwrap();
-        // Only root can give files away.
+        // Only root can change owners.
         let owner = if is_root() { 4711 } else { fs::metadata(&path).unwrap().uid() };
         std::os::unix::fs::chown(&path, Some(owner), None).unwrap();
         succeed(&mut program(folder.path(), &TO));
@@ -59,14 +59,14 @@ fn a_file_keeps_its_mode_and_owner_when_it_is_replaced() {
         assert_eq!((there.permissions().mode() & 0o777, there.uid()), (mode, owner));
         assert!(is_a_drive(&path));
     }
-    // A new one is as the shell wants it.
+    // A new file follows the umask.
     fs::remove_file(&path).unwrap();
     succeed(&mut crate::program_after("umask 027", folder.path(), &TO));
     assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
 }
 
 #[test]
-fn a_pipe_and_a_device_take_what_comes_and_stay_what_they_are() {
+fn pipes_and_devices_are_written_and_stay() {
     let folder = folder();
     let pipe = folder.path().join("pipe");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -90,7 +90,7 @@ fn a_pipe_and_a_device_take_what_comes_and_stay_what_they_are() {
 }
 
 #[test]
-fn a_folder_in_the_way_and_one_that_is_gone_are_told_apart() {
+fn a_folder_as_output_and_a_missing_folder_give_different_messages() {
     let folder = folder();
     fs::create_dir(folder.path().join("x.csv")).unwrap();
     let message = refused(&mut program(folder.path(), &TO));
@@ -103,8 +103,8 @@ fn a_folder_in_the_way_and_one_that_is_gone_are_told_apart() {
     assert!(message.contains("a.toml/"), "{message}");
 }
 
-/// The program as somebody who may not do everything. Root is nobody for that; the program goes along, since nobody may not look
-/// everywhere.
+/// The program as an unprivileged user; for root, as uid 65534 with a copy of the program, whose original that user may
+/// not be able to read.
 fn as_nobody(folder: &Path) -> Command {
     fs::set_permissions(folder, Permissions::from_mode(0o777)).unwrap();
     if !is_root() {
@@ -118,7 +118,7 @@ fn as_nobody(folder: &Path) -> Command {
 }
 
 #[test]
-fn what_may_not_be_written_is_refused_before_the_work_and_left_alone() {
+fn outputs_without_permission_are_refused_before_the_work() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let mode = |name: &str, mode| fs::set_permissions(at(name), Permissions::from_mode(mode)).unwrap();
@@ -144,7 +144,7 @@ fn what_may_not_be_written_is_refused_before_the_work_and_left_alone() {
 }
 
 #[test]
-fn a_scene_comes_out_of_a_pipe_and_one_without_end_is_refused() {
+fn a_scene_may_come_from_a_pipe_but_not_from_an_endless_device() {
     let folder = folder();
     let scene = File::open(folder.path().join("a.toml")).unwrap();
     let said = succeed(program(folder.path(), &["solve", "/dev/stdin", "--json"]).stdin(scene));

@@ -1,22 +1,22 @@
-//! The program as a process, for tests of what goes on around it.
+//! The program as a process, isolated from the desktop of the machine.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 pub const PROGRAM: &str = env!("CARGO_BIN_EXE_sonoglyph");
 
-/// A focus that is found at once, and moves.
+/// A moving focus with a fast solution.
 pub const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[solver]\nmethod = \"focus\"\n\
                      [motion]\npath = \"circle\"\nframes = 6\n";
 
-/// The program in this folder, with nothing of the desktop that the tests run on.
+/// The program in this folder, without the desktop's environment.
 pub fn program(folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new(PROGRAM);
     at_home(&mut command, folder).args(args);
     command
 }
 
-/// The program, begun by a shell that does this first.
+/// The program, started by a shell after this command.
 pub fn program_after(first: &str, folder: &Path, args: &[&str]) -> Command {
     let mut command = Command::new("sh");
     at_home(&mut command, folder).args(["-c", &format!("{first}; exec \"$0\" \"$@\""), PROGRAM]).args(args);

@@ -1,22 +1,22 @@
-//! No screen, a screen that is not there, and graphics that do not work: the sheet is written instead, with a word why.
+//! A missing display, or one without graphics: the program writes the sheet instead, and says why.
 
 use std::path::Path;
 use std::process::{Command, Output};
 
 use crate::{folder, listing, program};
 
-/// That the window's place was taken by the sheet, and why.
+/// Asserts that the sheet was written in place of a window, with this reason.
 fn sheet_of(output: &Output, folder: &Path, why: &str) {
     let noted = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && !noted.contains("panicked"), "{:?}: {noted}", output.status);
     assert!(noted.contains("there is no window (") && noted.contains(why), "{noted}");
-    assert!(!noted.contains(".rs:"), "a place in a source says nothing: {noted}");
+    assert!(!noted.contains(".rs:"), "no source locations: {noted}");
     assert_eq!(noted.matches("the CPU computes the field").count(), 1, "{noted}");
     assert!(listing(folder).contains(&"sonoglyph.png".to_owned()));
 }
 
 #[test]
-fn a_screen_that_is_not_there_is_no_window() {
+fn without_a_display_the_sheet_is_written() {
     let nowhere = ("VK_DRIVER_FILES", "/nonexistent/icd.json");
     for (name, value) in
         [("DISPLAY", ":4711"), ("DISPLAY", "no such screen"), ("WAYLAND_DISPLAY", "wayland-4711")]
@@ -37,7 +37,7 @@ fn a_screen_that_is_not_there_is_no_window() {
 
 #[cfg(feature = "window")]
 #[test]
-fn a_screen_without_graphics_is_no_window() {
+fn without_graphics_the_sheet_is_written() {
     use std::io::{BufRead, BufReader};
     use std::process::Stdio;
 
@@ -62,7 +62,7 @@ fn a_screen_without_graphics_is_no_window() {
 }
 
 #[test]
-fn without_a_driver_devices_says_so_and_a_gpu_that_is_asked_for_is_an_error() {
+fn without_a_driver_devices_says_so_and_a_requested_gpu_is_an_error() {
     let folder = folder();
     let without = |args: &[&str]| {
         let mut command = program(folder.path(), args);

@@ -1,4 +1,4 @@
-//! Programs that are ended in the middle of their work: files are the old ones or the whole new ones, and nothing is left over.
+//! Programs ended by signals: files are the old or the whole new ones, and no temporary files remain.
 
 use std::fs;
 use std::os::unix::process::ExitStatusExt;
@@ -14,7 +14,7 @@ fn start(folder: &Path, args: &[&str]) -> Running {
     Running(program(folder, args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
 }
 
-/// Parts of a whole without pattern.
+/// Irregular fractions of 1.
 fn scattered(count: u32) -> impl Iterator<Item = f64> {
     (1..=count).map(|n| (f64::from(n) * 0.618_033_988_749_895).fract())
 }
@@ -26,7 +26,7 @@ fn frames(path: &Path) -> usize {
 }
 
 #[test]
-fn a_program_that_is_killed_leaves_the_old_file_or_the_whole_new_one_and_no_other() {
+fn a_killed_program_leaves_the_old_or_the_whole_new_file() {
     let folder = folder();
     let path = folder.path().join("x.png");
     let begun = Instant::now();
@@ -48,11 +48,11 @@ fn a_program_that_is_killed_leaves_the_old_file_or_the_whole_new_one_and_no_othe
         );
         assert_eq!(listing(folder.path()), ["a.toml", "x.png"], "SIG{signal} at {part} of {lasts:?}");
     }
-    assert!(killed > 0, "every one was done before its signal came");
+    assert!(killed > 0, "every run ended before its signal");
 }
 
 #[test]
-fn a_new_file_is_there_whole_or_not_at_all() {
+fn a_new_file_is_whole_or_missing() {
     let folder = folder();
     let path = folder.path().join("x.csv");
     let args = ["solve", "a.toml", "--motion", "--csv", "x.csv"];
@@ -71,7 +71,7 @@ fn a_new_file_is_there_whole_or_not_at_all() {
 }
 
 #[test]
-fn a_batch_ends_when_nobody_reads_its_answers_or_a_signal_comes() {
+fn a_batch_ends_on_a_closed_pipe_or_a_signal() {
     let folder = folder();
     let lines = |name: &str| {
         fs::write(folder.path().join(name), "{\"target\": [{}]}\n".repeat(20_000)).unwrap();
@@ -82,7 +82,7 @@ fn a_batch_ends_when_nobody_reads_its_answers_or_a_signal_comes() {
         Running(batch.stdin(lines("lines")).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
     drop(batch.0.stdout.take());
     let status = batch.ended();
-    assert_eq!(status.code(), Some(0), "no reader is no error");
+    assert_eq!(status.code(), Some(0), "a closed pipe is no error");
     let mut batch = program(folder.path(), &["batch", "--no-limits", "--data", "out", "--size", "64"]);
     let mut batch = Running(batch.stdin(lines("lines")).stdout(Stdio::null()).spawn().unwrap());
     let out = folder.path().join("out");
@@ -90,7 +90,7 @@ fn a_batch_ends_when_nobody_reads_its_answers_or_a_signal_comes() {
     batch.signal("TERM");
     assert!(!batch.ended().success());
     let written = listing(&out);
-    assert!(written.len() < 20_000, "it went on to the last line");
+    assert!(written.len() < 20_000, "not interrupted before the last line");
     for name in written {
         let bytes = fs::read(out.join(&name)).unwrap();
         assert_eq!(

@@ -1,4 +1,4 @@
-//! The window on bad days: disks that are full, other windows, a GPU that is lost.
+//! Faults around the window: full disks, other windows on the same file, a lost GPU.
 
 use std::fs;
 use std::path::Path;
@@ -51,7 +51,7 @@ fn choose(screen: &mut Screen, button: &str) {
     rest(screen);
 }
 
-/// Does something for a purpose to a file that is typed.
+/// Answers a file dialog for this purpose with a path.
 fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     let text = path.display().to_string();
     screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
@@ -66,20 +66,20 @@ fn edit(screen: &mut Screen) {
     assert!(screen.state().editor().document.is_unsaved());
 }
 
-/// What the window says could not be done.
+/// The reason of a refused action.
 fn refusal(screen: &mut Screen) -> String {
     let editor = screen.state_mut().editor_mut();
     match (editor.dialog.take(), editor.asking.problem.take()) {
         (Some(Dialog::Message { text, .. }), _) => text,
-        // An answer that will not do stays, with the reason.
+        // A refused answer stays in the dialog, with the reason.
         (Some(Dialog::Path { .. }), Some((_, why))) => why,
-        other => panic!("nothing was refused: {other:?}"),
+        other => panic!("no refusal: {other:?}"),
     }
 }
 
 #[test]
 fn a_scene_that_cannot_be_saved_stays_as_it_is_and_unsaved() {
-    // Such a limit is of a whole program, so this test is one of its own for that.
+    // The size limit holds for a whole process, so this test runs in its own.
     const INSIDE: &str = "SONOGLYPH_TEST_ON_A_FULL_DISK";
     if let Some(folder) = std::env::var_os(INSIDE) {
         return on_a_full_disk(Path::new(&folder));
@@ -120,17 +120,17 @@ fn on_a_full_disk(folder: &Path) {
     answer(&mut screen, Purpose::Export(Export::Motion(Kind::Gif)), &folder.join("x.gif"));
     rest(&mut screen);
     assert!(refusal(&mut screen).contains("x.gif: cannot write: files may not become that large here"));
-    // Who closes it is asked, and saving in vain closes nothing.
+    // Closing asks about unsaved changes, and a failed save does not close the window.
     let document = &screen.state().editor().document;
     assert!(document.is_unsaved() && document.scene == edited);
-    assert_eq!(fs::read_to_string(&path).unwrap(), crate::SCENE, "the old one");
+    assert_eq!(fs::read_to_string(&path).unwrap(), crate::SCENE, "the old file");
     assert_eq!(listing(folder), ["a.toml", "state"]);
     edit(&mut screen);
-    assert!(screen.state().shown().map.is_some(), "it goes on");
+    assert!(screen.state().shown().map.is_some(), "the window still works");
 }
 
 #[test]
-fn a_window_waits_for_no_pipe_and_leaves_devices_alone() {
+fn a_window_does_not_block_on_pipes_and_does_not_write_devices() {
     let folder = folder();
     let pipe = folder.path().join("pipe.toml");
     assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
@@ -155,14 +155,14 @@ fn a_window_waits_for_no_pipe_and_leaves_devices_alone() {
 }
 
 #[test]
-fn two_windows_on_one_file_take_nothing_from_each_other() {
+fn two_windows_on_one_file_do_not_overwrite_each_other() {
     let folder = folder();
     let path = folder.path().join("a.toml");
     let (mut one, mut other) = (open(&path), open(&path));
     edit(&mut one);
     save(&mut one);
     save(&mut one);
-    assert!(one.state().editor().dialog.is_none(), "what it wrote itself is no other's");
+    assert!(one.state().editor().dialog.is_none(), "its own changes of the file need no question");
     let of_one = fs::read_to_string(&path).unwrap();
     edit(&mut other);
     edit(&mut other);
@@ -176,7 +176,7 @@ fn two_windows_on_one_file_take_nothing_from_each_other() {
     answer(&mut other, Purpose::SaveAs, &folder.path().join("b.toml"));
     assert!(!other.state().editor().document.is_unsaved());
     assert_eq!(fs::read_to_string(&path).unwrap(), of_one);
-    // And over it, if that is what is wanted.
+    // Overwriting is possible on request.
     fs::write(&path, crate::SCENE).unwrap();
     edit(&mut one);
     save(&mut one);
@@ -186,7 +186,7 @@ fn two_windows_on_one_file_take_nothing_from_each_other() {
 }
 
 #[test]
-fn a_lost_gpu_is_replaced_by_the_cpu_with_one_word_and_nothing_is_lost() {
+fn a_lost_gpu_is_replaced_by_the_cpu_with_one_message() {
     let document = || Document::parse(crate::SCENE.to_owned(), "a").unwrap();
     let before = open_on(document(), Evaluator::Cpu).state_mut().numbers().unwrap();
     let peak = before.1.iter().copied().fold(0.0, f32::max);
@@ -195,12 +195,12 @@ fn a_lost_gpu_is_replaced_by_the_cpu_with_one_word_and_nothing_is_lost() {
         let mut screen = open_on(document(), Evaluator::Gpu(Box::new(gpu)));
         screen.state().gpu().unwrap().lose();
         if loses_before_export {
-            // The GPU alone had them.
+            // These were on the GPU only.
             let numbers = screen.state_mut().numbers().unwrap();
             assert!(before.1.iter().zip(&numbers.1).all(|(a, b)| (a - b).abs() < 2e-3 * peak));
             assert!(screen.state_mut().picture().is_some());
         }
-        // What is kept needs no GPU, and what is new does.
+        // Cached results need no GPU, new ones do.
         edit(&mut screen);
         rest(&mut screen);
         let shown = screen.state().shown();

@@ -1,4 +1,4 @@
-//! Light that the pressed surface of a liquid bends: against rays that are counted in f64, and what it depends on.
+//! Light refracted or reflected by a depressed surface: against counted rays in f64, and its invariances.
 
 use std::f64::consts::PI;
 
@@ -7,10 +7,11 @@ use sonoglyph::drive::Drive;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
 use sonoglyph::scene::{Light, Plane, Scene};
 use sonoglyph::surface::Tank;
+use strum::VariantArray;
 
 use crate::{evaluators, three_foci};
 
-/// One focus on water, as light through it shows it.
+/// The light map of one focus on water.
 fn request(size: (usize, usize)) -> Request {
     let (mut scene, mut drives) = three_foci();
     drives.truncate(1);
@@ -18,9 +19,9 @@ fn request(size: (usize, usize)) -> Request {
     Request::new(&scene, drives, Quantity::Caustic, size)
 }
 
-/// The brightness of a map's pixels, by counting rays: so many to a pixel along each axis.
+/// The brightness of a map's pixels, by counting `rays` per pixel along each axis.
 ///
-/// Slopes are those of the cosines that the depth in the cells is the sum of, at the rays themselves.
+/// The slopes at the rays are those of the cosine series through the depths of the cells.
 fn counted(request: &Request, tank: &Tank, depth: &[f64], rays: usize) -> Vec<f64> {
     let (columns, rows) = request.size;
     let modes = tank.modes(depth);
@@ -28,7 +29,7 @@ fn counted(request: &Request, tank: &Tank, depth: &[f64], rays: usize) -> Vec<f6
     let pixel = request.plane.size / DVec2::new(columns as f64, rows as f64);
     let step = pixel / rays as f64;
     let count = [0, 1].map(|axis| (length[axis] / step[axis]).floor() as usize);
-    // From the tank's corner.
+    // Relative to the tank's corner.
     let place =
         |axis: usize, i: usize| length[axis] / 2.0 + (i as f64 + 0.5 - count[axis] as f64 / 2.0) * step[axis];
     let wave = |axis: usize, i: usize, mode: usize| {
@@ -76,8 +77,8 @@ fn brightest(values: &[f32]) -> f64 {
 }
 
 #[test]
-fn every_pixel_has_the_light_of_the_rays_that_end_there() {
-    for light in Light::ALL {
+fn pixels_agree_with_counted_rays() {
+    for &light in Light::VARIANTS {
         for evaluator in evaluators() {
             let mut request = request((60, 50));
             request.liquid.light = light;
@@ -94,7 +95,7 @@ fn every_pixel_has_the_light_of_the_rays_that_end_there() {
                 "{}",
                 map.peak
             );
-            // A depression spreads what goes through it, and gathers what it reflects.
+            // A depression spreads transmitted light and focuses reflected light.
             let at_focus = f64::from(map.values[29 * 60 + 40]);
             assert!((light == Light::Through) == (at_focus < 1.0), "{light:?}: {at_focus}");
         }
@@ -102,7 +103,7 @@ fn every_pixel_has_the_light_of_the_rays_that_end_there() {
 }
 
 #[test]
-fn light_is_conserved_and_what_falls_beside_the_screen_is_stated() {
+fn light_is_conserved_and_the_loss_beyond_the_screen_is_stated() {
     let mut stages = Stages::new(Evaluator::Cpu);
     let mut landed = |request: &Request| {
         let map = stages.map(request).unwrap();
@@ -112,7 +113,7 @@ fn light_is_conserved_and_what_falls_beside_the_screen_is_stated() {
         light
     };
     let mut request = request((200, 200));
-    // Where nothing is pressed at the edge, all light that leaves the plane lands on its screen.
+    // With a flat edge, all light that leaves the plane lands on its screen.
     request.plane.size = DVec2::splat(0.3);
     let wide = landed(&request);
     assert!((wide.landed - 1.0).abs() < 1e-3, "{wide:?}");
@@ -124,7 +125,7 @@ fn light_is_conserved_and_what_falls_beside_the_screen_is_stated() {
 }
 
 #[test]
-fn silence_bends_no_light() {
+fn a_silent_drive_gives_uniform_light() {
     let mut request = request((31, 17));
     request.drives = [Drive { amplitudes: vec![0.0; 256], phases: vec![0.0; 256] }].into();
     let mut stages = Stages::new(Evaluator::Cpu);
@@ -132,7 +133,7 @@ fn silence_bends_no_light() {
     assert!(map.values.iter().all(|value| (value - 1.0).abs() < 1e-6) && map.error == 0.0, "{map:?}");
 }
 
-/// The screen's distance, the index and what the envelope leaves of the depth count as one product.
+/// The screen's distance, the index and the depth after the envelope enter as one product.
 #[test]
 fn a_flatter_surface_bends_light_as_a_nearer_screen_does() {
     let mut stages = Stages::new(Evaluator::Cpu);
@@ -151,14 +152,14 @@ fn a_flatter_surface_bends_light_as_a_nearer_screen_does() {
     half.liquid.screen = 2.0 * whole.liquid.screen;
     half.liquid.refractive_index = Some(1.0 + (whole.liquid.refractive_index() - 1.0) / 4.0);
     assert!(near(&values(&half), &halved));
-    // A surface in motion is what it is under any envelope.
+    // A given surface is not scaled by the envelope.
     let depth = stages.surface(&whole).unwrap().1.depth.clone();
     let moving = Request { depth: Some(depth.iter().map(|depth| 0.5 * depth).collect()), part: 0.3, ..whole };
     assert!(near(&stages.map(&moving).unwrap().values, &halved));
 }
 
 #[test]
-fn larger_pixels_have_the_light_of_those_in_them() {
+fn larger_pixels_are_means_of_smaller_ones() {
     let mut stages = Stages::new(Evaluator::Cpu);
     let fine = stages.map(&request((240, 200))).unwrap().values.clone();
     let coarse = stages.map(&request((60, 50))).unwrap().values.clone();
@@ -178,7 +179,7 @@ fn a_screen_may_be_far_away_or_at_the_surface() {
         Scene { plane: Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() }, ..Scene::default() };
     let drives = three_foci().1;
     for (screen, tolerance) in [(1e-9, 1e-3), (1e-3, 1.0), (1.0, 1e-5), (100.0, 1e-3)] {
-        for light in Light::ALL {
+        for &light in Light::VARIANTS {
             let mut request = Request::new(&scene, drives.clone(), Quantity::Caustic, (70, 60));
             (request.liquid.screen, request.liquid.light) = (screen, light);
             request.plane.tolerance = tolerance;

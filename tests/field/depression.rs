@@ -1,4 +1,4 @@
-//! A liquid under the sound: what its surface displaces and depends on, where it is not defined, and shapes in motion.
+//! Liquid surfaces under sound: displaced volume, invariances, errors, and moving surfaces.
 
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::field::{Evaluator, FieldError, Pressed, Quantity, Request, Stages};
@@ -16,7 +16,7 @@ fn largest_difference(got: &[f32], expected: &[f64]) -> f64 {
 }
 
 #[test]
-fn a_depression_displaces_what_the_force_weighs_and_follows_the_envelope() {
+fn a_depression_displaces_the_weight_of_the_force_and_follows_the_envelope() {
     let (scene, mut drives) = three_foci();
     drives.truncate(1);
     let request = Request::new(&scene, drives, Quantity::Depression, (64, 50));
@@ -54,7 +54,7 @@ fn a_depression_displaces_what_the_force_weighs_and_follows_the_envelope() {
     }
 }
 
-/// Where the sound is formed at cells, and beside the array where it is formed at the pixels.
+/// On a plane whose sound is formed at cells, and on one near the array, where it is formed at pixels.
 #[test]
 fn radiation_pressure_and_its_force_follow_the_envelope() {
     let (scene, mut drives) = three_foci();
@@ -89,12 +89,12 @@ fn radiation_pressure_and_its_force_follow_the_envelope() {
     }
 }
 
-/// What presses beside a plane moves the surface within it: the walls stand so far away that they are not noticed at the finest
-/// tolerance, however little of the surface is looked at.
+/// Pressure beside a plane moves the surface within it. The tank's walls are far enough away not to show at the finest
+/// tolerance, however small the plane.
 #[test]
-fn a_depression_does_not_depend_on_how_much_of_the_surface_is_shown() {
+fn a_depression_does_not_depend_on_the_size_of_the_plane() {
     let (mut scene, _) = three_foci();
-    // A capillary length of 7 mm, so that the walls and not the interpolation's window decide where the cells end.
+    // A capillary length of 7 mm: then the walls, not the interpolation window, limit the cells.
     scene.liquid.surface_tension = Some(0.5);
     scene.plane.tolerance = 1e-6;
     let beside = DVec3::new(8.0 * scene.liquid.capillary_length(), 0.0, 0.1);
@@ -114,7 +114,7 @@ fn a_depression_does_not_depend_on_how_much_of_the_surface_is_shown() {
 }
 
 #[test]
-fn what_has_no_surface_says_why() {
+fn planes_without_a_surface_give_an_error() {
     let (scene, drives) = three_foci();
     let mut stages = Stages::new(Evaluator::Cpu);
     let mut error = |plane: Plane, quantity: Quantity, liquid: Liquid| {
@@ -134,20 +134,20 @@ fn what_has_no_surface_says_why() {
     assert_eq!(error(low.clone(), Quantity::Depression, water()), Some(FieldError::TooNear));
     assert_eq!(error(scene.plane.clone(), Quantity::Depression, heavy), Some(FieldError::TooManyCells));
     for quantity in Quantity::ALL.into_iter().filter(|quantity| !quantity.declaration().of_liquid) {
-        assert_eq!(error(upright.clone(), quantity, water()), None, "any plane has {quantity:?}");
-        assert_eq!(error(low.clone(), quantity, water()), None, "near the array there is {quantity:?}");
+        assert_eq!(error(upright.clone(), quantity, water()), None, "{quantity:?} on an upright plane");
+        assert_eq!(error(low.clone(), quantity, water()), None, "{quantity:?} near the array");
     }
     let turned = Plane { x_axis: dvec3(1.0, 2.0, 0.0), y_axis: dvec3(2.0, -1.0, 0.0), ..scene.plane.clone() };
-    assert_eq!(error(turned, Quantity::Depression, water()), None, "a liquid may be looked at from any side");
+    assert_eq!(error(turned, Quantity::Depression, water()), None, "the axes of a level plane may be turned");
 }
 
 #[test]
-fn a_shape_of_the_surface_is_shown_as_the_depression_is() {
+fn a_given_surface_is_drawn_like_a_depression() {
     let (scene, drives) = three_foci();
     let request = Request::new(&scene, drives, Quantity::Depression, (60, 50));
     for evaluator in fast_evaluators() {
         let mut stages = Stages::new(evaluator);
-        // At rest under the steady sound, whatever the envelope leaves of it.
+        // At rest, under steady sound, whatever the envelope.
         let surface = |stages: &mut Stages, part: f64| {
             let (tank, dent) = stages.surface(&Request { part, ..request.clone() }).unwrap();
             assert_eq!(dent.depth.len(), tank.len());
@@ -160,7 +160,7 @@ fn a_shape_of_the_surface_is_shown_as_the_depression_is() {
         let Dent { depth, .. } = dent;
         for factor in [1.0, 2.0] {
             let depth = Some(depth.iter().map(|depth| factor * depth).collect());
-            // A shape is what it is under any envelope.
+            // A given surface is not scaled by the envelope.
             let request = Request { depth, part: 0.25, ..request.clone() };
             let map = stages.map(&request).unwrap();
             let shown: Vec<_> = map.values.iter().map(|depth| depth / factor as f32).collect();

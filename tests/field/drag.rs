@@ -1,4 +1,4 @@
-//! A target that is dragged: pictures stay on the GPU, figures come back, and nothing is waited for.
+//! Dragging a target: pictures stay on the GPU, figures come back, and no call blocks.
 
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{By, Colouring, Evaluator, Map, Quantity, Request, Stages, Work};
@@ -7,11 +7,11 @@ use sonoglyph::picture::ColourMap;
 use crate::texels::painted;
 use crate::{STEP, fast_evaluators, gpu, own, scattered, three_foci};
 
-/// What a GPU makes, of one drive.
+/// Quantities that a GPU forms, of one drive.
 const ON_GPU: [Quantity; 5] =
     [Quantity::Rms, Quantity::Phase, Quantity::Instantaneous, Quantity::Intensity, Quantity::Velocity];
 
-/// Polls until the map is there; how often it was not.
+/// Polls until the map is ready, and counts the polls before.
 fn polled(stages: &mut Stages, request: &Request) -> (Map, u64) {
     let mut before = 0;
     loop {
@@ -24,7 +24,7 @@ fn polled(stages: &mut Stages, request: &Request) -> (Map, u64) {
 }
 
 #[test]
-fn polling_waits_for_no_gpu_and_ends_with_the_same_map() {
+fn polling_does_not_block_and_ends_with_the_same_map() {
     let (scene, drives) = three_foci();
     for evaluator in fast_evaluators() {
         let own = own(&evaluator);
@@ -37,7 +37,7 @@ fn polling_waits_for_no_gpu_and_ends_with_the_same_map() {
             let done = stages.work();
             assert!(stages.poll(&request).unwrap() == Some(&map), "{quantity:?}");
             assert!(stages.map(&request).unwrap() == &map, "{quantity:?}");
-            assert_eq!(stages.work(), done, "{quantity:?} is there");
+            assert_eq!(stages.work(), done, "{quantity:?} is cached");
             stages.forget();
             assert!(stages.map(&request).unwrap() == &map, "{quantity:?}");
         }
@@ -45,8 +45,8 @@ fn polling_waits_for_no_gpu_and_ends_with_the_same_map() {
 }
 
 #[test]
-fn a_large_map_is_polled_while_the_gpu_still_makes_it() {
-    /// A busy machine may run the driver's thread first, though hardly every time.
+fn a_poll_returns_before_the_gpu_has_finished_a_large_map() {
+    /// A busy machine may run the driver's thread first, but hardly every time.
     const ATTEMPTS: u32 = 100;
     let Some(gpu) = gpu() else { return };
     let (scene, _) = three_foci();
@@ -56,11 +56,11 @@ fn a_large_map_is_polled_while_the_gpu_still_makes_it() {
         let request = Request::new(&scene, drives, Quantity::Rms, (1600, 1200));
         polled(&mut stages, &request).1 > 0
     });
-    assert!(is_polled_early, "every poll waited for its map");
+    assert!(is_polled_early, "every poll blocked until its map was ready");
 }
 
 #[test]
-fn what_is_on_its_way_is_not_taken_for_what_is_asked_for_next() {
+fn a_pending_map_is_not_returned_for_the_next_request() {
     let Some(gpu) = gpu() else { return };
     let (scene, drives) = three_foci();
     let request = |drive: &Drive| Request::new(&scene, vec![drive.clone()], Quantity::Rms, (200, 150));
@@ -72,12 +72,12 @@ fn what_is_on_its_way_is_not_taken_for_what_is_asked_for_next() {
         for (request, expected) in requests.iter().zip(&expected) {
             let earlier = &requests[round % 3];
             stages.poll(earlier).unwrap();
-            assert!(polled(&mut stages, request).0 == *expected, "polled, round {round}");
+            assert!(polled(&mut stages, request).0 == *expected, "polled, cycle {round}");
             stages.poll(earlier).unwrap();
-            assert!(stages.map(request).unwrap() == expected, "waited for, round {round}");
+            assert!(stages.map(request).unwrap() == expected, "blocking, cycle {round}");
         }
     }
-    // Figures are of what was asked for, too.
+    // Figures, too, belong to the latest request.
     let colouring = Colouring::new(Quantity::Rms, ColourMap::Grey.table());
     for (request, expected) in requests.iter().zip(&expected) {
         stages.picture(request, &colouring).unwrap();
@@ -97,7 +97,7 @@ fn figures(stages: &mut Stages, request: &Request) -> Map {
 }
 
 #[test]
-fn a_drag_reads_back_figures_alone_and_allocates_nothing() {
+fn a_drag_reads_back_only_figures_and_allocates_nothing() {
     const DRIVES: u64 = 200;
     const SIZE: (usize, usize) = (120, 90);
     let (scene, _) = three_foci();
@@ -137,7 +137,7 @@ fn a_drag_reads_back_figures_alone_and_allocates_nothing() {
         for ((got, expected), loud) in texels.iter().zip(&expected).zip(loud) {
             for (got, expected) in got.iter().zip(expected) {
                 let apart = got.abs_diff(*expected);
-                // The phase of next to nothing is anything, and a turn ends where it starts.
+                // Near silence the phase is arbitrary, and the table of a cyclic quantity ends where it starts.
                 let is_same = if quantity == Quantity::Phase {
                     loud < 0.1 || apart.min(255 - apart) <= 3
                 } else {
@@ -149,7 +149,7 @@ fn a_drag_reads_back_figures_alone_and_allocates_nothing() {
     }
 }
 
-/// |P| at every pixel, relative to its largest.
+/// |P| at every pixel, relative to its maximum.
 fn loudness(stages: &mut Stages, request: &Request) -> Vec<f32> {
     let map = stages.map(&Request { quantity: Quantity::Rms, ..request.clone() }).unwrap();
     map.values.iter().map(|value| value / map.peak).collect()

@@ -12,19 +12,19 @@ use sonoglyph::solver;
 
 use crate::{STEP, gpu, scattered};
 
-/// Largest |P - P_ref| over the largest |P_ref|.
+/// Maximum of |P - P_ref| over the maximum of |P_ref|.
 fn error(field: &[Complex32], reference: &[Complex64]) -> f64 {
     let peak = reference.iter().map(|p| p.norm()).fold(0.0, f64::max);
     let off = |(p, r): (&Complex32, &Complex64)| {
         let off = (Complex64::new(p.re.into(), p.im.into()) - r).norm();
-        // `max` would pass over a NaN.
+        // `max` ignores NaN.
         if off.is_nan() { f64::INFINITY } else { off }
     };
     assert_eq!(field.len(), reference.len());
     field.iter().zip(reference).map(off).fold(0.0, f64::max) / peak
 }
 
-/// Amplitudes and phases without pattern.
+/// Irregular amplitudes and phases.
 fn uneven(elements: usize, off: &[usize]) -> Drive {
     let amplitude =
         |n: usize| if off.contains(&n) { 0.0 } else { 0.3 + 0.7 * (n as f64 * 0.569_840_29).fract() };
@@ -80,7 +80,7 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
         ),
         ("far", Plane { centre: dvec3(0.1, -0.2, 1.0), size: DVec2::new(0.5, 0.3), ..Plane::default() }),
     ];
-    // Beyond 1024 elements the GPU reads them from another kind of buffer.
+    // Beyond 1024 elements the GPU reads them from a storage buffer.
     let arrays: [(&str, u32, u32, &[usize]); 6] = [
         ("1 element", 1, 1, &[]),
         ("37 elements, some off", 37, 1, &[0, 5, 36]),
@@ -92,7 +92,7 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
     for (plane_name, plane) in &planes {
         for (array_name, rows, columns, off) in arrays {
             for model in [ElementModel::Piston, ElementModel::ExactPiston, ElementModel::Point] {
-                // An odd number of samples, so that the last block and workgroup are not full.
+                // An odd number of samples, so that the last block and workgroup are partly empty.
                 let samples = Samples::on_plane(plane, 41, 27).unwrap();
                 let mut scene = Scene { plane: plane.clone(), ..Scene::default() };
                 scene.array.rows = rows;
@@ -134,14 +134,14 @@ fn scattered_points_are_evaluated_like_grids() {
 }
 
 #[test]
-fn small_buffers_are_filled_one_after_the_other() {
+fn samples_are_split_over_small_buffers() {
     let scene = Scene::default();
     let samples = Samples::on_plane(&scene.plane, 301, 43).unwrap();
     let drive = uneven(256, &[]);
     let aperture = Aperture::new(&scene);
     let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
     let reference = reference::pressure(&aperture, &drive, &samples);
-    // Room for some rows, and for a part of one.
+    // Room for a few rows, and for part of one.
     for bytes in [20_000, 2000] {
         let Some(gpu) = gpu() else { return };
         let error = error(&gpu.with_small_buffers(bytes).pressure(&sources).unwrap(), &reference);
@@ -150,7 +150,7 @@ fn small_buffers_are_filled_one_after_the_other() {
 }
 
 #[test]
-fn nothing_sounds_behind_the_array() {
+fn the_field_behind_the_array_is_zero() {
     let samples = Samples::at(vec![dvec3(0.0, 0.0, -0.02), dvec3(0.01, 0.0, -2e-5), dvec3(0.0, 0.0, 0.02)]);
     let scene = Scene::default();
     let sources = Sources::of_faces(&Aperture::new(&scene), &uneven(256, &[]), &samples).unwrap();
@@ -163,7 +163,7 @@ fn nothing_sounds_behind_the_array() {
 }
 
 #[test]
-fn an_absent_adapter_is_an_error_and_not_a_panic() {
+fn an_absent_adapter_is_an_error() {
     let wanted = adapter::adapters().into_iter().all(|info| info.kind == adapter::Kind::Software);
     if wanted {
         assert!(matches!(adapter::open_best(false), Err(GpuError::NoAdapter(_))));

@@ -1,4 +1,4 @@
-//! Maps of the radiation force, against the force at every pixel.
+//! Maps of the radiation force, against the force computed at every pixel.
 
 use glam::{DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
@@ -50,7 +50,7 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
 }
 
 #[test]
-fn the_envelope_and_the_reference_have_their_part_in_it() {
+fn a_force_map_scales_with_the_envelope_and_is_exact_by_the_reference() {
     let (scene, drives) = three_foci();
     let request = Request::new(&scene, drives[..1].to_vec(), Quantity::Force, SIZE);
     let mut stages = Stages::new(Evaluator::Reference);

@@ -1,6 +1,6 @@
-//! Memory of a program that is open all day: a drag takes no more of it from frame to frame.
+//! Memory of a long-running program: a drag must not allocate more from frame to frame.
 //!
-//! In a process of its own, since what other tests take would count.
+//! Runs in its own process, where no other tests allocate.
 
 use std::fs;
 use std::process::Command;
@@ -12,17 +12,22 @@ use sonoglyph::scene::{ElementModel, Scene};
 
 use crate::requirement::found;
 
-/// Frames until everything has been made that is kept, and frames after them.
+/// Frames that fill the caches, and frames that are measured.
 const FIRST: usize = 20;
 const MORE: usize = 100;
-/// Bytes that may come all the same: of allocators and threads, and none of frames.
+/// Bytes allowed to allocators and threads.
 const ALLOWED: usize = 16 << 20;
 
-/// Bytes of this program in memory.
+/// Resident memory of this process, bytes.
 fn resident() -> usize {
     const PAGE: usize = 4096;
-    let pages = fs::read_to_string("/proc/self/statm").expect("Linux says what a program takes");
-    pages.split(' ').nth(1).and_then(|pages| pages.parse::<usize>().ok()).expect("a number of pages") * PAGE
+    let pages = fs::read_to_string("/proc/self/statm").expect("Linux reports memory in /proc");
+    pages
+        .split(' ')
+        .nth(1)
+        .and_then(|pages| pages.parse::<usize>().ok())
+        .expect("statm holds a number of pages")
+        * PAGE
 }
 
 fn frame(stages: &mut Stages, scene: &Scene, number: usize) {
@@ -32,10 +37,10 @@ fn frame(stages: &mut Stages, scene: &Scene, number: usize) {
     for quantity in [Quantity::Rms, Quantity::Phase] {
         let request = Request::new(scene, vec![drive.clone()], quantity, (160, 120));
         let colouring = Colouring::new(quantity, [[7; 4]; 256]);
-        // As a window asks, and as a file does.
-        stages.picture(&request, &colouring).expect("a plane is drawn");
-        stages.figures(&request).expect("a drawn plane has figures");
-        stages.colours(&request, &colouring).expect("a plane is drawn");
+        // The window asks for pictures and figures, a file for colours.
+        stages.picture(&request, &colouring).expect("the plane can be drawn");
+        stages.figures(&request).expect("the plane has figures");
+        stages.colours(&request, &colouring).expect("the plane can be drawn");
     }
 }
 
@@ -64,11 +69,14 @@ fn a_drag_takes_no_more_memory_from_frame_to_frame() {
     }
 }
 
-/// A test once more, in a process of its own, where `marker` is set.
+/// Runs a test again in its own process, with the variable `marker` set.
 fn repeated_alone(test: &str, marker: &str) {
-    let mut command = Command::new(std::env::current_exe().expect("a test is a program"));
-    let output =
-        command.args([test, "--exact", "--nocapture"]).env(marker, "1").output().expect("it runs again");
+    let mut command = Command::new(std::env::current_exe().expect("the path of the test binary"));
+    let output = command
+        .args([test, "--exact", "--nocapture"])
+        .env(marker, "1")
+        .output()
+        .expect("the test binary starts");
     let said = [output.stdout, output.stderr].concat();
     let said = String::from_utf8_lossy(&said);
     assert!(output.status.success() && said.contains("1 passed"), "{said}");

@@ -1,5 +1,4 @@
-//! The field: evaluators against the f64 reference, plans that keep their tolerance, quantities against a model of their own,
-//! and stages that do nothing twice.
+//! The field: evaluators, plans and quantities against f64 references, volumes, and the caching of stages.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
@@ -35,12 +34,12 @@ use sonoglyph::field::{By, Evaluator, Gpu};
 use sonoglyph::scene::{Plane, Scene, Shape, Target};
 use sonoglyph::solver;
 
-/// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
+/// Any adapter will do, also a software one. Without one the test fails where a GPU is required.
 fn gpu() -> Option<Gpu> {
     requirement::found("gpu", adapter::open_best(true))
 }
 
-/// All but the reference.
+/// All evaluators but the reference.
 fn fast_evaluators() -> Vec<Evaluator> {
     let mut evaluators = vec![Evaluator::Cpu];
     evaluators.extend(gpu().map(|gpu| Evaluator::Gpu(Box::new(gpu))));
@@ -53,7 +52,7 @@ fn evaluators() -> Vec<Evaluator> {
     evaluators
 }
 
-/// The maker of maps that an evaluator has no reason to hand on.
+/// The maker of a map that its evaluator computes itself.
 fn own(evaluator: &Evaluator) -> By {
     match evaluator {
         Evaluator::Reference => By::Reference,
@@ -62,7 +61,7 @@ fn own(evaluator: &Evaluator) -> By {
     }
 }
 
-/// Deterministic phases without pattern; steps that are far from fractions give different ones.
+/// Deterministic irregular phases; `step` is far from simple fractions.
 fn scattered(elements: usize, step: f64) -> Drive {
     let phase = |n: usize| ((n as f64 * step).fract() - 0.5) * std::f64::consts::TAU;
     Drive { amplitudes: vec![1.0; elements], phases: (0..elements).map(phase).collect() }
@@ -70,7 +69,7 @@ fn scattered(elements: usize, step: f64) -> Drive {
 
 const STEP: f64 = 0.754_877_666;
 
-/// Three foci, one after the other, over a small plane.
+/// Three foci, played in turn, above a small plane.
 fn three_foci() -> (Scene, Vec<Drive>) {
     let plane = Plane { size: DVec2::new(0.06, 0.05), ..Plane::default() };
     let scene = Scene { plane, ..Scene::default() };

@@ -1,5 +1,4 @@
-//! Every quantity in f64 from its formula: pressures by the reference, slopes by differences over a ten-thousandth of a
-//! wavelength, and nothing of `field::quantity`.
+//! Every quantity in f64 from its formula, independently of `field::quantity`; slopes by differences over λ/10000.
 
 use std::f64::consts::SQRT_2;
 
@@ -18,7 +17,7 @@ pub struct Sound {
     pub slopes: [Complex64; 3],
 }
 
-/// The sound at points that do not lie within a difference of the array's plane.
+/// The sound at points farther than a difference step from the array's plane.
 pub fn sounds(aperture: &Aperture, drive: &Drive, axes: [DVec3; 3], points: &[DVec3]) -> Vec<Sound> {
     let hair = 1e-4 * aperture.wavelength();
     let around = |&point: &DVec3| {
@@ -33,17 +32,17 @@ pub fn sounds(aperture: &Aperture, drive: &Drive, axes: [DVec3; 3], points: &[DV
     reference::pressure(aperture, drive, &samples).chunks(7).map(sound).collect()
 }
 
-/// The same without slopes.
+/// As [`sounds`], without slopes.
 pub fn pressures(aperture: &Aperture, drive: &Drive, points: &[DVec3]) -> Vec<Sound> {
     let pressures = reference::pressure(aperture, drive, &Samples::at(points.to_vec())).into_iter();
     pressures.map(|p| Sound { p, slopes: [Complex64::ZERO; 3] }).collect()
 }
 
-/// The value of a quantity at a point: of one drive, or over several the mean, of squares where it is an RMS value.
-/// `moment` is the ωt of an instantaneous pressure.
+/// The value of a quantity at a point: of one drive, or the mean over several, of squares for RMS values. `moment` is
+/// the ωt of an instantaneous pressure.
 ///
 /// # Panics
-/// A depression, which follows from more than the sound at a point.
+/// A quantity that does not follow from the sound at a point.
 pub fn value(
     quantity: Quantity,
     air: &Air,
@@ -59,7 +58,7 @@ pub fn value(
         Quantity::Rms => mean(&|Sound { p, .. }| p.norm_sqr() / 2.0).sqrt(),
         Quantity::Phase => mean(&|Sound { p, .. }| p.im.atan2(p.re)),
         Quantity::Instantaneous => mean(&|Sound { p, .. }| (p * Complex64::cis(moment)).re),
-        // 2⟨p²⟩ = |P|² of the sound that doubles, less what flows along the surface.
+        // 2⟨p²⟩ = |P|² of the doubled sound, less the flow along the surface.
         Quantity::Radiation => mean(&|Sound { p, slopes: [x, y, _] }| {
             let along = (x.norm_sqr() + y.norm_sqr()) / (rho * omega).powi(2);
             p.norm_sqr() / (rho * c * c) - rho * along
@@ -71,7 +70,7 @@ pub fn value(
         Quantity::Velocity => {
             mean(&|Sound { slopes: [_, _, n], .. }| (n.norm() / (rho * omega) / SQRT_2).powi(2)).sqrt()
         }
-        // Of 0.5 mm of expanded polystyrene.
+        // A bead of expanded polystyrene, 0.5 mm in radius.
         Quantity::Gorkov => mean(&|Sound { p, slopes }| {
             let (own, own_c, a) = (29.0, 2350.0, 0.5e-3f64);
             let volume = 4.0 / 3.0 * std::f64::consts::PI * a.powi(3);
@@ -81,7 +80,7 @@ pub fn value(
             volume * (f1 * kappa * p.norm_sqr() / 4.0 - 3.0 * f2 * squares / (8.0 * rho * omega * omega))
         }),
         Quantity::Depression | Quantity::Caustic | Quantity::Force => {
-            panic!("{quantity:?} follows from more than the sound at a point")
+            panic!("{quantity:?} does not follow from the sound at a point")
         }
     }
 }

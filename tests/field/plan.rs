@@ -1,4 +1,4 @@
-//! Maps by plan: the tolerance is kept, whatever the scene, and what need not be evaluated is not.
+//! Maps by plan: the tolerance holds on any scene, with no more samples than needed.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -24,13 +24,14 @@ fn hit() -> (Scene, Drive) {
     (scene, drive)
 }
 
-/// Stages on the GPU with buffers of no more than so many bytes.
+/// Stages on a GPU whose buffers are limited to this size.
 fn on_gpu(buffer_bytes: u64) -> Option<Stages> {
     let gpu = gpu()?.with_small_buffers(buffer_bytes);
     Some(Stages::new(Evaluator::Gpu(Box::new(gpu))))
 }
 
-/// A map with the complex pressure at its pixels, and the largest deviation at every `stride`-th of them, relative to the peak.
+/// A map with the complex pressure at its pixels, and its largest deviation over every `stride`-th pixel, relative to
+/// the peak.
 fn made(
     stages: &mut Stages,
     scene: &Scene,
@@ -38,14 +39,14 @@ fn made(
     (width, height): (usize, usize),
     stride: usize,
 ) -> (Map, Vec<Complex32>, f64) {
-    // Re{P} is there at one moment, and Im{P} a quarter of a period before.
+    // At ωt = 0 the map shows Re{P}, a quarter of a period earlier Im{P}.
     let at = |moment: f64| Request {
         moment,
         ..Request::new(scene, vec![drive.clone()], Quantity::Instantaneous, (width, height))
     };
     let mut map = stages.map(&at(0.0)).unwrap().clone();
     let imaginary = stages.map(&at(-FRAC_PI_2)).unwrap();
-    // The estimate of both.
+    // One error estimate for both parts.
     map.error = map.error.max(imaginary.error);
     let field: Vec<_> =
         map.values.iter().zip(&imaginary.values).map(|(&re, &im)| Complex32::new(re, im)).collect();
@@ -65,7 +66,7 @@ fn made(
 }
 
 #[test]
-fn a_looser_tolerance_evaluates_no_more_and_is_kept() {
+fn a_looser_tolerance_needs_no_more_samples_and_holds() {
     let (mut scene, drive) = hit();
     let mut stages = Stages::new(Evaluator::Cpu);
     let mut before = usize::MAX;
@@ -118,7 +119,7 @@ fn the_gpu_follows_the_same_plan() {
 }
 
 #[test]
-fn a_plan_counts_with_the_whole_array() {
+fn corners_enclose_the_whole_array() {
     let mut scene = Scene::default();
     (scene.array.rows, scene.array.columns) = (5, 9);
     let aperture = Aperture::new(&scene);
@@ -127,9 +128,9 @@ fn a_plan_counts_with_the_whole_array() {
 }
 
 #[test]
-fn maps_that_a_gpu_has_no_room_for_are_made_by_the_cpu() {
+fn maps_too_large_for_the_gpu_are_made_by_the_cpu() {
     let (mut scene, drive) = hit();
-    // Room for the samples and not for the pixels, and for neither.
+    // Room for the samples but not for the pixels, and for neither.
     for buffer_bytes in [200_000, 2000] {
         let Some(mut stages) = on_gpu(buffer_bytes) else { return };
         for plane in slanted_planes() {
@@ -154,7 +155,7 @@ fn a_tight_tolerance_and_exact_evaluation_give_the_same_picture() {
     let interpolated = std::mem::take(&mut pictures[1]);
     let other = pictures[0].iter().zip(&interpolated).filter(|(a, b)| a != b).count();
     let furthest = pictures[0].iter().zip(&interpolated).map(|(a, b)| a[0].abs_diff(b[0])).max();
-    // Rounding may put a pixel on the other side of a step between two colours.
+    // Rounding may move a pixel across a step between two colours.
     assert!(furthest <= Some(1) && other < pictures[0].len() / 100, "{other} pixels, by up to {furthest:?}");
 }
 
@@ -181,20 +182,20 @@ fn rows_near_the_array_and_small_maps_are_evaluated_pixel_by_pixel() {
 }
 
 #[test]
-fn where_the_elements_cancel_samples_are_evaluated_in_f64() {
+fn samples_are_evaluated_in_f64_if_the_elements_cancel() {
     let mut scene = Scene::default();
     scene.array.pitch = 0.004;
     scene.array.element_radius = 0.0018;
     let tolerance = 1.2e-5;
     scene.plane = Plane { centre: DVec3::new(0.0, 0.0, 0.3), tolerance, ..Plane::default() };
-    // Neighbours less than half a wavelength apart and in opposite phase: next to nothing leaves the array, and f32
-    // rounds what cancels.
+    // Neighbours less than λ/2 apart in antiphase radiate almost nothing, and cancellation amplifies the rounding of
+    // f32.
     let phase = |n: usize| TAU / 2.0 * ((n / 16 + n) % 2) as f64;
     let drive = Drive { amplitudes: vec![1.0; 256], phases: (0..256).map(phase).collect() };
     let mut stages = Stages::new(Evaluator::Cpu);
     let (map, _, error) = made(&mut stages, &scene, &drive, (200, 200), 17);
     assert!(map.by == By::CpuInF64 && error < tolerance, "{error:e}");
-    // Another drive does well with f32.
+    // For another drive f32 is enough.
     let (map, _, error) = made(&mut stages, &scene, &scattered(256, STEP), (200, 200), 17);
     assert!(map.by == By::Cpu && error < tolerance, "{error:e}");
 }
@@ -246,7 +247,7 @@ proptest! {
         scene.array.element = if seed < 0.2 { ElementModel::Point } else { ElementModel::Piston };
         let aperture = Aperture::new(&scene);
         let elements = scene.array.elements();
-        // A focus somewhere on the plane, or phases without pattern.
+        // A focus somewhere on the plane, or irregular phases.
         let target = scene.plane.centre + 0.1 * (seed - 0.5) * DVec3::X;
         let phase = |n: usize| if focus {
             aperture.element.wavenumber * target.distance(aperture.positions[n])

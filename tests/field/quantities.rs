@@ -1,4 +1,4 @@
-//! Quantities against the model: formulae in WGSL and Rust, maps of one drive on any plane, and means of several.
+//! Quantities against the model: formulae in WGSL and Rust, maps of one drive on any plane, and means over several.
 
 use std::f64::consts::TAU;
 
@@ -14,7 +14,7 @@ use sonoglyph::surface::Tank;
 use crate::model;
 use crate::{evaluators, fast_evaluators, gpu, own, three_foci};
 
-/// Numbers from -1 to 1 in no order.
+/// Irregular numbers from -1 to 1.
 fn numbers() -> impl Iterator<Item = f32> {
     (1u32..).map(|i| {
         (i.wrapping_mul(0x9e37_79b9) ^ (i << 13)).wrapping_mul(0x85eb_ca6b) as f32 / 2f32.powi(31) - 1.0
@@ -47,7 +47,7 @@ fn a_formula_is_the_same_in_wgsl_and_in_rust() {
             for ((got, expected), sound) in got.iter().zip(&expected).zip(&sounds) {
                 let off = got - expected;
                 let is_same = if quantity == Quantity::Phase {
-                    // At the cut either end of a turn will do. WGSL lets atan2 be 4096 ulp off.
+                    // At the branch cut either end is right. WGSL allows atan2 4096 ulp.
                     (off - (off / TAU as f32).round() * TAU as f32).abs() < 1e-3
                 } else {
                     off.abs() < 3e-6 * largest
@@ -58,15 +58,15 @@ fn a_formula_is_the_same_in_wgsl_and_in_rust() {
     }
 }
 
-/// What a map should show at a pixel.
+/// The expected value of a pixel.
 struct Expected {
     value: f64,
-    /// |P| (Pa), 0 where nothing sounds.
+    /// |P| (Pa), 0 in silence.
     modulus: f64,
 }
 
-/// The largest deviation of a map's values at every [`STRIDE`]-th pixel, relative to its peak; of phases that of the phasors that
-/// have them.
+/// The largest deviation of a map's values at every [`STRIDE`]-th pixel, relative to its peak; for phases, that of
+/// phasors with these phases.
 fn deviation(map: &Map, quantity: Quantity, expected: &[Expected]) -> f64 {
     let off = |(&got, &Expected { value, modulus }): (&f32, &Expected)| {
         let got = f64::from(got);
@@ -76,7 +76,7 @@ fn deviation(map: &Map, quantity: Quantity, expected: &[Expected]) -> f64 {
         } else {
             (got - value).abs()
         };
-        // `max` would pass over a NaN.
+        // `max` ignores NaN.
         if off.is_nan() { f64::INFINITY } else { off }
     };
     let got = map.values.iter().step_by(STRIDE);
@@ -99,13 +99,14 @@ fn planes() -> [(&'static str, Plane); 5] {
     ]
 }
 
-/// Who is to make a map: whoever is asked, where f32 keeps the tolerance and the quantity is formed at the pixels.
+/// The expected maker of a map: the evaluator asked for, if f32 keeps the tolerance and the quantity is formed at
+/// pixels.
 fn maker(asked: By, quantity: Quantity, tolerance: f64, is_near: bool) -> Option<By> {
     let by_cells = matches!(quantity, Quantity::Radiation | Quantity::Gorkov);
     let by_pressure = quantity.declaration().parts == PRESSURE;
     match asked {
         By::Gpu if by_pressure => Some(By::Gpu),
-        // Finer slopes by differences are left to f64, and those beside the array are not the GPU's.
+        // Slopes at finer tolerances need f64; slopes near the array are not formed on the GPU.
         By::Gpu if !by_cells && tolerance > 5e-4 && !is_near => Some(By::Gpu),
         By::Cpu if by_pressure => Some(By::Cpu),
         By::Cpu if tolerance > finest(quantity) && !is_near => Some(By::Cpu),
@@ -114,7 +115,7 @@ fn maker(asked: By, quantity: Quantity, tolerance: f64, is_near: bool) -> Option
     }
 }
 
-/// The tolerance from which slopes are left to f64: of potentials, whose terms nearly cancel, it is coarser.
+/// Below this tolerance slopes are computed in f64. It is coarser for potentials, whose terms nearly cancel.
 fn finest(quantity: Quantity) -> f64 {
     if quantity == Quantity::Gorkov { 5e-3 } else { 5e-4 }
 }
@@ -161,7 +162,7 @@ fn every_quantity_keeps_the_tolerance_on_any_plane() {
                     );
                     let maker = maker(*asked, quantity, tolerance, is_near);
                     assert!(maker.is_none_or(|maker| maker == *by), "{name}, not by {maker:?}: {how}");
-                    // Of phases and moments it is the largest |P|.
+                    // Phases and instantaneous pressures are relative to the largest |P|.
                     if quantity.declaration().norm != Norm::Pressure {
                         let largest = map.values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
                         assert!(
@@ -176,13 +177,13 @@ fn every_quantity_keeps_the_tolerance_on_any_plane() {
     }
 }
 
-/// Cells of a liquid's surface in the model: as wide as a pixel, and more of them beyond the plane.
+/// Cells of the model's liquid: as wide as a pixel, continued beyond the plane.
 const STEP: f64 = 0.0005;
 const BEYOND: usize = 80;
 
-/// The depth (m) at every pixel of [`three_foci`]'s plane, from cells half as wide as a plan's or less.
+/// The depth (m) at every pixel of [`three_foci`]'s plane, from cells at most half as wide as a plan's.
 fn depths(aperture: &Aperture, scene: &Scene, drives: &[Drive], air: &Air) -> Vec<f64> {
-    /// Slopes by differences of six neighbours: 1e-5 off here.
+    /// Sixth-order central differences: slopes are 1e-5 off here.
     const DIFFERENCE: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
     let counts = [SIZE.0, SIZE.1].map(|count| count + 2 * BEYOND);
     let wide = counts.map(|count| count + 6);
@@ -245,7 +246,7 @@ fn means_of_several_drives_keep_the_tolerance() {
                 );
                 let largest = map.values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
                 assert!((map.peak - largest).abs() <= 1e-6 * largest, "{name}: {} {largest}", map.peak);
-                // Squares at cells are few, so that the CPU makes them; and slopes of fine tolerances in f64.
+                // Cells are few enough for the CPU, and slopes at fine tolerances need f64.
                 let is_double = tolerance < finest(quantity) && quantity.declaration().parts & NORMAL != 0;
                 let maker = match asked {
                     By::Reference => By::Reference,
@@ -259,19 +260,19 @@ fn means_of_several_drives_keep_the_tolerance() {
 }
 
 #[test]
-fn contours_run_where_the_value_is_that_part_of_its_largest() {
+fn contours_are_at_their_fraction_of_the_peak() {
     let (scene, drives) = three_foci();
     for evaluator in fast_evaluators() {
         let mut stages = Stages::new(evaluator);
         for quantity in Quantity::ALL.into_iter().filter(|quantity| quantity.declaration().has_mean) {
             let request = Request::new(&scene, drives.clone(), quantity, (60, 50));
-            // A potential is far from 0 where it is low.
+            // A potential is far from 0 at its minimum.
             let part = if quantity == Quantity::Gorkov { -0.4 } else { 0.4 };
             let lines = stages.contours(&request, part).unwrap().to_vec();
             assert!(!lines.is_empty(), "{quantity:?}");
             let Map { values, peak, .. } = stages.map(&request).unwrap();
             for [x, y] in lines.into_iter().flatten() {
-                // Between the centres of four pixels.
+                // Bilinear between the centres of four pixels.
                 let (column, row) = ((x - 0.5).floor().clamp(0.0, 58.0), (y - 0.5).floor().clamp(0.0, 48.0));
                 let (right, up) = (x - 0.5 - column, y - 0.5 - row);
                 let first = row as usize * 60 + column as usize;

@@ -73,7 +73,8 @@ fn one_element_agrees_to_1e_10() {
     }
 }
 
-/// Of every ka that a scene may ask for. Where waves of the disk cancel, relative to a thousandth of what they do elsewhere.
+/// For every ka that a scene may have. Errors are relative, with a floor of a thousandth of the value elsewhere where
+/// the waves of the disk cancel.
 #[test]
 fn the_exact_piston_agrees_to_1e_10_on_its_surface_and_at_its_rim_too() {
     let reference = reference("exact_piston.json");
@@ -125,10 +126,10 @@ fn absorption_agrees_to_1e_10() {
     }
 }
 
-/// Sound is absorbed per collision of molecules: in air of λ times the pressure with the same parts of vapour, a wave of λ times the
-/// frequency loses λ times as much per metre. (ISO 9613-1 says it so too; its tables are those of one pressure.)
+/// Absorption is per molecular collision: in air of λ times the pressure with the same fraction of vapour, a wave of λ
+/// times the frequency loses λ times as much per metre. (ISO 9613-1 agrees; its tables are at one pressure.)
 #[test]
-fn absorption_at_other_pressures_follows_from_that_at_one() {
+fn absorption_scales_with_pressure() {
     for (frequency, temperature, humidity) in [(40e3, 20.0, 50.0), (25e3, 0.0, 20.0), (60e3, 35.0, 30.0)] {
         let usual = air::absorption(frequency, temperature, humidity, 101_325.0);
         for part in [0.3, 0.7, 1.0, 1.6] {
@@ -148,7 +149,7 @@ fn the_weighted_iteration_agrees_at_every_step() {
         let points = case["points"].as_array().unwrap().iter().map(point);
         scene.targets = points.map(|at| Target::new(Shape::Point { at })).collect();
         for (iterations, expected) in case["efficiency_percent"].as_array().unwrap().iter().enumerate() {
-            // 0 iterations in a scene mean the method's default; the table's entry 0 is the pseudo-inverse.
+            // In a scene, 0 iterations select the method's default; the table's entry 0 is the pseudo-inverse.
             let method = if iterations == 0 { Method::Pinv } else { Method::Weighted };
             scene.solver = Solver { method, iterations: iterations as u32, ..Solver::default() };
             let efficiency = 100.0 * solver::solve(&scene).unwrap().quality.efficiency;

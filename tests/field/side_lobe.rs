@@ -1,4 +1,4 @@
-//! The peak side lobe of a drive, against a search in f64 that knows nothing of lobes but where they are.
+//! The peak side lobe of a drive, against an exhaustive search in f64.
 
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
@@ -20,7 +20,7 @@ fn side_lobe_of(scene: &Scene, solution: &Solution) -> Result<SideLobe, NoSideLo
     side_lobe::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &scene.plane, &solution.drives(), &foci)
 }
 
-/// Every local maximum of |p| (Pa) on the plane, in steps of a twentieth of a wavelength, in f64; the loudest first.
+/// All local maxima of |p| (Pa) on the plane, on a grid of λ/20, in f64; the loudest first.
 fn maxima(scene: &Scene, solution: &Solution) -> Vec<(DVec3, f64)> {
     let aperture = Aperture::new(scene);
     let [width, height] =
@@ -49,7 +49,7 @@ fn the_peak_side_lobe_of_one_focus_is_its_first() {
         let (mut scene, solution) = solved(&[focus], Method::Focus);
         scene.plane.centre = focus;
         scene.plane.size = DVec2::splat(size);
-        // Of a lone focus, the loudest maximum is the focus, and the next is the loudest side lobe.
+        // For a single focus, the loudest maximum is the focus, and the next one the peak side lobe.
         let maxima = maxima(&scene, &solution);
         assert!(maxima[0].0.distance(focus) < 1e-3, "{focus}: {:?}", maxima[0]);
         let (place, pressure) = maxima[1];
@@ -60,7 +60,7 @@ fn the_peak_side_lobe_of_one_focus_is_its_first() {
         );
         let part = found.pressure / solution.quality.mean_pressure;
         assert!((found.part - part).abs() < 1e-12 && (0.1..0.25).contains(&part), "{focus}: {found:?}");
-        // A side lobe stands on the array's axes through the focus, of which one may be as loud as another.
+        // Side lobes lie on the array's axes through the focus; two of them may be equally loud.
         let null = Aperture::new(&scene).wavelength() * focus.length().hypot(0.084) / 0.168;
         let nulls = found.position.distance(focus) / null;
         assert!((1.4..1.75).contains(&nulls), "{focus}: {nulls} first nulls away");
@@ -68,7 +68,7 @@ fn the_peak_side_lobe_of_one_focus_is_its_first() {
 }
 
 #[test]
-fn the_peak_side_lobe_of_several_foci_is_the_loudest_maximum_away_from_all() {
+fn the_peak_side_lobe_of_several_foci_is_the_loudest_maximum_outside_all() {
     let points = [dvec3(-0.03, 0.0, 0.1), dvec3(0.02, 0.02, 0.1), dvec3(0.01, -0.03, 0.1)];
     let mut parts = Vec::new();
     for method in [Method::Naive, Method::Best, Method::Pinv] {
@@ -85,8 +85,8 @@ fn the_peak_side_lobe_of_several_foci_is_the_loudest_maximum_away_from_all() {
 }
 
 #[test]
-fn a_lobe_along_the_beam_is_the_focus_itself() {
-    // Seen from the side, the focus is 5 cm long.
+fn the_main_lobe_along_the_beam_is_no_side_lobe() {
+    // In a plane along the beam, the focus is 5 cm long.
     let focus = dvec3(0.0, 0.0, 0.15);
     let (mut scene, solution) = solved(&[focus], Method::Focus);
     scene.plane = Plane { centre: focus, y_axis: DVec3::Z, size: DVec2::splat(0.1), ..Plane::default() };
@@ -94,7 +94,11 @@ fn a_lobe_along_the_beam_is_the_focus_itself() {
     assert!(found.part < 0.3, "{found:?}");
     let loudest = maxima(&scene, &solution);
     let louder = loudest.iter().filter(|(_, pressure)| *pressure > 1.01 * found.pressure);
-    assert!(louder.clone().count() == 1, "the focus alone: {:?}", louder.collect::<Vec<_>>());
+    assert!(
+        louder.clone().count() == 1,
+        "louder than the side lobe is only the focus: {:?}",
+        louder.collect::<Vec<_>>()
+    );
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Boards anywhere, curved arrays and reflectors: against a model of its own, and against what must not change.
+//! Boards in any pose, curved arrays and reflectors: against an independent model, and under symmetries.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use sonoglyph::scene::{Board, Elements, Placed, Plane, Reflector, Scene};
 
 use crate::{STEP, fast_evaluators, scattered};
 
-/// A piston that stands somewhere, radiates somewhere, and plays so loud.
+/// Position, normal and excitation of a piston.
 struct Piston {
     at: DVec3,
     normal: DVec3,
@@ -41,7 +41,7 @@ fn quiet_air() -> Scene {
     scene
 }
 
-/// The elements of a grid about a place, with axes of their own.
+/// The elements of a grid centred at a point, with given axes.
 fn grid([columns, rows]: [u32; 2], pitch: f64, at: DVec3, x: DVec3, y: DVec3) -> Vec<(DVec3, DVec3)> {
     let place = |i: u32, count: u32| (f64::from(i) - f64::from(count - 1) / 2.0) * pitch;
     let element =
@@ -54,7 +54,7 @@ fn playing(elements: &[(DVec3, DVec3)], drive: &Drive) -> Vec<Piston> {
     elements.iter().zip(u).map(|(&(at, normal), u)| Piston { at, normal, u }).collect()
 }
 
-/// The image of pistons in a plane, `coefficient` times as loud.
+/// The images of pistons in a plane, `coefficient` times as loud.
 fn mirrored(pistons: &[Piston], Reflector { point, normal, coefficient }: &Reflector) -> Vec<Piston> {
     let n = normal.normalize_or_zero();
     let turned = |v: DVec3| v - 2.0 * n.dot(v) * n;
@@ -66,7 +66,7 @@ fn mirrored(pistons: &[Piston], Reflector { point, normal, coefficient }: &Refle
     pistons.iter().map(image).collect()
 }
 
-/// Places without pattern in a box.
+/// Irregular points in a box.
 fn places(low: DVec3, high: DVec3) -> Vec<DVec3> {
     let part = |i: usize, step: f64| (i as f64 * step).fract();
     (1..40)
@@ -74,7 +74,7 @@ fn places(low: DVec3, high: DVec3) -> Vec<DVec3> {
         .collect()
 }
 
-/// All evaluators hear the pistons: f64 to rounding, the others to 2e-5 of the peak.
+/// All evaluators agree with the pistons: f64 to rounding, the others to 2e-5 of the peak.
 fn assert_heard(what: &str, scene: &Scene, drive: &Drive, pistons: &[Piston], points: &[DVec3]) {
     let expected: Vec<_> = points.iter().map(|&point| heard(scene, pistons, point)).collect();
     let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);
@@ -117,7 +117,7 @@ fn tilted_boards() -> (Scene, Vec<(DVec3, DVec3)>) {
     (scene, elements)
 }
 
-/// 60 elements on a sphere of 12 cm, all looking at its middle.
+/// 60 elements on a sphere of 12 cm, all facing its centre.
 fn bowl() -> (Scene, Vec<(DVec3, DVec3)>) {
     let middle = dvec3(0.0, 0.0, 0.12);
     let element = |i: usize| {
@@ -135,7 +135,7 @@ fn bowl() -> (Scene, Vec<(DVec3, DVec3)>) {
 }
 
 #[test]
-fn boards_and_bowls_are_heard_where_they_stand() {
+fn boards_and_bowls_radiate_from_their_poses() {
     let region = || places(dvec3(-0.05, -0.06, 0.08), dvec3(0.05, 0.06, 0.26));
     let (scene, elements) = tilted_boards();
     let drive = scattered(70, STEP);
@@ -143,7 +143,7 @@ fn boards_and_bowls_are_heard_where_they_stand() {
     let (scene, elements) = bowl();
     let drive = scattered(60, STEP);
     assert_heard("a bowl", &scene, &drive, &playing(&elements, &drive), &region());
-    // Twice, face to face.
+    // Two of them, face to face.
     let turn = DQuat::from_rotation_x(0.3);
     let opposite = Board { at: dvec3(0.0, 0.02, 0.3), normal: turn * DVec3::NEG_Z, x_axis: DVec3::X };
     let axes = opposite.axes().unwrap();
@@ -155,7 +155,7 @@ fn boards_and_bowls_are_heard_where_they_stand() {
 }
 
 #[test]
-fn reflectors_add_images_and_a_liquid_the_series_of_those_that_face_each_other() {
+fn reflectors_add_images_and_a_liquid_a_series_of_them() {
     let mut scene = quiet_air();
     (scene.array.columns, scene.array.rows) = (9, 6);
     let drive = scattered(54, STEP);
@@ -215,14 +215,14 @@ fn a_rigid_wall_has_no_slope_and_a_soft_one_no_sound() {
             let off = if coefficient > 0.0 { (p[0] - p[2]).norm() } else { p[1].norm() };
             let alone =
                 reference::pressure(&Aperture::new(&quiet_air()), &drive, &Samples::at(vec![at(point)]));
-            // An even function of the distance has no slope: its differences are rounding.
+            // The field is even in the distance: its differences are only rounding.
             assert!(off < 1e-12 * (1.0 + alone[0].norm()), "{coefficient}: {off} of {}", alone[0].norm());
         }
     }
 }
 
 #[test]
-fn turning_everything_changes_nothing() {
+fn a_rotation_of_the_whole_scene_rotates_the_field() {
     let (mut scene, _) = tilted_boards();
     scene.reflectors =
         vec![Reflector { point: dvec3(0.0, 0.3, 0.1), normal: dvec3(0.1, -1.0, 0.2), coefficient: 0.7 }];
@@ -249,7 +249,7 @@ fn turning_everything_changes_nothing() {
     }
 }
 
-/// Maps of boards keep their tolerance at every pixel, also where the plane crosses a board or lies behind one.
+/// Maps of boards keep their tolerance at every pixel, also on planes that cross a board or lie behind one.
 #[test]
 fn maps_of_boards_keep_their_tolerance() {
     let (boards, _) = tilted_boards();
@@ -292,9 +292,10 @@ fn maps_of_boards_keep_their_tolerance() {
     }
 }
 
-/// What meets a liquid that reflects is half of what is there: without the array's own reflections its depression is what it was.
+/// The incident wave at a reflecting liquid is half of the total: without the array's own reflections the depression
+/// does not change.
 #[test]
-fn a_surface_that_reflects_is_pressed_by_what_meets_it() {
+fn a_reflecting_surface_is_pressed_by_the_incident_wave() {
     let mut scene = quiet_air();
     let drive = vec![scattered(256, STEP)];
     let force = |scene: &Scene| {
@@ -307,5 +308,5 @@ fn a_surface_that_reflects_is_pressed_by_what_meets_it() {
     let expected = before * (1.9994f64 / 2.0).powi(2);
     assert!((after / expected - 1.0).abs() < 1e-6, "{before} becomes {after}");
     scene.array.reflectivity = 0.5;
-    assert!((force(&scene) / expected - 1.0).abs() > 1e-3, "what comes back from the array presses, too");
+    assert!((force(&scene) / expected - 1.0).abs() > 1e-3, "the array's reflections press, too");
 }

@@ -1,4 +1,4 @@
-//! What changes nothing makes nothing run, whatever quantity is shown.
+//! Caching of stages: a change runs only the stages that depend on it, for every quantity.
 
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Stages, Work};
@@ -7,7 +7,7 @@ use sonoglyph::scene::{Light, Scene};
 
 use crate::{STEP, fast_evaluators, scattered, three_foci};
 
-/// Everything that a map is made from, and how it is shown.
+/// All inputs of a map and its picture.
 #[derive(Clone)]
 struct Shown {
     scene: Scene,
@@ -34,7 +34,7 @@ impl Shown {
         }
     }
 
-    /// The work that showing it takes, but for a GPU's memory.
+    /// The work of showing it, without the GPU's memory.
     fn show(&self, stages: &mut Stages) -> Work {
         let before = stages.work();
         let request = Request {
@@ -48,27 +48,27 @@ impl Shown {
     }
 }
 
-/// The first stage that sees a change; those after it run too.
+/// The first stage that depends on a change; the later ones run too.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum First {
     Plan,
     Superposition,
-    /// The pixels are others.
+    /// The number of pixels.
     Pixels,
-    /// ωt is another.
+    /// ωt.
     Moment,
-    /// The envelope leaves another part.
+    /// The envelope's factor.
     Part,
     Liquid,
-    /// Capillary lengths are others, and walls stand elsewhere.
+    /// The capillary length, and with it the distance of the walls.
     Margin,
-    /// What becomes of the light that the surface bends.
+    /// The refracted light.
     Light,
     Picture,
     Nothing,
 }
 
-/// Where squares are formed.
+/// Whether a quantity is formed at cells.
 fn by_cells(quantity: Quantity) -> bool {
     match quantity {
         Quantity::Radiation
@@ -88,9 +88,9 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let of_light = quantity == Quantity::Caustic;
     let (by_cells, of_liquid) = (by_cells(quantity), quantity == Quantity::Depression || of_light);
     let on_gpu = on_gpu && !by_cells;
-    // The pressure and its slope along the normal are sums of their own, which a GPU counts as one and keeps no tables for.
+    // Pressure and normal slope are separate sums; a GPU counts both as one and has no tables for them.
     let is_solid = matches!(quantity, Quantity::Intensity | Quantity::Gorkov);
-    // Forces are sums of their own, in f64.
+    // Forces are summed separately, in f64.
     let sums = match () {
         () if quantity == Quantity::Force => 0,
         () if is_solid && !on_gpu => 2,
@@ -101,11 +101,11 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let resized = Work { interpolation: 1, forming: u64::from(!by_cells), caustic, ..picture };
     let of_drive = Work { superposition: sums, forming: 1, response: u64::from(of_liquid), ..resized };
     match first {
-        // Of f64 there are no tables.
+        // There are no tables in f64.
         First::Plan if quantity == Quantity::Gorkov => Work { plan: 1, ..of_drive },
         First::Plan => Work { plan: 1, transfer: if on_gpu { 0 } else { sums }, ..of_drive },
         First::Superposition => of_drive,
-        // The passes of a GPU are made for their pixels.
+        // A GPU's passes depend on the pixels.
         First::Pixels if on_gpu => of_drive,
         First::Pixels => resized,
         First::Moment if quantity == Quantity::Instantaneous => Work { forming: 1, ..picture },
@@ -120,7 +120,7 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
 }
 
 #[test]
-fn only_what_depends_on_the_change_runs() {
+fn only_stages_that_depend_on_the_change_run() {
     type Change = fn(&mut Shown);
     let changes: &[(&str, Change, First)] = &[
         ("nothing", |_| (), First::Nothing),
@@ -166,7 +166,7 @@ fn only_what_depends_on_the_change_runs() {
 }
 
 #[test]
-fn without_samples_nothing_is_tabled_and_nothing_interpolated() {
+fn exact_maps_need_no_tables_and_no_interpolation() {
     for evaluator in fast_evaluators() {
         let mut stages = Stages::new(evaluator);
         for quantity in [Quantity::Rms, Quantity::Phase, Quantity::Instantaneous] {
@@ -180,11 +180,11 @@ fn without_samples_nothing_is_tabled_and_nothing_interpolated() {
 }
 
 #[test]
-fn quantities_of_one_sound_share_it() {
+fn quantities_share_one_superposition() {
     let drives = three_foci().1;
     let mut stages = Stages::new(Evaluator::Cpu);
     for (drives, first, second, kept) in [
-        // At the pixels from the pressure there.
+        // Both are formed at the pixels from the pressure.
         (&drives[..1], Quantity::Rms, Quantity::Phase, Work { forming: 1, picture: 1, ..Work::default() }),
         (
             &drives[..1],
@@ -192,14 +192,14 @@ fn quantities_of_one_sound_share_it() {
             Quantity::Instantaneous,
             Work { forming: 1, picture: 1, ..Work::default() },
         ),
-        // Phases are of the first drive, whatever the others are.
+        // A phase is that of the first drive only.
         (
             &drives[..],
             Quantity::Phase,
             Quantity::Instantaneous,
             Work { forming: 1, picture: 1, ..Work::default() },
         ),
-        // At the cells of another margin.
+        // The cells of a depression have another margin.
         (
             &drives[..],
             Quantity::Depression,

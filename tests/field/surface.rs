@@ -1,5 +1,4 @@
-//! Depressions against the reference values of an endless bath, and the light that a Gaussian one bends against its closed forms and
-//! against counted rays.
+//! Depressions against reference values, and refracted light against closed forms and counted rays.
 
 use std::f64::consts::PI;
 
@@ -7,7 +6,7 @@ use serde_json::Value;
 use sonoglyph::scene::Liquid;
 use sonoglyph::surface::{Light, Rays, Tank, caustic};
 
-/// Pressure for every cell from its place (m) from the middle.
+/// The pressure on every cell as a function of its position (m) from the centre.
 fn load(tank: &Tank, at: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let place = |axis: usize, i: usize| (i as f64 + 0.5 - tank.counts[axis] as f64 / 2.0) * tank.step[axis];
     (0..tank.len()).map(|i| at(place(0, i % tank.counts[0]), place(1, i / tank.counts[0]))).collect()
@@ -28,7 +27,7 @@ fn liquid() -> Liquid {
 }
 
 #[test]
-fn gaussian_loads_dent_as_the_reference_says() {
+fn gaussian_loads_agree_with_the_reference() {
     let tank = Tank::new([151, 135], [0.0008, 0.0009]);
     for case in reference()["gaussian"].as_array().unwrap() {
         let [p0, w, centre] = ["p0", "w", "centre"].map(|key| case[key].as_f64().unwrap());
@@ -42,9 +41,9 @@ fn gaussian_loads_dent_as_the_reference_says() {
 }
 
 #[test]
-fn discs_dent_as_the_reference_says() {
+fn discs_agree_with_the_reference() {
     const STEP: f64 = 0.0001;
-    /// Parts of a cell, along each axis, of which those within the disc count.
+    /// Subdivisions of a cell along each axis, counted within the disc.
     const PARTS: usize = 8;
     let tank = Tank::new([801, 801], [STEP, STEP]);
     for case in reference()["disk"].as_array().unwrap() {
@@ -63,19 +62,19 @@ fn discs_dent_as_the_reference_says() {
     }
 }
 
-/// A depression d0 e^(-r²/w²) of water in the middle of a square screen, under light that comes through it.
+/// A depression d0 e^(-r²/w²) of water in the middle of a square screen, in transmitted light.
 #[derive(Clone, Copy)]
 struct Gaussian {
     /// Side of the screen (m), and its pixels along it.
     side: f64,
     pixels: usize,
-    /// Rays to a pixel, along each axis.
+    /// Rays per pixel along each axis.
     rays: f64,
-    /// Of the surface from which light comes, of the screen's.
+    /// Side of the illuminated surface, in sides of the screen.
     reach: f64,
-    /// Where the screen lies (m) to the right of and above the depression.
+    /// Offset (m) of the screen from the depression, to the right and upwards.
     aside: [f64; 2],
-    /// m that a slope of 1 displaces light by.
+    /// Displacement (m) of light per unit of slope.
     throw: f64,
 }
 
@@ -90,7 +89,7 @@ impl Default for Gaussian {
 }
 
 impl Gaussian {
-    /// Where the light of a place lands; lengths in m from the depression.
+    /// The place on the screen of light from a point; m from the depression.
     fn landing(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let along = 1.0 + self.throw * 2.0 * DEEP / (WIDE * WIDE) * (-(x * x + y * y) / (WIDE * WIDE)).exp();
         [x * along, y * along]
@@ -123,7 +122,7 @@ impl Gaussian {
         (values, light)
     }
 
-    /// The same by counting rays, so many to a pixel along each axis, in f64 and from the formula alone.
+    /// The same by counting `rays` per pixel along each axis, in f64 and from the formula alone.
     fn counted(&self, rays: usize) -> Vec<f64> {
         let step = self.pixel() / rays as f64;
         let reach = (self.reach * self.side / 2.0 / step) as i64;
@@ -144,7 +143,7 @@ impl Gaussian {
     }
 }
 
-/// The throw at which the middle of a Gaussian is so much dimmer.
+/// The throw that gives the middle of a Gaussian the brightness (1 + a)⁻².
 fn throw(a: f64) -> f64 {
     a * WIDE * WIDE / (2.0 * DEEP)
 }
@@ -157,7 +156,7 @@ fn light_through_a_level_surface_is_undisturbed() {
 }
 
 #[test]
-fn the_middle_of_a_depression_is_as_dark_or_as_bright_as_its_curvature_says() {
+fn the_brightness_of_the_middle_follows_from_the_curvature() {
     for a in [0.5, 2.0, 5.0, -0.3, -0.6] {
         let gaussian = Gaussian {
             side: 0.004,
@@ -175,7 +174,7 @@ fn the_middle_of_a_depression_is_as_dark_or_as_bright_as_its_curvature_says() {
 }
 
 #[test]
-fn the_first_caustic_is_where_it_is_to_be() {
+fn the_first_caustic_is_at_its_predicted_distance() {
     let crosses =
         |distance: f64| Gaussian { throw: (INDEX - 1.0) * distance, ..Gaussian::default() }.light().1.crosses;
     let (mut before, mut behind) = (0.01, 0.2);
@@ -189,7 +188,7 @@ fn the_first_caustic_is_where_it_is_to_be() {
 }
 
 #[test]
-fn no_light_is_lost_or_won_however_it_folds() {
+fn folded_light_is_conserved() {
     for (a, columns) in [(0.0, 150), (2.0, 150), (5.0, 150), (40.0, 37), (-1.0, 150), (-3.0, 64), (-40.0, 8)]
     {
         let gaussian = Gaussian {
@@ -209,7 +208,7 @@ fn no_light_is_lost_or_won_however_it_folds() {
 }
 
 #[test]
-fn every_pixel_has_the_light_of_the_rays_that_are_counted_there() {
+fn pixels_agree_with_counted_rays() {
     for a in [1.0, 4.0, -0.8, -4.0] {
         let gaussian = Gaussian {
             pixels: 60,
@@ -227,9 +226,9 @@ fn every_pixel_has_the_light_of_the_rays_that_are_counted_there() {
 }
 
 #[test]
-fn a_screen_has_what_a_larger_one_has_there_whoever_draws_it() {
+fn a_smaller_screen_and_any_number_of_threads_show_the_same_light() {
     let whole = Gaussian { throw: throw(4.0), ..Gaussian::default() };
-    // Its lower left quarter, but for a row and a column of pixels; as many rays, from as far.
+    // The lower left quarter, less a row and a column of pixels, with the same rays.
     let part =
         Gaussian { side: whole.side * 0.5, pixels: 75, reach: 3.2, aside: [-whole.side * 0.25; 2], ..whole };
     let (of_whole, of_part) = (whole.light().0, part.light().0);

@@ -1,4 +1,4 @@
-//! Pictures on the GPU in colours of the CPU.
+//! Pictures on the GPU have the colours of the CPU.
 
 use sonoglyph::field::gpu::Texture;
 use sonoglyph::field::stages::Picture;
@@ -35,7 +35,7 @@ pub fn texels(gpu: &Gpu, texture: &Texture) -> Vec<[u8; 4]> {
     bytes.chunks(row).flat_map(|row| row[..4 * width].chunks(4).map(texel)).collect()
 }
 
-/// The picture of a map that the GPU makes.
+/// The texels of a picture painted on the GPU.
 pub fn painted(stages: &mut Stages, request: &Request, colouring: &Colouring) -> Vec<[u8; 4]> {
     let Picture::OnGpu(texture) = stages.picture(request, colouring).unwrap() else {
         panic!("{:?} is not painted on the GPU", request.quantity)
@@ -67,7 +67,7 @@ fn the_gpu_colours_a_map_like_the_cpu() {
             let mut expected = Vec::new();
             colouring.colours(&map_.values, map_.peak, &mut expected);
             assert_eq!(got.len(), expected.len());
-            // Next to a step of the table rounding may go either way.
+            // At a step of the colour table rounding may go either way.
             let place =
                 |pixel: &[u8; 4]| colouring.table.iter().position(|colour| colour == pixel).unwrap() as i32;
             let mut other = 0;

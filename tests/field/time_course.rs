@@ -1,4 +1,4 @@
-//! Lines of |p|²: closed forms, integrals piece by piece, and foci that pass a point.
+//! Spectra of |p|²: closed forms, piecewise integrals, and foci that pass a point.
 
 use std::f64::consts::{PI, TAU};
 
@@ -18,7 +18,7 @@ fn modulated(modulation: Modulation) -> Scene {
     Scene { modulation, ..Scene::default() }
 }
 
-/// So many frames that go round at a rate.
+/// A circular motion with this rate and number of frames.
 fn moving(rate: f64, frames: u32, modulation: Modulation) -> Scene {
     let motion = Motion { path: MotionPath::Circle, tempo: Tempo::Rate(rate), frames, ..Motion::default() };
     Scene { motion, ..modulated(modulation) }
@@ -36,7 +36,7 @@ fn spectrum(scene: &Scene, of_frames: &[Complex64]) -> Vec<Line> {
     Course::new(scene, of_frames.len()).spectrum(of_frames, BAND).unwrap()
 }
 
-/// The line at a frequency as a complex amplitude; 0 where there is none.
+/// The complex amplitude of the line at a frequency, or 0.
 fn at(lines: &[Line], frequency: f64) -> Complex64 {
     let mut same = lines.iter().filter(|line| (line.frequency - frequency).abs() < 1e-3);
     let found = same.next().map_or(Complex64::ZERO, |line| Complex64::from_polar(line.amplitude, line.phase));
@@ -55,7 +55,7 @@ fn a_full_sine_has_the_lines_of_its_closed_form() {
         let error = at(&lines, frequency) / 9.0 - Complex64::from_polar(amplitude, phase);
         assert!(error.norm() < 1e-12, "{frequency} Hz: {error}");
     }
-    // By power there is nothing at 2f.
+    // With the power law there is no line at 2f.
     let lines = spectrum(&modulated(sine(Law::Power)), &p);
     assert_eq!(lines.len(), 2, "{lines:?}");
     for (frequency, amplitude, phase) in [(0.0, 0.5, 0.0), (200.0, 0.5, -PI / 2.0)] {
@@ -76,7 +76,7 @@ fn a_square_wave_has_odd_harmonics() {
     }
 }
 
-/// The swing of a modulation, written out once more.
+/// The swing of a modulation, implemented independently.
 fn swing(modulation: &Modulation, time: f64) -> f64 {
     let half = |depth: f64, x: f64| 1.0 - depth / 2.0 + depth / 2.0 * x;
     let turns = modulation.frequency * time;
@@ -99,8 +99,8 @@ fn swing(modulation: &Modulation, time: f64) -> f64 {
     }
 }
 
-/// The complex amplitude at a frequency of what is played for so many seconds: integrated between all edges, which come `edges`
-/// times a second and where frames change, by Gauss's rule with five nodes.
+/// The complex amplitude at a frequency over `span` seconds: five-node Gauss integrals between all edges, of which
+/// there are `edges` per second and one at every change of frames.
 fn integrated(
     scene: &Scene,
     frames: &[Complex64],
@@ -143,7 +143,7 @@ fn lines_are_the_integrals_over_a_common_period() {
     let frames: Vec<_> =
         (0..16).map(|i| Complex64::from_polar(1.0 + (f64::from(i * i) * 0.9).sin(), f64::from(i))).collect();
     let tones = vec![tone(150.0, 0.4, 0.3), tone(230.0, 0.35, -1.0), tone(150.0, 0.25, 2.0)];
-    // The lines of a file and those of frames meet in infinitely many, of which the far ones are left out.
+    // The product of two series, of a file and of frames, has infinitely many lines; distant ones are truncated.
     for (shape, edges, bound) in [
         (Envelope::Off, 1.0, 1e-12),
         (Envelope::Sine, 1.0, 1e-10),
@@ -174,7 +174,7 @@ fn lines_are_the_integrals_over_a_common_period() {
 }
 
 #[test]
-fn motions_and_tones_without_a_common_period_have_lines_at_sums_and_differences() {
+fn motions_and_tones_without_a_common_period_intermodulate() {
     let rate = 7.0 * 2f64.sqrt();
     let frames: Vec<_> = (0..8).map(|i| Complex64::from(1.0 + f64::from(i % 5))).collect();
     let scene = moving(rate, 8, sine(Law::Power));
@@ -185,13 +185,13 @@ fn motions_and_tones_without_a_common_period_have_lines_at_sums_and_differences(
         let harmonic = f64::from(n) * rate;
         let own = at(&alone, harmonic);
         assert!((at(&lines, harmonic) - own / 2.0).norm() < 1e-9, "harmonic {n}");
-        // sin(a) cos(b) is half a sine at the sum.
+        // sin(a) cos(b) is half a sine at the sum of the frequencies.
         let beside = at(&lines, 200.0 + harmonic) - own * Complex64::from_polar(0.25, -PI / 2.0);
         assert!(beside.norm() < 1e-9, "above 200 Hz, harmonic {n}: {beside}");
     }
 }
 
-/// The lines of what a moving focus makes at a point, relative to their mean.
+/// The lines of a moving focus at a point, relative to their mean.
 fn passing(path: MotionPath, rate: f64, at: DVec3) -> Vec<Line> {
     let target = Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) });
     let mut scene = Scene {
@@ -207,7 +207,7 @@ fn passing(path: MotionPath, rate: f64, at: DVec3) -> Vec<Line> {
     let of_frames: Vec<_> = sequence.frames.iter().map(pressure).collect();
     let mut lines = spectrum(&scene, &of_frames);
     let mean = lines[0].amplitude;
-    // Frame by frame, as it was played.
+    // The frames' mean, computed directly.
     let own = of_frames.iter().map(Complex64::norm_sqr).sum::<f64>() / of_frames.len() as f64;
     assert!((mean / own - 1.0).abs() < 1e-12);
     lines.iter_mut().for_each(|line| line.amplitude /= mean);
@@ -215,19 +215,19 @@ fn passing(path: MotionPath, rate: f64, at: DVec3) -> Vec<Line> {
 }
 
 #[test]
-fn a_focus_that_passes_a_point_so_often_gives_harmonics_of_that() {
-    // Once a cycle, on the circle: every harmonic, and nothing between them.
+fn a_passing_focus_gives_harmonics_of_its_passing_rate() {
+    // On the circle, once per cycle: every harmonic, and nothing between them.
     let lines = passing(MotionPath::Circle, 10.0, DVec3::new(0.015, 0.0, 0.1));
     assert!(lines.iter().all(|line| (line.frequency / 10.0 - (line.frequency / 10.0).round()).abs() < 1e-9));
     assert!((1..=5).all(|n| at(&lines, 10.0 * f64::from(n)).norm() > 0.2), "{:?}", &lines[..6]);
-    // Twice a cycle, in the middle of a figure-eight: harmonics of 20 Hz, and those of 10 Hz between them vanish.
+    // In the middle of a figure-eight, twice per cycle: harmonics of 20 Hz, and none of 10 Hz between them.
     let lines = passing(MotionPath::FigureEight, 10.0, DVec3::new(0.0, 0.0, 0.1));
     for n in 0..10 {
         let between = at(&lines, 10.0 + 20.0 * f64::from(n)).norm();
         assert!(between < 1e-6, "{between} at {} Hz", 10 + 20 * n);
     }
     assert!((1..=5).all(|n| at(&lines, 20.0 * f64::from(n)).norm() > 0.1), "{lines:?}");
-    // The board's frame rate: harmonics of the cycle on both sides of it are weaker by the hold of a frame alone.
+    // Harmonics near the frame rate are attenuated only by the hold of a frame.
     assert!(at(&lines, 640.0).norm() < 1e-9, "64 frames hold: nothing at their rate itself");
 }
 
@@ -249,7 +249,7 @@ fn the_course_is_the_frame_that_plays_times_the_envelope() {
 }
 
 #[test]
-fn what_would_take_hours_is_refused() {
+fn spectra_with_too_many_lines_are_refused() {
     let values = vec![0.5; 1_000_000];
     let wave = Wave::new(Samples { file: "a.wav".into(), rate: 48_000.0, values });
     let modulation = Modulation { shape: Envelope::File, wave, ..Modulation::default() };

@@ -1,4 +1,4 @@
-//! Tables of the transfer, whatever their layout, and several drives as one product.
+//! Tables of the transfer in every layout, and several drives as one product.
 
 use glam::{DVec2, DVec3};
 use num_complex::{Complex32, Complex64};
@@ -26,14 +26,14 @@ fn a_table_of_any_layout_gives_the_field_of_every_drive() {
     let mut scene = Scene::default();
     (scene.array.rows, scene.array.columns) = (5, 7);
     let aperture = Aperture::new(&scene);
-    // Four that are added up together, and one alone.
+    // Four that are summed together, and one alone.
     let mut drives = [0.754_877_666, 0.569_840_29, 0.618_033_988, 0.819_172_513, 0.671_043_607]
         .map(|step| scattered(35, step));
     drives[1].amplitudes[4] = 0.0;
     for (name, plane, shared) in planes {
         let plan = Plan::new(&aperture, &plane, Costs::CPU).unwrap();
         let grid = plan.grid.unwrap();
-        // Both without and with sharing, whichever of them the plan preferred.
+        // With and without shared columns, whichever the plan preferred.
         let ([board], [(0, repeats)]) = (&aperture.faces[..], &grid.heard[..]) else { panic!("{name}") };
         let layout = Layout::new(board, &grid.samples, *repeats);
         let wave = Wave::new(&aperture.element, &board.layout, &grid.samples).unwrap();

@@ -1,7 +1,7 @@
-//! The promise of every map: the largest error of all its pixels is no more than the tolerance.
+//! The promise of every map: the largest error of all its pixels is within the tolerance.
 //!
-//! Random maps of twelve classes, of every model of an element and every quantity, by every evaluator, against f64 at every pixel;
-//! `SONOGLYPH_MAPS=4711` or `=4000..5000` runs that one or those.
+//! Random maps of twelve classes, of all element models and quantities, by all evaluators, against f64 at every pixel.
+//! `SONOGLYPH_MAPS=4711` or `=4000..5000` selects maps.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -23,14 +23,14 @@ use crate::dice::Dice;
 use crate::{STEP, evaluators, fast_evaluators, gpu, model, scattered};
 
 const SEED: u64 = 0x0040_6B48_7A00_0002;
-/// Maps of a usual run; each is made by every evaluator.
+/// Maps of a default run, each by every evaluator.
 const MAPS: usize = 600;
-/// What direct evaluation keeps, relative to the peak.
+/// Error of direct evaluation, relative to the peak.
 const EXACT: f64 = 2e-5;
-/// Of any unit.
+/// Of any unit; smaller values underflow in f32.
 const FAINTEST: f64 = 1e-15;
 
-/// What is hard about a map.
+/// The difficulty of a map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 enum Class {
     Tilted,
@@ -55,7 +55,7 @@ const MODELS: [ElementModel; 3] = [ElementModel::Piston, ElementModel::Point, El
 enum Tolerance {
     Given(f64),
     Exact,
-    /// So many times the error of f32: it may be finer than what f32 values keep, which the map then says.
+    /// A multiple of the error of f32: possibly finer than f32 can keep, which the map must then state.
     Tuned(f64),
 }
 
@@ -97,7 +97,7 @@ impl Case {
         Self { class, tolerance, request, scene }
     }
 
-    /// The value of every pixel in f64, the modulus of the pressure there, and what errors are relative to.
+    /// Value and |P| of every pixel in f64, and the reference of relative errors.
     fn expected(&self) -> (Vec<(f64, f64)>, f64) {
         let Request { aperture, air, plane, drives, quantity, moment, size, .. } = &self.request;
         let (x, y) = plane.axes().unwrap();
@@ -123,7 +123,7 @@ impl Case {
     }
 }
 
-/// Any, but no slopes where a difference would reach through the array.
+/// Any quantity, but none with slopes where a difference would reach through the array.
 fn quantity(scene: &Scene, dice: &mut Dice) -> Quantity {
     let Plane { centre, size, .. } = scene.plane;
     let (x, y) = scene.plane.axes().unwrap();
@@ -131,7 +131,7 @@ fn quantity(scene: &Scene, dice: &mut Dice) -> Quantity {
     let is_near = lowest < 1e-3 * Aperture::new(scene).wavelength();
     let quantities: Vec<_> = Quantity::ALL
         .into_iter()
-        // `quantities` holds potentials to their tolerance.
+        // Potentials are tested in `quantities`.
         .filter(|quantity| {
             !quantity.declaration().of_liquid
                 && *quantity != Quantity::Gorkov
@@ -195,7 +195,7 @@ fn scene(class: Class, element: ElementModel, dice: &mut Dice) -> Scene {
     };
     let mut size = DVec2::new(side(dice), side(dice)).min(DVec2::splat(90.0)).max(DVec2::splat(1e-6));
     if class == Grazing {
-        // The lowest row stands on the array.
+        // The lowest row touches the array.
         size.y = 2.0 * centre.z * dice.between(0.8, 1.1);
     }
     let plane = Plane { centre, x_axis, y_axis, size: size.min(DVec2::splat(99.0)), tolerance: 0.0 };
@@ -204,14 +204,14 @@ fn scene(class: Class, element: ElementModel, dice: &mut Dice) -> Scene {
     Scene { array, plane, ..Scene::default() }
 }
 
-/// Focused on the plane, scattered, or so that elements cancel there.
+/// Focused on the plane, irregular, or with elements that cancel there.
 fn drive(class: Class, scene: &Scene, dice: &mut Dice) -> Drive {
     let aperture = Aperture::new(scene);
     let wave = aperture.element.wavenumber;
     let focus = scene.plane.centre;
     let phases = aperture.positions.iter().enumerate().map(|(n, at)| match class {
         Nulls => {
-            // The elements of one half against those of the other, seen from the plane's centre.
+            // One half of the elements against the other, seen from the plane's centre.
             let own = wave * focus.distance(*at);
             own + if n % 2 == 0 { 0.0 } else { PI }
         }
@@ -226,7 +226,7 @@ fn drive(class: Class, scene: &Scene, dice: &mut Dice) -> Drive {
     Drive { amplitudes, phases }
 }
 
-/// What came of one map by one evaluator, relative to the largest of all pixels.
+/// The errors of one map by one evaluator, relative to the largest of all pixels.
 struct Reached {
     wanted: f64,
     truly: f64,
@@ -234,7 +234,7 @@ struct Reached {
     by: String,
 }
 
-/// What differences over a hair are off themselves where squares all but cancel: f64 rounds the phase of a long way.
+/// The rounding error of the model's own differences, where squares almost cancel: f64 rounds the phase of a long path.
 fn judge(request: &Request, pixels: &[(f64, f64)]) -> f64 {
     const HAIR: f64 = 1e-4 * TAU;
     let Request { aperture, air, plane, quantity, .. } = request;
@@ -258,20 +258,21 @@ fn reached(stages: &mut Stages, case: &Case, expected: &(Vec<(f64, f64)>, f64), 
         } else {
             (got - value).abs()
         };
-        // `max` would pass over a NaN.
+        // `max` ignores NaN.
         if off.is_nan() { f64::INFINITY } else { off }
     };
     let (pixels, peak) = expected;
     let off = map.values.iter().zip(pixels).map(off).fold(0.0, f64::max);
-    // f32 knows no smaller squares.
+    // f32 has no smaller squares.
     let truly = if *peak < FAINTEST { 0.0 } else { off / peak };
     let wanted = if tolerance == 0.0 { EXACT } else { tolerance } + judge(&request, pixels) / peak;
     Reached { wanted, truly, said: map.error, by: format!("{:?}", map.by) }
 }
 
-/// Far planes of high frequencies, a medium of slow sound, and points beyond everything: by f32 they would be 10 % to 1e8 times off.
+/// Distant planes at high frequencies, slow media and distant points: in f32 they would be off by 10 % to a factor of
+/// 1e8.
 #[test]
-fn exact_maps_and_points_are_right_where_f32_is_not() {
+fn exact_maps_and_points_are_right_beyond_the_range_of_f32() {
     let array =
         Array { rows: 4, columns: 4, frequency: 1e6, element_radius: 1e-4, pitch: 2e-3, ..Array::default() };
     let far = |at: DVec3| Plane { centre: at, size: DVec2::splat(0.5), tolerance: 0.0, ..Plane::default() };
@@ -309,12 +310,12 @@ fn exact_maps_and_points_are_right_where_f32_is_not() {
             let map = Stages::new(evaluator).map(&request).unwrap().clone();
             let off = map.values.iter().zip(&expected).map(|(&got, p)| (f64::from(got) - p.re).abs());
             let off = off.fold(0.0, f64::max) / peak;
-            assert!(off <= EXACT && map.error <= EXACT, "{off:e}, said {:e} by {:?}", map.error, map.by);
+            assert!(off <= EXACT && map.error <= EXACT, "{off:e}, stated {:e} by {:?}", map.error, map.by);
         }
     }
 }
 
-/// No ratio to a peak of nothing.
+/// The peak is 0: the relative error must not become NaN.
 #[test]
 fn a_silent_map_has_no_error() {
     let mut scene = Scene::default();
@@ -338,7 +339,7 @@ fn numbers() -> Range<usize> {
 }
 
 #[test]
-fn the_largest_error_of_all_pixels_is_no_more_than_the_tolerance() {
+fn the_largest_error_of_all_pixels_is_within_the_tolerance() {
     let numbers = numbers();
     let next = AtomicUsize::new(numbers.start);
     let all = Mutex::new(BTreeMap::<_, Vec<(f64, f64)>>::new());
@@ -391,7 +392,7 @@ fn the_largest_error_of_all_pixels_is_no_more_than_the_tolerance() {
     for (key, ratios) in all.into_inner().unwrap() {
         let worst = |of: fn(&(f64, f64)) -> f64| ratios.iter().map(of).fold(0.0, f64::max);
         println!(
-            "{key:?}: {} maps, true/tolerance {:.2}, true/said {:.2}",
+            "{key:?}: {} maps, true/tolerance {:.2}, true/stated {:.2}",
             ratios.len(),
             worst(|r| r.0),
             worst(|r| r.1)
@@ -403,5 +404,5 @@ fn the_largest_error_of_all_pixels_is_no_more_than_the_tolerance() {
         println!("# {line}\n{}", file::write(&Case::new(*number).scene));
     }
     let lines: Vec<_> = failures.into_iter().map(|(_, line)| line).collect();
-    assert!(lines.is_empty(), "{} maps break their tolerance\n{}", lines.len(), lines.join("\n"));
+    assert!(lines.is_empty(), "{} maps exceed their tolerance\n{}", lines.len(), lines.join("\n"));
 }

@@ -1,4 +1,4 @@
-//! Work cut as for any kind of adapter gives the same maps.
+//! Every tuning of work sizes gives the same maps.
 
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
@@ -13,7 +13,7 @@ use sonoglyph::scene::{ElementModel, Plane, Scene};
 use crate::texels::painted;
 use crate::{STEP, gpu, scattered};
 
-/// Arrays for every kind of program, and a plane whose lowest rows are evaluated pixel by pixel.
+/// Arrays for every GPU program, and a plane whose lowest rows are evaluated directly.
 fn requests() -> Vec<(String, Request)> {
     let upright = Plane {
         y_axis: DVec3::Z,
@@ -49,13 +49,13 @@ fn requests() -> Vec<(String, Request)> {
 fn difference(values: &[f32], expected: &Map) -> f32 {
     assert_eq!(values.len(), expected.values.len());
     let off = values.iter().zip(&expected.values).map(|(value, expected)| (value - expected).abs());
-    // `max` would pass over a NaN.
+    // `max` ignores NaN.
     off.map(|off| if off.is_nan() { f32::INFINITY } else { off }).fold(0.0, f32::max) / expected.peak
 }
 
 #[test]
 fn every_tuning_gives_the_same_maps_and_pictures() {
-    // Work that is cut much finer than any adapter needs.
+    // Work divided much finer than any adapter needs.
     let starved = Tuning { most_rounds: 1 << 11, most_pairs: 1 << 17, ..Tuning::SOFTWARE };
     let requests = requests();
     let mut on_cpu = Stages::new(Evaluator::Cpu);
@@ -69,7 +69,7 @@ fn every_tuning_gives_the_same_maps_and_pictures() {
             let picture = painted(&mut stages, request, &colouring);
             let map = stages.map(request).unwrap();
             assert_eq!(map.by, By::Gpu, "{name}");
-            // Either keeps the tolerance.
+            // Both keep the tolerance.
             let off = difference(&map.values, by_cpu);
             assert!(off < 2.0 * request.plane.tolerance as f32, "{name}: {off:.1e} from the CPU, {tuning:?}");
             if first.len() == number {
@@ -93,7 +93,7 @@ fn no_pass_has_more_workgroups_than_adapters_allow() {
             Scene { plane: Plane { size: DVec2::new(0.01, 0.1), ..Plane::default() }, ..Scene::default() };
         (scene.array.rows, scene.array.columns) = (1, 1);
         let drive = scattered(1, STEP);
-        // Samples in more workgroups than one dispatch may have.
+        // Samples in more workgroups than one dispatch allows.
         let Some(gpu) = gpu() else { return };
         let gpu = gpu.with_tuning(tuning);
         let aperture = Aperture::new(&scene);
@@ -107,7 +107,7 @@ fn no_pass_has_more_workgroups_than_adapters_allow() {
             let expected = narrow(expected);
             assert!((field[index] - expected).norm() < 1e-5 * expected.norm(), "{index}: {expected}");
         }
-        // Pixels in more rows.
+        // More rows of pixels than one dispatch allows.
         let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
         let request = Request::new(&scene, vec![drive], Quantity::Rms, (8, 70_000));
         let map = stages.map(&request).unwrap();

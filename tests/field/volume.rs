@@ -1,4 +1,4 @@
-//! Volumes and their pictures: sampled values against f64, surfaces against closed forms, and the GPU's pictures against the CPU's.
+//! Volumes and their pictures: sampled values against f64, surfaces against closed forms, the GPU against the CPU.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use sonoglyph::scene::{Board, Reflector, Scene};
 
 use crate::gpu;
 
-/// Drives of no order, so that nothing cancels by itself.
+/// Irregular drives, which do not cancel anywhere.
 fn scattered(aperture: &Aperture, seed: f64) -> Drive {
     let count = aperture.positions.len();
     let part = |i: usize| ((i as f64 + seed) * 0.618_034).fract();
@@ -68,7 +68,7 @@ fn sampled_pressures_are_those_of_the_f64_reference() {
 }
 
 #[test]
-fn boxes_of_any_size_have_as_many_points_as_a_drag_has_time_for() {
+fn volumes_of_any_size_are_small_enough_for_a_drag() {
     let aperture = Aperture::new(&Scene::default());
     let drives = [scattered(&aperture, 0.5)];
     for size in [DVec3::splat(10.0), DVec3::new(0.0001, 10.0, 0.3), DVec3::splat(1e-4), DVec3::splat(0.4)] {
@@ -79,7 +79,7 @@ fn boxes_of_any_size_have_as_many_points_as_a_drag_has_time_for() {
     }
 }
 
-/// A field that falls off as a Gaussian with these widths (m) about a point, whose surfaces of equal value are ellipsoids.
+/// A Gaussian field with these widths (m) about a point: its isosurfaces are ellipsoids.
 fn gaussian(block: &Block, centre: DVec3, widths: DVec3, step: f64) -> Volume {
     let lattice = Lattice::covering(block, DVec3::splat(step));
     let UVec3 { x, y, .. } = lattice.counts;
@@ -107,7 +107,7 @@ const BLOCK: Block = Block { centre: DVec3::new(0.01, 0.0, 0.1), size: DVec3::ne
 const CENTRE: DVec3 = DVec3::new(0.012, -0.004, 0.103);
 const WIDTHS: DVec3 = DVec3::new(0.004, 0.005, 0.011);
 
-/// Whether a ray meets the ellipsoid on which the Gaussian is this part of its peak; `None` where it nearly touches it.
+/// Whether a ray meets the ellipsoid at this fraction of the Gaussian's peak; `None` for near-tangents.
 fn meets(start: DVec3, direction: DVec3, part: f64) -> Option<bool> {
     let radius = (-2.0 * part.ln()).sqrt();
     let (start, direction) = ((start - CENTRE) / WIDTHS, direction / WIDTHS);
@@ -145,7 +145,7 @@ fn the_surface_of_a_gaussian_is_its_ellipsoid_from_every_side() {
 }
 
 #[test]
-fn a_projection_has_the_colour_of_the_largest_value_along_the_ray() {
+fn a_projection_shows_the_largest_value_along_the_ray() {
     let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
     let scenery = scenery(BLOCK, Body::Projection);
     let camera = Camera::of(&BLOCK, [0.0, 0.0], 1.0, false);
@@ -157,7 +157,7 @@ fn a_projection_has_the_colour_of_the_largest_value_along_the_ray() {
         let (start, _) = projection.ray(DVec2::new((i % 80) as f64 + 0.5, (i / 80) as f64 + 0.5));
         let off = (start - CENTRE) / WIDTHS;
         let part = (-0.5 * (off.x * off.x + off.z * off.z)).exp();
-        // What is opaque is the table's colour.
+        // Opaque values have the table's colour.
         if part > 0.65 {
             let step = (part * 1000.0 / f64::from(volume.peak) * 255.0).round() as usize;
             let is_near = |expected: &[u8; 4]| (0..3).all(|c| pixel[c].abs_diff(expected[c]) <= 2);
@@ -170,9 +170,9 @@ fn a_projection_has_the_colour_of_the_largest_value_along_the_ray() {
 }
 
 #[test]
-fn what_clips_the_box_clips_the_field_and_shows_what_it_cuts() {
+fn a_clipped_box_shows_the_field_on_its_cut() {
     let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
-    // The front half is cut away at the Gaussian's middle: the cut shows the peak.
+    // The front half is cut away through the Gaussian's centre, so the cut shows the peak.
     let clip = Block::between(DVec3::new(-0.02, CENTRE.y, 0.06), BLOCK.high());
     let camera = Camera { target: CENTRE, ..Camera::of(&BLOCK, [0.0, 0.0], 1.0, false) };
     let scenery = scenery(clip, Body::Surface(0.5));
@@ -183,7 +183,7 @@ fn what_clips_the_box_clips_the_field_and_shows_what_it_cuts() {
     assert!((0..3).all(|c| middle[c].abs_diff(peak[c]) < 10), "{middle:?} {peak:?}");
 }
 
-/// A scene with everything in it.
+/// A scene with all kinds of scenery.
 fn everything(clip: Block, body: Body) -> Scenery {
     let colour = Vec4::new(0.2, 0.7, 0.9, 0.8);
     let mut items = vec![
@@ -225,7 +225,7 @@ fn the_gpu_draws_what_the_cpu_draws() {
             let gpu = painting.read(&gpu).unwrap();
             assert_eq!(gpu.len(), cpu.len());
             let far = cpu.iter().zip(&gpu).filter(|(a, b)| a.abs_diff(**b) > 3).count();
-            // Rays that graze an edge may see either side of it.
+            // Rays that graze an edge may hit either side.
             assert!(far * 250 < cpu.len(), "{body:?} {is_smooth} {is_perspective}: {far} of {}", cpu.len());
             assert!(cpu.as_chunks::<4>().0.iter().filter(|pixel| pixel[0] > 100).count() > 300);
         }
@@ -233,7 +233,7 @@ fn the_gpu_draws_what_the_cpu_draws() {
 }
 
 #[test]
-fn a_volume_finds_its_largest_value_in_the_brick_that_holds_it() {
+fn the_maximum_of_a_volume_is_in_its_bricks() {
     let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
     let place = ((CENTRE - volume.lattice.first) / volume.lattice.step).as_uvec3() / BRICK;
     let counts = volume.brick_counts();

@@ -1,4 +1,4 @@
-//! The link and virtual boards, over real pseudo-terminals: what is sent arrives whole or not at all, and everything recovers.
+//! The link with virtual boards over pseudo-terminals: whole frames only, and recovery from every fault.
 
 #![cfg(all(unix, feature = "serial"))]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
@@ -7,6 +7,8 @@ mod commands;
 mod motions;
 #[path = "../requirement/mod.rs"]
 mod requirement;
+#[path = "../running/mod.rs"]
+mod running;
 
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
@@ -21,10 +23,10 @@ use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock;
 use sonoglyph::device::task::finish;
 
-/// Nothing here waits for longer, however slow the machine is.
+/// Upper limit of every wait, for slow machines.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A frame that says of itself which it is, in every element: a torn one would hold two numbers.
+/// A frame with its number in every element: a torn one would hold two numbers.
 fn numbered(profile: Profile, number: u16) -> Levels {
     let delay = number % profile.levels();
     let other = number / profile.levels() % profile.levels();
@@ -36,7 +38,7 @@ fn full(profile: Profile) -> u16 {
     profile.level(1.0, 0.0).unwrap().amplitude
 }
 
-/// A board, a link to it that is ready, and what the board shows.
+/// A board, a ready link to it, and the board's output.
 struct Pair {
     link: Link,
     board: Board,
@@ -73,11 +75,11 @@ fn wait_for(link: &Link, wanted: impl Fn(&Event) -> bool) -> Event {
             return event;
         }
     }
-    panic!("the event did not come; {:?}", link.health());
+    panic!("timed out waiting for an event; {:?}", link.health());
 }
 
 impl Pair {
-    /// Everything that is shown until `last` is.
+    /// All frames shown up to `last`.
     fn shown_until(&self, last: &Levels) -> Vec<Levels> {
         let until = Instant::now() + PATIENCE;
         let mut all = Vec::new();
@@ -106,12 +108,12 @@ fn is_silent(board: &Board) -> bool {
 fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
     let until = Instant::now() + PATIENCE;
     while !condition() {
-        assert!(Instant::now() < until, "{what} did not come");
+        assert!(Instant::now() < until, "timed out waiting for {what}");
         std::thread::sleep(Duration::from_millis(2));
     }
 }
 
-/// Shows frames `pause` apart and checks that nothing else is seen, and the last in the end.
+/// Sends frames with this pause; checks that no other frame is shown, and that the last one is.
 fn drag(pair: &Pair, profile: Profile, frames: u16, pause: Duration) -> Vec<Levels> {
     let sent: Vec<_> = (0..frames).map(|n| numbered(profile, n * 7 + 1)).collect();
     for levels in &sent {
@@ -126,7 +128,7 @@ fn drag(pair: &Pair, profile: Profile, frames: u16, pause: Duration) -> Vec<Leve
 }
 
 #[test]
-fn frames_arrive_whole_at_every_board_and_it_is_silent_in_the_end() {
+fn frames_arrive_whole_at_every_board_and_silence_at_the_end() {
     std::thread::scope(|scope| {
         for profile in Profile::ALL {
             scope.spawn(move || {
@@ -144,8 +146,8 @@ fn frames_arrive_whole_at_every_board_and_it_is_silent_in_the_end() {
 }
 
 #[test]
-fn a_stock_board_is_ready_when_its_first_silence_has_left_the_line() {
-    // What is sent then waits for nothing. At this rate half a second is over by then.
+fn a_stock_board_is_ready_after_its_first_silent_frame() {
+    // Later frames then do not wait. At this rate it takes half a second.
     let (profile, baud) = (Profile::SonicSurface, 9600);
     let (board, _shown) = board(Setup { baud: Some(baud), ..Setup::new(profile) });
     let begun = Instant::now();
@@ -156,7 +158,7 @@ fn a_stock_board_is_ready_when_its_first_silence_has_left_the_line() {
 }
 
 #[test]
-fn what_was_wanted_before_the_board_was_there_is_no_latency() {
+fn frames_from_before_the_connection_do_not_count_as_latency() {
     for profile in [Profile::Native, Profile::SonicSurface] {
         let (board, shown) = board(Setup::new(profile));
         board.unplug(true);
@@ -178,15 +180,15 @@ fn what_was_wanted_before_the_board_was_there_is_no_latency() {
 fn the_newest_frame_wins() {
     let pair = pair(Profile::SonicSurface);
     let seen = drag(&pair, Profile::SonicSurface, 300, Duration::ZERO);
-    assert!(seen.len() < 30, "{} frames were sent though newer ones were there", seen.len());
+    assert!(seen.len() < 30, "{} frames were sent instead of the newest", seen.len());
 }
 
 #[test]
-fn the_native_device_plays_nothing_wrong_on_a_bad_line() {
+fn the_native_device_plays_no_corrupted_frame() {
     let bad = |faults: Faults| {
         let setup = Setup { faults, ..Setup::new(Profile::Native) };
         let pair = pair_with(setup, None);
-        // Until enough was damaged, however few frames a busy machine lets through.
+        // Until enough frames were corrupted, on a machine of any speed.
         let until = Instant::now() + PATIENCE;
         while pair.board.report().spoiled < 5 || pair.link.health().refused == 0 {
             assert!(Instant::now() < until, "{:?}, {:?}", pair.link.health(), pair.board.report());
@@ -211,7 +213,7 @@ fn garbage_at_the_start_does_no_harm() {
 }
 
 #[test]
-fn a_board_that_was_unplugged_plays_only_what_is_wanted_when_it_is_back() {
+fn a_replugged_board_plays_only_the_newest_frame() {
     std::thread::scope(|scope| {
         for profile in [Profile::Native, Profile::SonicSurface, Profile::UltrainoMega64] {
             scope.spawn(move || {
@@ -225,15 +227,15 @@ fn a_board_that_was_unplugged_plays_only_what_is_wanted_when_it_is_back() {
                 assert!(matches!(pair.link.health().state, State::Lost(_)));
                 assert!(
                     !pair.link.health().in_place,
-                    "{}: nothing is in place at a lost board",
+                    "{}: a lost board has no frame in place",
                     profile.name()
                 );
                 while pair.shown.try_recv().is_ok() {}
-                // Dragging goes on.
+                // Frames continue while the board is lost.
                 for n in 100..105 {
                     pair.link.show(Content::Still(numbered(profile, n)));
                 }
-                assert!(!pair.link.health().in_place, "{}: a wish is not its success", profile.name());
+                assert!(!pair.link.health().in_place, "{}: a request is not in place yet", profile.name());
                 pair.board.unplug(false);
                 wait_for(&pair.link, |event| matches!(event, Event::Ready(_)));
                 let newest = numbered(profile, 104);
@@ -248,7 +250,7 @@ fn a_board_that_was_unplugged_plays_only_what_is_wanted_when_it_is_back() {
 }
 
 #[test]
-fn a_stall_is_told_and_got_over() {
+fn a_stall_is_reported_and_recovered_from() {
     std::thread::scope(|scope| {
         for profile in [Profile::Native, Profile::SonicSurface] {
             scope.spawn(move || {
@@ -257,7 +259,7 @@ fn a_stall_is_told_and_got_over() {
                 pair.board.stall(true);
                 let until = Instant::now() + PATIENCE;
                 let mut n = 0;
-                // Frames fill the line until the port takes no more.
+                // Frames fill the line until the port accepts no more.
                 while !matches!(pair.link.health().state, State::Lost(_)) {
                     assert!(Instant::now() < until);
                     pair.link.show(Content::Still(numbered(profile, n)));
@@ -275,7 +277,7 @@ fn a_stall_is_told_and_got_over() {
 }
 
 #[test]
-fn another_bit_rate_or_another_board_is_told_and_plays_nothing() {
+fn a_wrong_bit_rate_or_board_is_reported_and_stays_silent() {
     let (deaf, shown) = board(Setup { baud: Some(57_600), ..Setup::new(Profile::Native) });
     let link = link_to(&deaf, Profile::Native, None);
     link.show(Content::Still(numbered(Profile::Native, 1)));
@@ -283,7 +285,7 @@ fn another_bit_rate_or_another_board_is_told_and_plays_nothing() {
     assert!(why.contains("does not answer"), "{why}");
     assert!(shown.try_recv().is_err() && deaf.report().wrong_baud > 0);
 
-    // An Arduino echoes what it takes for a swap.
+    // An Arduino echoes a byte that it takes for a swap.
     let (mega, _shown) = board(Setup { baud: Some(2_000_000), ..Setup::new(Profile::UltrainoMega64) });
     let link = link_to(&mega, Profile::Native, None);
     let Event::Lost(why) = wait_for(&link, |event| matches!(event, Event::Lost(_))) else { panic!() };
@@ -291,7 +293,7 @@ fn another_bit_rate_or_another_board_is_told_and_plays_nothing() {
 }
 
 #[test]
-fn ports_that_cannot_be_opened_say_why() {
+fn ports_that_cannot_be_opened_give_a_reason() {
     let lost = |path: &std::path::Path| {
         let settings = Settings { port: path.to_owned(), profile: Profile::SonicSurface, baud: None };
         let link = Link::open(settings, Box::new(|| {})).unwrap();
@@ -306,7 +308,7 @@ fn ports_that_cannot_be_opened_say_why() {
 }
 
 #[test]
-fn a_port_has_any_bit_rate_and_one_program_at_a_time() {
+fn a_port_has_any_bit_rate_and_is_exclusive() {
     let bytes = stock::silence(Profile::SonicSurface);
     for baud in [1200, 115_200, 250_000, 333_333, 3_000_000, 12_000_000] {
         let (board, _shown) = board(Setup { baud: Some(baud), ..Setup::new(Profile::SonicSurface) });
@@ -324,7 +326,7 @@ fn a_port_has_any_bit_rate_and_one_program_at_a_time() {
 }
 
 #[test]
-fn a_port_says_whether_its_line_is_stuck_or_gone() {
+fn a_port_distinguishes_blocked_from_lost_lines() {
     let (board, _shown) = board(Setup::new(Profile::Native));
     let mut port = finish(Port::open(board.path(), Profile::Native.baud())).unwrap();
     assert!(
@@ -332,7 +334,7 @@ fn a_port_says_whether_its_line_is_stuck_or_gone() {
             && finish(port.read(Duration::from_millis(1))).is_ok()
     );
     board.stall(true);
-    // More than any line holds: the rest of it must not be waited for.
+    // More than the line's buffer: the write must not wait for the rest.
     let (sender, written) = sync_channel(1);
     let write = move || drop(sender.send((finish(port.write(&[0; 1 << 20])), port)));
     std::thread::Builder::new().name("writer".to_owned()).spawn(write).unwrap();
@@ -345,12 +347,12 @@ fn a_port_says_whether_its_line_is_stuck_or_gone() {
 }
 
 #[test]
-fn the_bit_rate_is_changed_where_the_device_can() {
+fn the_bit_rate_changes_within_the_device_range() {
     let pair = pair_with(Setup::new(Profile::Native), Some(3_000_000));
     drag(&pair, Profile::Native, 20, Duration::from_millis(2));
     assert_eq!(pair.board.report().wrong_baud, 0);
     drop(pair.link);
-    // It comes back to the usual rate by itself, and a new link finds it there.
+    // The device falls back to the default rate, where a new link finds it.
     let link = link_to(&pair.board, Profile::Native, None);
     wait_for(&link, |event| matches!(event, Event::Ready(_)));
     drop(link);
@@ -360,7 +362,7 @@ fn the_bit_rate_is_changed_where_the_device_can() {
 }
 
 #[test]
-fn the_device_says_its_true_carrier() {
+fn the_device_reports_its_actual_carrier() {
     let setup = Setup { carrier_millihertz: 39_950_400, phase_bits: 6, ..Setup::new(Profile::Native) };
     let (board, _shown) = board(setup);
     let link = link_to(&board, Profile::Native, None);
@@ -369,7 +371,7 @@ fn the_device_says_its_true_carrier() {
 }
 
 #[test]
-fn the_emergency_stop_holds_until_somebody_sends_again() {
+fn the_emergency_stop_holds_until_the_next_frame() {
     let pair = pair(Profile::Native);
     let levels = numbered(Profile::Native, 3);
     pair.link.show(Content::Still(levels.clone()));
@@ -381,13 +383,13 @@ fn the_emergency_stop_holds_until_somebody_sends_again() {
     pair.wait_until_silent();
     pair.board.press(false);
     std::thread::sleep(Duration::from_millis(200));
-    assert!(pair.is_silent(), "it does not begin again by itself");
+    assert!(pair.is_silent(), "silent until the next frame");
     pair.link.show(Content::Still(levels));
     eventually("sound", || !pair.is_silent());
 }
 
 #[test]
-fn stop_is_silence_and_the_link_stays() {
+fn stop_silences_and_keeps_the_link() {
     for profile in [Profile::Native, Profile::SonicSurface, Profile::Acoustophoretic512] {
         let pair = pair(profile);
         drag(&pair, profile, 3, Duration::from_millis(30));

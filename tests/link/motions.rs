@@ -1,4 +1,4 @@
-//! Motions, modulation and several boards over one line: what a board is to play by itself, or as fast as the line goes.
+//! Motions, modulation and several boards on one line: played by the board itself, or streamed at the line's rate.
 
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,7 @@ fn the_native_device_plays_a_motion_by_itself() {
     let pair = pair(Profile::Native);
     let frames: Vec<_> = (0..10).map(|n| numbered(Profile::Native, 25 * n)).collect();
     pair.link.show(Content::Motion { frames: frames.clone(), rate: 50.0 });
-    // Element 0 turns through all delays, though nothing is sent any more.
+    // Element 0 goes through all delays without further frames.
     let phase = || pair.board.report().playing.unwrap().drive().phases[0];
     let sent = || pair.link.health().frames;
     eventually("the upload", || sent() >= 10 && !pair.is_silent());
@@ -35,7 +35,7 @@ fn the_native_device_plays_a_motion_by_itself() {
 }
 
 #[test]
-fn motions_that_a_board_cannot_hold_are_streamed() {
+fn motions_beyond_a_boards_store_are_streamed() {
     for (profile, count) in [(Profile::Native, 200), (Profile::SonicSurface, 20)] {
         let pair = pair(profile);
         let frames: Vec<_> = (0..count).map(|n| numbered(profile, n)).collect();
@@ -52,7 +52,7 @@ fn motions_that_a_board_cannot_hold_are_streamed() {
 }
 
 #[test]
-fn a_motion_beyond_the_line_sounds_and_what_is_played_is_told() {
+fn a_motion_beyond_the_lines_rate_is_slowed_down_and_reported() {
     let cases = [
         (Profile::Native, 2_000_000, 64, 50.0, 40_000.0 / 13.0),
         (Profile::Native, 2_000_000, 64, 100.0, 40_000.0 / 7.0),
@@ -79,7 +79,7 @@ fn a_motion_beyond_the_line_sounds_and_what_is_played_is_told() {
     }
 }
 
-/// Where the pulses of the first element of every device rise, at one moment.
+/// The rising edges of the first element of all devices, at one moment.
 fn rises(board: &Board) -> Vec<u8> {
     let Some(Playing::Pulses { pulses, .. }) = board.report().playing else { return Vec::new() };
     pulses.chunks(256).map(|pulses| pulses[0].rise).collect()
@@ -90,24 +90,24 @@ fn several_native_boards_on_a_line_change_frames_in_the_same_period() {
     let profile = Profile::Natives(3);
     let pair = pair(profile);
     let in_step = |seen: &[u8]| seen.len() == 3 && seen.iter().all(|&rise| rise == seen[0]);
-    // Live, each part in a packet of its own.
+    // Live, with one packet per part.
     for n in 1..20 {
         pair.link.show(Content::Still(numbered(profile, 10 * n)));
         eventually("a frame in place", || pair.link.health().in_place);
         let wanted = pair.board.report().playing.unwrap().drive();
         assert_eq!(wanted.amplitudes.len(), 768);
-        // Amplitudes rise from the moment on that each was enabled.
+        // Each board's amplitudes ramp up from its own ENABLE.
         eventually("all alike", || in_step(&rises(&pair.board)));
     }
     let before = pair.link.health().frames;
-    // From their stores.
+    // From the boards' stores.
     let frames: Vec<_> = (0..32).map(|n| numbered(profile, 8 * n)).collect();
-    // Two periods each: a board that is one behind shows another frame every second time.
+    // Two periods per frame: a board one period late shows another frame half of the time.
     pair.link.show(Content::Motion { frames, rate: 20_000.0 });
     let mut seen = Vec::new();
     eventually("a motion of all", || {
         let now = rises(&pair.board);
-        // While frames are uploaded, each board's first stands.
+        // During the upload each board still plays its first frame.
         if pair.link.health().frames >= before + 96 {
             assert!(in_step(&now), "{now:?}");
             seen.push(now[0]);
@@ -121,7 +121,7 @@ fn several_native_boards_on_a_line_change_frames_in_the_same_period() {
 }
 
 #[test]
-fn nothing_of_an_earlier_link_is_left() {
+fn a_new_link_clears_the_state_of_an_earlier_one() {
     let first = pair(Profile::Native);
     first.link.modulate(Modulation { shape: Envelope::Square, frequency: 20.0, ..Modulation::default() });
     first.link.show(Content::Still(numbered(Profile::Native, 3)));
@@ -145,7 +145,7 @@ fn a_motion_as_long_as_the_store_replaces_another_and_makes_room_for_a_still() {
     let frames = |from: u16| (from..from + 64).map(|n| numbered(Profile::Native, n)).collect::<Vec<_>>();
     for from in [0, 64] {
         pair.link.show(Content::Motion { frames: frames(from), rate: 320.0 });
-        // Slots change by themselves once all frames are there.
+        // Slots change by themselves once all frames are uploaded.
         eventually("64 frames", || pair.link.health().frames >= 64 * (1 + u64::from(from) / 64));
         eventually("a motion", || {
             let Some(Playing::Pulses { pulses, .. }) = pair.board.report().playing else { return false };
@@ -155,7 +155,7 @@ fn a_motion_as_long_as_the_store_replaces_another_and_makes_room_for_a_still() {
             pulses[0].rise != before
         });
     }
-    // All slots are busy until the motion has stopped, and wishes come faster than that.
+    // All slots are in play until the motion has stopped, and new frames arrive sooner.
     for number in 200..=300 {
         pair.link.show(Content::Still(numbered(Profile::Native, number)));
     }
@@ -171,13 +171,13 @@ fn stock_boards_are_modulated_by_swaps() {
     pair.link.show(Content::Still(levels.clone()));
     let dark = Levels::off(Profile::SonicSurface);
     pair.shown_until(&levels);
-    // Light and dark take turns, and nothing else is seen.
+    // Light and dark alternate, and no other frame appears.
     for n in 0..100 {
         let wanted = if n % 2 == 0 { &dark } else { &levels };
         assert_eq!(pair.shown.recv_timeout(PATIENCE).unwrap().levels, *wanted, "half period {n}");
     }
     assert!(pair.link.health().swaps.is_some());
-    // A new frame comes in between, and the pauses stay dark.
+    // A new frame is inserted, and the pauses stay dark.
     let next = numbered(Profile::SonicSurface, 6);
     pair.link.show(Content::Still(next.clone()));
     let seen = pair.shown_until(&next);
@@ -186,7 +186,8 @@ fn stock_boards_are_modulated_by_swaps() {
 
 #[test]
 fn stock_boards_are_modulated_while_they_move() {
-    // At this rate a SonicSurface takes a frame in a dark half of 5 ms; at its own, each leaves out pulses; the other has one buffer.
+    // At 1 Mbaud a SonicSurface takes a frame in a dark half of 5 ms; at its default rate each frame costs pulses; the
+    // other board has one buffer.
     for (profile, baud, lost) in [
         (Profile::SonicSurface, 1_000_000, false),
         (Profile::SonicSurface, 230_400, true),
@@ -200,7 +201,7 @@ fn stock_boards_are_modulated_while_they_move() {
             wait_for(&pair.link, |event| matches!(event, Event::Notice(text) if text.contains("100 times")));
         let costs = matches!(&notice, Event::Notice(text) if text.contains("1 of 4 pulses") && text.contains("11.2 ms"));
         assert_eq!(costs, lost, "{notice:?}");
-        // A frame has several pulses, wherever the machine was not too busy for them.
+        // A frame has several pulses, except on a busy machine.
         let dark = Levels::off(profile);
         let repeated = |seen: &[Levels]| {
             let pulses: Vec<_> = seen.iter().filter(|levels| **levels != dark).collect();
@@ -208,11 +209,11 @@ fn stock_boards_are_modulated_while_they_move() {
         };
         let (mut seen, until) = (Vec::new(), Instant::now() + PATIENCE);
         while !repeated(&seen) {
-            assert!(Instant::now() < until, "{}: each frame has one pulse", profile.name());
+            assert!(Instant::now() < until, "{}: no frame has two pulses", profile.name());
             seen.extend(pair.shown_until(&frames[1]));
             seen.extend(pair.shown_until(&frames[0]));
         }
-        // Darkness in between, always.
+        // There is always darkness in between.
         let first = seen.iter().position(|levels| *levels != dark).unwrap();
         for pulse in seen[first..].chunks(2) {
             assert!(

@@ -1,4 +1,4 @@
-//! Arrays as scene files place them: what is refused, and what the program makes of the rest.
+//! Arrays in scene files: refusals, and results of boards and element tables.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ const CURVED: &str = "format = 1\n[array]\nelements = \"e.csv\"\n[[target]]\nat 
 const ELEMENTS: &str = "x,y,z,nx,ny,nz\n0,0,0,0,0,2\n0.03,0,0.01,-0.3,0,1\n-0.03,0,0.01,0.3,0,1\n";
 
 #[test]
-fn elements_come_from_a_table_and_go_to_one() {
+fn elements_are_read_from_a_table_and_written_to_one() {
     let folder = folder_with(&[("a.toml", CURVED), ("e.csv", ELEMENTS)]);
     succeed(folder.path(), &["elements", "a.toml", "-o", "b.csv"]);
     fs::write(folder.path().join("b.toml"), CURVED.replace("e.csv", "b.csv")).unwrap();
@@ -21,7 +21,7 @@ fn elements_come_from_a_table_and_go_to_one() {
     };
     let (a, b) = (solved("a.toml"), solved("b.toml"));
     assert_eq!(a["elements"], 3);
-    // Directions are made unit vectors once more.
+    // Directions are normalised a second time.
     for (a, b) in a["phases"].as_array().unwrap().iter().zip(b["phases"].as_array().unwrap()) {
         assert!((a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-12, "{a} is not {b}");
     }
@@ -35,7 +35,7 @@ fn elements_come_from_a_table_and_go_to_one() {
 }
 
 #[test]
-fn tables_and_boards_that_make_no_sense_are_refused_with_line_and_column() {
+fn invalid_tables_and_boards_are_refused_with_line_and_column() {
     let folder = folder_with(&[
         ("a.toml", CURVED),
         ("e.csv", "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0,zero,0,0,0,1\n"),
@@ -70,7 +70,7 @@ fn tables_and_boards_that_make_no_sense_are_refused_with_line_and_column() {
 }
 
 #[test]
-fn boards_that_face_away_and_slow_series_are_named() {
+fn boards_that_face_away_and_slow_series_give_warnings() {
     let folder = folder_with(&[
         ("away.toml", "format = 1\n[[board]]\n[[board]]\nat = [0, 0, 0.3]\n[[target]]\nat = [0, 0, 0.1]\n"),
         (
@@ -90,7 +90,7 @@ fn refused(text: &str) -> String {
 }
 
 #[test]
-fn what_cannot_stand_is_refused_where_it_is_written() {
+fn impossible_geometry_is_refused_with_its_line() {
     for (text, start, what) in [
         ("[[board]]\n[[board]]\nat = [0.1, 0, 0]", "a.toml:4: board[2].at = ", "overlaps board 1"),
         ("[[board]]\n[[board]]\nnormal = [1, 0, 0]\nx_axis = [0, 1, 0]", "a.toml:3: board[2].at", "overlaps"),
@@ -117,7 +117,7 @@ fn what_cannot_stand_is_refused_where_it_is_written() {
 }
 
 #[test]
-fn boards_that_stand_side_by_side_do_not_overlap() {
+fn adjacent_boards_do_not_overlap() {
     let text = "format = 1\n[[board]]\n[[board]]\nat = [0.168, 0, 0]\n[[board]]\nat = [0, 0, 0.001]\n";
     assert!(file::parse(text, Path::new("a.toml")).is_ok());
     let scene = file::parse(&text.replace("0.001", "0.2"), Path::new("a.toml")).unwrap();

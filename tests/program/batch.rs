@@ -1,4 +1,4 @@
-//! `sonoglyph batch` as pipelines use it: what it answers, in what order, how soon, and in how much memory.
+//! `sonoglyph batch` in pipelines: answers, their order and latency, and memory.
 
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -13,9 +13,9 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use sonoglyph::scene::file;
 
-/// A scene that is solved in no time.
+/// A scene with a fast solution.
 const SMALL: &str = r#"{"target": [{}], "array": {"rows": 2, "columns": 2}, "solver": {"method": "focus"}}"#;
-/// Nobody waits so long unless what is waited for never comes.
+/// Upper limit of every wait.
 const EVER: Duration = Duration::from_secs(120);
 
 fn start(args: &[&str]) -> Child {
@@ -29,7 +29,7 @@ fn start(args: &[&str]) -> Child {
         .unwrap()
 }
 
-/// The program between its two pipes. Answers are read on a thread, so that one that never comes is noticed.
+/// The program between two pipes. Answers are read on a thread, so that a missing one is noticed.
 struct Batch {
     child: Child,
     input: Option<ChildStdin>,
@@ -50,7 +50,7 @@ impl Batch {
     }
 
     fn hear(&self) -> Value {
-        serde_json::from_str(&self.answers.recv_timeout(EVER).expect("an answer comes")).unwrap()
+        serde_json::from_str(&self.answers.recv_timeout(EVER).expect("no answer in time")).unwrap()
     }
 
     fn end(mut self) -> Vec<Value> {
@@ -59,12 +59,12 @@ impl Batch {
         assert_eq!(self.child.wait().unwrap().code(), Some(0));
         let mut said = String::new();
         self.child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
-        assert_eq!(said, "", "nothing is said beside the answers");
+        assert_eq!(said, "", "no messages besides the answers");
         rest
     }
 }
 
-/// Takes every line and keeps none but one.
+/// Reads every line, and buffers one.
 fn read_lines(output: ChildStdout) -> Receiver<String> {
     let (sender, lines) = sync_channel(1);
     thread::Builder::new()
@@ -88,7 +88,7 @@ fn answers(args: &[&str], input: impl Into<Vec<u8>>) -> Vec<Value> {
     answers
 }
 
-/// Of a process, in MiB.
+/// Resident memory of a process, MiB.
 #[cfg(target_os = "linux")]
 fn resident(child: &Child) -> u64 {
     let status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
@@ -114,7 +114,7 @@ fn answers_are_those_of_solve() {
         let quality = solved["quality"].as_object_mut().unwrap();
         quality.remove("ghost");
         quality.remove("ghost_position");
-        // Widths take longer than the solve: `batch` gives them where fields are asked for.
+        // `batch` computes widths, which take longer than the solve, only with fields.
         assert!(quality.remove("widths").unwrap().is_array());
         for value in [&mut answer, &mut solved] {
             assert!(value["seconds"].take().is_number());
@@ -141,13 +141,13 @@ fn options_leave_out_and_add() {
 }
 
 #[test]
-fn answers_come_at_once_to_who_sends_line_by_line() {
+fn every_line_is_answered_at_once() {
     let mut batch = Batch::new(&[]);
     for number in 1..=5 {
         let (text, is_error) = if number == 3 { ("{", true) } else { (SMALL, false) };
         batch.say(text.as_bytes());
         batch.say(b"\n");
-        // More may follow, and nothing has ended.
+        // The answer comes while the input is still open.
         let answer = batch.hear();
         assert_eq!(answer.get("error").is_some(), is_error, "{answer}");
         assert_eq!(answer["line"], number);
@@ -156,13 +156,13 @@ fn answers_come_at_once_to_who_sends_line_by_line() {
 }
 
 #[test]
-fn lines_that_are_none_are_answered_in_their_place() {
+fn invalid_lines_are_answered_in_their_place() {
     let mut input = Vec::new();
     let (long, bytes) = (vec![b'['; 3 << 20], b"\xff\xfe{}".to_vec());
     let deep = format!("{{\"id\": 1, \"target\": {}1", "[".repeat(100_000)).into_bytes();
     let lines: [(&[u8], &str); 10] = [
         (SMALL.as_bytes(), "-"),
-        (&bytes, "no text"),
+        (&bytes, "not UTF-8"),
         (&long, "more than 1 MiB"),
         (&deep, "recursion limit"),
         (br#"{"target": [{"at": [0, 0, -1]}]}"#, "target[1]"),
@@ -189,7 +189,7 @@ fn lines_that_are_none_are_answered_in_their_place() {
 #[test]
 fn fields_that_cannot_be_written_are_errors_of_their_lines() {
     if cfg!(target_os = "linux") {
-        // Nobody can make a file there, not even root.
+        // Not even root can create a file there.
         let [first, second] =
             &answers(&["--data", "/proc/self/task", "--size", "4"], format!("{SMALL}\n{{}}\n"))[..]
         else {
@@ -234,7 +234,7 @@ fn memory_does_not_grow_with_the_lines() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn nothing_piles_up_before_a_reader_who_stops() {
+fn answers_do_not_pile_up_before_a_stopped_reader() {
     const LINES: u64 = 60_000;
     let mut child = start(&["--no-limits"]);
     let written = Arc::new(AtomicU64::new(0));
@@ -253,8 +253,8 @@ fn nothing_piles_up_before_a_reader_who_stops() {
         before = written.load(Ordering::Relaxed);
         thread::sleep(Duration::from_millis(300));
     }
-    // Pipes and what is on its way.
-    assert!(before < LINES / 2, "{before} lines were taken and no answer was");
+    // Only pipes and work in progress are filled.
+    assert!(before < LINES / 2, "{before} lines were taken, and no answer was read");
     let size = resident(&child);
     assert!(size < 200, "{size} MiB");
     let lines = read_lines(child.stdout.take().unwrap());
@@ -266,7 +266,7 @@ fn nothing_piles_up_before_a_reader_who_stops() {
     assert_eq!(child.wait().unwrap().code(), Some(0));
 }
 
-/// Ends a program that has not ended after [`EVER`] while this is held, so that whoever waits for its end sees it fail.
+/// Kills a program that runs longer than [`EVER`] while this is held, so that a test that waits for its end fails.
 #[cfg(unix)]
 fn limited(child: &Child) -> SyncSender<()> {
     let (held, dropped) = sync_channel(0);
@@ -280,12 +280,12 @@ fn limited(child: &Child) -> SyncSender<()> {
     held
 }
 
-/// Lines without end, until nobody takes them.
+/// Writes lines until the pipe is closed.
 fn flood(mut input: ChildStdin) {
     thread::Builder::new().spawn(move || while writeln!(input, "{SMALL}").is_ok() {}).unwrap();
 }
 
-fn is_without_pieces(folder: &Path) {
+fn holds_only_whole_files(folder: &Path) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         assert!(path.extension().is_some_and(|extension| extension == "npy"), "{} is left", path.display());
@@ -294,7 +294,7 @@ fn is_without_pieces(folder: &Path) {
 }
 
 #[test]
-fn a_reader_who_leaves_ends_it_in_order() {
+fn a_closed_pipe_ends_it_in_order() {
     let folder = tempfile::tempdir().unwrap();
     let mut child = start(&["--data", folder.path().to_str().unwrap(), "--size", "64"]);
     flood(child.stdin.take().unwrap());
@@ -303,7 +303,7 @@ fn a_reader_who_leaves_ends_it_in_order() {
     assert!(line.starts_with('{'), "{line}");
     let output = child.wait_with_output().unwrap();
     assert_eq!((output.status.code(), String::from_utf8_lossy(&output.stderr).as_ref()), (Some(0), ""));
-    is_without_pieces(folder.path());
+    holds_only_whole_files(folder.path());
 }
 
 #[cfg(unix)]
@@ -332,7 +332,7 @@ fn an_interrupt_leaves_whole_lines_and_whole_files() {
         let said = String::from_utf8_lossy(&ended.stderr).into_owned();
         assert_eq!(ended.status.code(), Some(2), "{said}");
         assert_eq!(said, format!("error: interrupted after {} answers\n", text.lines().count()));
-        is_without_pieces(folder.path());
+        holds_only_whole_files(folder.path());
         drop((kept, limit));
     }
 }

@@ -1,4 +1,4 @@
-//! The program as its users and their scripts call it: the contract, and what bad input gets.
+//! Commands as users and scripts call them: outputs that other programs read, and refusals of bad input.
 
 use std::f64::consts::{SQRT_2, TAU};
 use std::fs;
@@ -10,7 +10,7 @@ use serde_json::Value;
 use crate::process::{POINT, example, folder_with, program, refuse, run, succeed};
 
 #[test]
-fn solve_prints_the_json_that_other_programs_read() {
+fn solve_prints_its_json_contract() {
     let folder = folder_with(&[]);
     let text = succeed(folder.path(), &["solve", &example("points-4"), "--json"]);
     let value: Value = serde_json::from_str(&text).unwrap();
@@ -70,7 +70,7 @@ fn solve_prints_the_json_that_other_programs_read() {
 }
 
 #[test]
-fn solve_answers_in_the_pascals_asked_for() {
+fn solve_meets_targets_in_pascals() {
     let text = |pressure: f64| {
         format!("{POINT}pressures = \"pascal\"\n[[target]]\nat = [-0.02, 0, 0.1]\npressure = {pressure}\n")
             .replace("method = \"focus\"\n", "")
@@ -88,7 +88,7 @@ fn solve_answers_in_the_pascals_asked_for() {
     let row = fs::read_to_string(folder.path().join("drive.csv")).unwrap().lines().nth(1).unwrap().to_owned();
     let written: f64 = row.split(',').next_back().unwrap().parse().unwrap();
     assert!((written / amplitude - 1.0).abs() < 1e-12, "{row} is what is played");
-    // What is rendered is what is played: the loudest pixel is the louder focus.
+    // The map is that of the played drive: its largest pixel is at the louder focus.
     succeed(folder.path(), &["render", "quiet.toml", "-o", "a.png", "--size", "200", "--data", "a.npy"]);
     let bytes = fs::read(folder.path().join("a.npy")).unwrap();
     let values: Vec<f32> = npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap();
@@ -102,7 +102,7 @@ fn solve_answers_in_the_pascals_asked_for() {
 }
 
 #[test]
-fn solve_says_how_loud_it_is_for_a_listener() {
+fn solve_states_the_exposure_at_a_listener() {
     let folder =
         folder_with(&[("a.toml", POINT), ("b.toml", &format!("{POINT}[listener]\nat = [0, 0, 9]\n"))]);
     let heard = |args: &[&str]| -> Value {
@@ -174,17 +174,17 @@ fn probe_answers_in_pascals_and_takes_a_drive_from_a_file() {
 }
 
 #[test]
-fn render_writes_pictures_and_the_numbers_behind_them() {
+fn render_writes_pictures_and_their_data() {
     let folder = folder_with(&[("a.toml", &format!("{POINT}[plane]\nsize = [0.2, 0.1]\n"))]);
     let args = ["render", "a.toml", "-o", "a.png", "--size", "64", "--data", "a.npy"];
     succeed(folder.path(), &args);
     let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
-    assert_eq!((picture.width(), picture.height()), (64, 32), "W alone keeps the plane's shape");
+    assert_eq!((picture.width(), picture.height()), (64, 32), "a width alone keeps the plane's aspect ratio");
     let bytes = fs::read(folder.path().join("a.npy")).unwrap();
     let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
     assert_eq!(npy.shape(), [32, 64]);
     let values: Vec<f32> = npy.into_vec().unwrap();
-    // Column 35 of 64 over 0.2 m is the pixel around x = 10.9 mm, row 22 of 32 over 0.1 m the one of y = 20 mm.
+    // Of 64 columns over 0.2 m, column 35 holds x = 10.9 mm; of 32 rows over 0.1 m, row 22 holds y = 20 mm.
     let peak = values.iter().copied().fold(0.0, f32::max);
     let at = values.iter().position(|&value| value == peak).unwrap();
     assert!([34, 35].contains(&(at % 64)) && at / 64 == 22, "{at}");
@@ -192,7 +192,7 @@ fn render_writes_pictures_and_the_numbers_behind_them() {
     assert!(brightest((at % 64) as u32, 31 - (at / 64) as u32) > 600, "row 0 is the bottom of the picture");
 }
 
-/// Shape and values of a file that a command has written for numpy.
+/// Shape and values of a written NPY file.
 fn npy(path: &Path) -> (Vec<u64>, Vec<f32>) {
     let bytes = fs::read(path).unwrap();
     assert!(String::from_utf8_lossy(&bytes[..80]).contains("'<f4'"));
@@ -217,7 +217,7 @@ fn intensity_and_velocity_are_those_of_the_probed_pressures() {
     assert!(said.contains("intensity up to") && said.contains("W/m²"), "{said}");
     assert!(also_said.contains("velocity up to") && also_said.contains("m/s"), "{also_said}");
     let peak = |values: &[f32]| f64::from(values.iter().copied().fold(0.0, f32::max));
-    // Beside the focus, where the sound runs askew, and at it: columns of 1 mm from -10 mm, rows from 0 mm.
+    // Oblique sound beside the focus, and the focus: columns of 1 mm from -10 mm, rows from 0 mm.
     for (column, row) in [(5, 12), (20, 19), (33, 2)] {
         let [x, y, z] = [-0.0095 + 1e-3 * column as f64, 0.0005 + 1e-3 * row as f64, 0.1];
         let mut points = format!("x,y,z\n{x},{y},{z}\n");
@@ -290,7 +290,7 @@ fn render_fills_a_folder_and_draws_every_quantity() {
 }
 
 #[test]
-fn no_arguments_draw_the_example_even_without_a_driver_and_a_display() {
+fn without_arguments_it_renders_the_example_even_without_gpu_and_display() {
     let folder = folder_with(&[]);
     let output = program(folder.path(), &[])
         .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
@@ -309,7 +309,7 @@ fn no_arguments_draw_the_example_even_without_a_driver_and_a_display() {
         .env("VK_ICD_FILENAMES", "/nonexistent/icd.json")
         .output()
         .unwrap();
-    assert_eq!(gpu.status.code(), Some(2), "an absent GPU that was asked for is an error");
+    assert_eq!(gpu.status.code(), Some(2), "a requested but absent GPU is an error");
     assert!(String::from_utf8_lossy(&gpu.stderr).contains("no usable GPU adapter"));
 }
 
@@ -392,7 +392,7 @@ fn bad_arguments_and_files_are_refused() {
 }
 
 #[test]
-fn devices_says_what_would_be_used() {
+fn devices_names_the_evaluator_in_use() {
     let said = succeed(folder_with(&[]).path(), &["devices"]);
     assert!(said.contains("CPU evaluator") && said.contains("auto"), "{said}");
 }

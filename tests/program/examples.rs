@@ -1,4 +1,4 @@
-//! `assets/examples` run as they stand: sweeps by GNU parallel and by Dask.
+//! `assets/examples` run unchanged: sweeps by GNU parallel and by Dask.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -9,7 +9,7 @@ fn has(program: &str, args: &[&str]) -> bool {
     crate::requirement::found("examples", answer).is_some()
 }
 
-/// Runs an example, which leaves nothing behind but its table.
+/// The table that an example writes, as its only file.
 fn table(mut command: Command) -> String {
     let folder = tempfile::tempdir().unwrap();
     let Output { status, stdout, stderr } = command
@@ -26,7 +26,7 @@ fn example(name: &str) -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/examples").join(name)
 }
 
-/// Forty distances in order, with a pressure each; but the last, which is no scene.
+/// Forty distances in order with their pressures, the last of them an invalid scene.
 fn is_a_sweep(table: &str) {
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.splitn(3, ',').collect()).collect();
     assert_eq!(rows.len(), 41, "{table}");
@@ -53,7 +53,7 @@ fn gnu_parallel_sweeps() {
 
 #[test]
 fn dask_sweeps() {
-    // The system's, whose packages these are.
+    // The system's Python has Debian's packages.
     let python = "/usr/bin/python3";
     if !has(python, &["-c", "import distributed"]) {
         return;

@@ -1,4 +1,4 @@
-//! Films through the program: videos as ffmpeg reads them back, shaded surfaces, rates, and an ffmpeg that is missing or fails.
+//! Films: videos decoded by ffmpeg, shaded surfaces, frame rates, and a missing or failing ffmpeg.
 
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use image::RgbImage;
 use tempfile::TempDir;
 
-/// One focus that takes turns on the left and on the right.
+/// A focus that alternates between left and right.
 const STEPS: &str = "format = 1\n[[target]]\nat = [-0.03, 0, 0.1]\nstep = 0\n[[target]]\nat = [0.03, 0.01, 0.1]\n\
                      step = 1\n[solver]\nmethod = \"focus\"\n[motion]\npath = \"steps\"\nrate = 1\nframes = 4\n";
 const WATER: &str = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[solver]\nmethod = \"focus\"\n\
@@ -38,7 +38,7 @@ fn render(folder: &Path, args: &[&str]) -> String {
     said
 }
 
-/// The message of a run that fails and leaves nothing.
+/// The message of a run that fails without leaving a file.
 fn refused(mut command: Command, folder: &Path) -> String {
     let names = || {
         let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -57,7 +57,7 @@ fn ffmpeg() -> Option<()> {
     crate::requirement::found("video", runs.map(drop))
 }
 
-/// What ffprobe says of a video, and its frames as ffmpeg decodes them.
+/// ffprobe's description of a video, and its decoded frames.
 fn decoded(path: &Path) -> (String, Vec<RgbImage>) {
     let entries = "stream=codec_name,width,height,pix_fmt,r_frame_rate,nb_read_frames";
     let args = ["-v", "error", "-count_frames", "-show_entries", entries, "-of", "csv=p=0"];
@@ -76,7 +76,7 @@ fn decoded(path: &Path) -> (String, Vec<RgbImage>) {
     (String::from_utf8(probe.stdout).unwrap().trim().to_owned(), (1..=count).map(frame).collect())
 }
 
-/// Of all channels of all pixels.
+/// Mean over all channels of all pixels.
 fn mean_difference(a: &RgbImage, b: &RgbImage) -> f64 {
     assert_eq!(a.dimensions(), b.dimensions());
     let sum: u64 = a.iter().zip(b.iter()).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
@@ -84,11 +84,11 @@ fn mean_difference(a: &RgbImage, b: &RgbImage) -> f64 {
 }
 
 #[test]
-fn a_video_has_the_frames_that_pictures_have_and_the_rate_that_was_asked_for() {
+fn a_video_has_the_frames_of_the_pictures_and_the_requested_rate() {
     let Some(()) = ffmpeg() else { return };
     let folder = folder(STEPS);
     let at = |name: &str| folder.path().join(name);
-    // Sides become even.
+    // Odd sides are made even.
     render(folder.path(), &["frames/", "--motion", "--size", "120x102"]);
     let pictures: Vec<_> =
         (1..=4).map(|i| image::open(at(&format!("frames/a-{i}.png"))).unwrap().to_rgb8()).collect();
@@ -102,7 +102,7 @@ fn a_video_has_the_frames_that_pictures_have_and_the_rate_that_was_asked_for() {
         assert_eq!(probed, format!("{codec},120,102,yuv420p,12/1,4"));
         assert_eq!(frames.len(), 4);
         for (frame, picture) in frames.iter().zip(&pictures) {
-            // Colours at half the resolution, and little of them in the dark.
+            // Chroma has half the resolution, and dark areas have little of it.
             let off = mean_difference(frame, picture);
             assert!(off < 3.0, "{name}: {off}");
         }
@@ -114,7 +114,7 @@ fn a_video_has_the_frames_that_pictures_have_and_the_rate_that_was_asked_for() {
 }
 
 #[test]
-fn a_rate_is_that_of_all_formats_and_no_more_than_viewers_show() {
+fn rates_hold_for_all_formats_up_to_the_limit_of_viewers() {
     let folder = folder(STEPS);
     render(folder.path(), &["a.gif", "--motion", "--size", "32", "--fps", "25"]);
     let file = fs::File::open(folder.path().join("a.gif")).unwrap();
@@ -142,7 +142,7 @@ fn shaded_waves_share_one_scale_of_depths_in_files_of_every_kind() {
     let pictures: Vec<_> = (1..=10)
         .map(|i| image::open(folder.path().join(format!("frames/a-{i:02}.png"))).unwrap().to_rgb8())
         .collect();
-    // How much of the water is not as bright as level water: below the words, above the front.
+    // Pixels that differ from level water, below the caption and above the front edge.
     let rough = |picture: &RgbImage| {
         let level = picture.get_pixel(90, 190)[1];
         let water = (80..200).flat_map(|y| (80..240).map(move |x| (x, y)));
@@ -151,7 +151,7 @@ fn shaded_waves_share_one_scale_of_depths_in_files_of_every_kind() {
     let (first, last) = (rough(&pictures[0]), rough(&pictures[9]));
     assert!(
         last > 500 && first < last / 4,
-        "{first} {last}: a scale of its own would show the first as rough"
+        "{first} {last}: with its own scale the first frame would be rough"
     );
     waves("a.png", &[]);
     let file = std::io::BufReader::new(fs::File::open(folder.path().join("a.png")).unwrap());
@@ -168,7 +168,7 @@ fn shaded_waves_share_one_scale_of_depths_in_files_of_every_kind() {
         let frame = decoder.read_next_frame().unwrap().unwrap();
         let rgb = frame.buffer.chunks(4).flat_map(|pixel| pixel[..3].to_vec()).collect();
         let off = mean_difference(&RgbImage::from_raw(320, 240, rgb).unwrap(), picture);
-        assert!(off < 2.0, "256 colours are enough: {off}");
+        assert!(off < 2.0, "quantised to 256 colours: {off}");
     }
     if let Some(()) = ffmpeg() {
         waves("a.mp4", &["--fps", "20"]);
@@ -181,7 +181,7 @@ fn shaded_waves_share_one_scale_of_depths_in_files_of_every_kind() {
     assert!(message.contains("--quantity depression"), "{message}");
 }
 
-/// A folder with a program `ffmpeg` that does this.
+/// A folder with a program `ffmpeg` made of this script.
 fn pretended(script: &str) -> (TempDir, String) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("ffmpeg");
@@ -192,7 +192,7 @@ fn pretended(script: &str) -> (TempDir, String) {
 }
 
 #[test]
-fn an_ffmpeg_that_is_missing_or_fails_is_an_error_and_leaves_the_old_file() {
+fn a_missing_or_failing_ffmpeg_is_an_error_and_keeps_the_old_file() {
     let folder = folder(STEPS);
     fs::write(folder.path().join("a.mp4"), "old").unwrap();
     let film = |search: &str| {
@@ -209,7 +209,7 @@ fn an_ffmpeg_that_is_missing_or_fails_is_an_error_and_leaves_the_old_file() {
     let (_own, search) = pretended("printf 'first\\n\\nUnknown encoder \\033[31mlibx264\\n' >&2; exit 1");
     let message = film(&search);
     assert!(message.contains("a.mp4: ffmpeg says: first; Unknown encoder \\u{1b}[31mlibx264"), "{message}");
-    // It takes the blank frame of the trial, and fails in earnest.
+    // It accepts the blank frame of the trial run, and fails in the real one.
     let (own, search) =
         pretended("cd \"${0%/*}\"; [ -e tried ] || exec cat > tried; echo 'no room' >&2; exit 3");
     let message = film(&search);
@@ -218,7 +218,7 @@ fn an_ffmpeg_that_is_missing_or_fails_is_an_error_and_leaves_the_old_file() {
 }
 
 #[test]
-fn a_film_that_is_ended_takes_its_ffmpeg_with_it() {
+fn an_interrupted_film_ends_its_ffmpeg() {
     let folder = folder(&STEPS.replace("frames = 4", "frames = 2000"));
     let (own, search) = pretended("echo $$ >> \"${0%/*}/pids\"; exec cat > /dev/null");
     let mut command = program(folder.path(), &["a.mp4", "--motion", "--size", "300"]);
@@ -226,7 +226,7 @@ fn a_film_that_is_ended_takes_its_ffmpeg_with_it() {
     let eventually = |what: &str, condition: &dyn Fn() -> bool| {
         let start = Instant::now();
         while !condition() {
-            assert!(start.elapsed() < Duration::from_secs(60), "{what} did not come");
+            assert!(start.elapsed() < Duration::from_secs(60), "timed out waiting for {what}");
             std::thread::sleep(Duration::from_millis(5));
         }
     };
@@ -234,7 +234,7 @@ fn a_film_that_is_ended_takes_its_ffmpeg_with_it() {
         let text = fs::read_to_string(own.path().join("pids")).unwrap_or_default();
         text.lines().map(|line| line.parse().unwrap()).collect()
     };
-    // The first was the trial.
+    // The first one is the trial run.
     eventually("the second ffmpeg", &|| pids().len() == 2);
     let signal = Command::new("kill").args(["-TERM", &film.id().to_string()]).status().unwrap();
     assert!(signal.success() && !film.wait().unwrap().success());

@@ -1,15 +1,15 @@
-//! Forces on beads as the command line gives them.
+//! Forces on beads on the command line.
 
 use std::fs;
 
 use crate::process::{POINT, folder_with, refuse, succeed};
 
-/// Either side of a place along each axis, and the place.
+/// A pair of points around a place along each axis, and the place.
 const POINTS: &str = "x,y,z\n0.01199,0.021,0.101\n0.01201,0.021,0.101\n0.012,0.02099,0.101\n0.012,0.02101,0.101\n\
                       0.012,0.021,0.10099\n0.012,0.021,0.10101\n0.012,0.021,0.101\n";
 
 #[test]
-fn probe_answers_with_the_force_on_a_bead() {
+fn probe_prints_the_force_on_a_bead() {
     let scene = POINT.replace("format = 1", "format = 1\n[bead]\nradius = 0.0002");
     let folder = folder_with(&[("a.toml", &scene), ("points.csv", POINTS)]);
     let args = ["probe", "a.toml", "--points", "points.csv", "--quantity", "force"];
@@ -17,7 +17,7 @@ fn probe_answers_with_the_force_on_a_bead() {
     assert_eq!(answer.lines().next(), Some("x,y,z,gorkov,fx,fy,fz,kxx,kxy,kxz,kyy,kyz,kzz"));
     let rows: Vec<Vec<f64>> =
         answer.lines().skip(1).map(|line| line.split(',').map(|v| v.parse().unwrap()).collect()).collect();
-    // From the first row to another, on either side.
+    // Central difference of two rows.
     let slope = |axis: usize, column: usize| {
         (rows[2 * axis + 1][column] - rows[2 * axis][column])
             / (rows[2 * axis + 1][axis] - rows[2 * axis][axis])
@@ -26,14 +26,14 @@ fn probe_answers_with_the_force_on_a_bead() {
         let own = rows[6][column];
         assert!((own - other).abs() < 1e-3 * rows[6][12].abs(), "{column}: {own} {other}");
     };
-    // K is the symmetric part of what the force changes by.
+    // K is minus the symmetric part of the force's gradient.
     near(7, -slope(0, 4));
     near(8, -(slope(1, 4) + slope(0, 5)) / 2.0);
     near(9, -(slope(2, 4) + slope(0, 6)) / 2.0);
     near(10, -slope(1, 5));
     near(11, -(slope(2, 5) + slope(1, 6)) / 2.0);
     near(12, -slope(2, 6));
-    // A force without scattering is the potential's slope.
+    // Without scattering, force is minus the gradient of the potential.
     assert!((rows[6][4] / -slope(0, 3) - 1.0).abs() < 0.1, "{rows:?}");
     assert!(refuse(folder.path(), &[&args[..], &["--backend", "cpu"]].concat()).contains("f64"));
     fs::write(folder.path().join("b.toml"), "format = 1\n[bead]\nradius = 0.2\n").unwrap();
@@ -42,7 +42,7 @@ fn probe_answers_with_the_force_on_a_bead() {
 }
 
 #[test]
-fn solve_says_whether_a_trap_holds() {
+fn solve_states_whether_a_trap_holds() {
     let text = "format = 1\n[bead]\nradius = 0.0003\n[[board]]\n[[board]]\nat = [0, 0, 0.2]\nnormal = [0, 0, -1]\n\
                 [[target]]\nkind = \"trap\"\ntrap = \"standing\"\n";
     let stroke = format!("{text}[[target]]\nkind = \"circle\"\n");

@@ -1,4 +1,4 @@
-//! What the help shows.
+//! Help texts, completions and manual pages are complete.
 
 use std::fs;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::process::{folder_with, refuse, succeed};
 
 #[test]
-fn help_names_every_quantity_and_who_draws_the_window() {
+fn help_names_every_quantity_and_the_windows_renderers() {
     let folder = folder_with(&[]);
     let render = succeed(folder.path(), &["render", "--help"]);
     for quantity in
@@ -35,7 +35,7 @@ fn help_shows_every_command_with_an_example() {
     }
 }
 
-/// The commands that `--help` lists.
+/// The commands listed by `--help`.
 fn commands(folder: &Path) -> Vec<String> {
     let help = succeed(folder, &["--help"]);
     let list = help.split_once("\nCommands:\n").unwrap().1.split_once("\n\nArguments:").unwrap().0;

@@ -1,4 +1,4 @@
-//! Radiation pressure, surface depressions and waves as the command line makes them.
+//! Radiation pressure, depressions, waves and caustics on the command line.
 
 use std::fs;
 use std::path::Path;
@@ -47,7 +47,7 @@ fn a_depression_is_in_metres_and_deepest_under_the_focus() {
         let (place, deepest) = largest(&depth);
         let (x, y) = ((place % 80) as f64 + 0.5 - 40.0, (place / 80) as f64 + 0.5 - 30.0);
         assert!((x - 10.0).abs() <= 1.0 && (y - 20.0).abs() <= 1.0, "{x} {y}");
-        // Ten pascals press water down by half a millimetre.
+        // 10 Pa press water down by about 0.5 mm.
         output_of(
             at,
             &[
@@ -71,7 +71,7 @@ fn a_depression_is_in_metres_and_deepest_under_the_focus() {
 }
 
 #[test]
-fn a_depression_was_called_a_dent_and_still_is_one() {
+fn the_old_name_dent_is_still_accepted() {
     let folder = folder_with(&[("a.toml", FAINT)]);
     let render = |quantity: &str, data: &str| {
         let args =
@@ -102,7 +102,7 @@ fn the_envelope_and_the_liquid_change_the_depression() {
 }
 
 #[test]
-fn a_depression_too_steep_for_the_theory_says_so_with_the_drive_that_is_not() {
+fn a_depression_beyond_linear_theory_warns_with_the_drive_at_its_limit() {
     let strong = FAINT.replace("strength = 1.0", "strength = 6.0");
     let folder = folder_with(&[("a.toml", &strong)]);
     for view in ["flat", "shaded"] {
@@ -116,7 +116,7 @@ fn a_depression_too_steep_for_the_theory_says_so_with_the_drive_that_is_not() {
 }
 
 #[test]
-fn motion_presses_its_mean_unless_a_frame_is_asked_for() {
+fn a_motion_presses_by_its_mean_unless_a_frame_is_selected() {
     let moving = format!("{FAINT}[motion]\npath = \"circle\"\nsize = 0.02\nframes = 8\n");
     let folder = folder_with(&[("a.toml", &moving)]);
     let map = |more: &[&str]| {
@@ -142,7 +142,7 @@ fn motion_presses_its_mean_unless_a_frame_is_asked_for() {
 }
 
 #[test]
-fn waves_are_an_animation_that_begins_at_rest() {
+fn waves_are_an_animation_from_rest() {
     let slow = format!("{FAINT}[modulation]\nshape = \"square\"\nfrequency = 50.0\n");
     let folder = folder_with(&[("a.toml", &slow)]);
     let at = folder.path();
@@ -170,7 +170,7 @@ fn waves_are_an_animation_that_begins_at_rest() {
 }
 
 #[test]
-fn the_depths_of_waves_are_written_with_the_times_of_their_pictures() {
+fn wave_data_holds_depths_and_times() {
     let folder = folder_with(&[("a.toml", FAINT)]);
     let waves = |seconds: &str, data: &str| {
         let args = ["render", "a.toml", "-o", "a.gif", "--quantity", "depression", "--waves", "--size", "24"];
@@ -184,17 +184,17 @@ fn the_depths_of_waves_are_written_with_the_times_of_their_pictures() {
     for (picture, time) in (1u16..).zip(&times) {
         assert!((time - f32::from(picture) * 0.0025).abs() < 1e-7, "{times:?}");
     }
-    // A surface that is pressed at once falls with the square of the time, until it feels its neighbours.
+    // At first, before surface tension and neighbours matter, depth grows with the square of time.
     let frames: Vec<_> = depth.chunks_exact(18 * 24).collect();
     let deepest = |frame: usize| largest(frames[frame]).1;
     let fallen = deepest(1) / deepest(0);
     assert!(deepest(0) > 0.0 && (3.2..4.0).contains(&fallen), "{fallen}");
-    // Half as long is the first half.
+    // Half the time gives the first half of the frames.
     let (_, half) = waves("0.025", "half.npy");
     assert_eq!(npy(&folder.path().join("half.times.npy")).1, times[..10]);
     assert_eq!(half, depth[..half.len()]);
     assert_eq!(half.len(), depth.len() / 2);
-    // They come to rest about the depression of steady sound.
+    // Waves settle at the steady depression.
     let args =
         ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--size", "24", "--data", "a.npy"];
     output_of(folder.path(), &args);
@@ -204,7 +204,7 @@ fn the_depths_of_waves_are_written_with_the_times_of_their_pictures() {
 }
 
 #[test]
-fn what_cannot_be_pressed_or_shown_is_refused() {
+fn impossible_depressions_are_refused() {
     let upright = FAINT.replace("size = [0.08, 0.06]", "y_axis = [0, 0, 1]");
     let low = FAINT.replace("size", "centre = [0, 0, 0.005]\nsize");
     let empty = format!("{FAINT}[liquid]\ndensity = 0\n");
@@ -242,9 +242,9 @@ fn what_cannot_be_pressed_or_shown_is_refused() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 5, "nothing was written");
 }
 
-/// A still, a figure, a film and waves of the same light.
+/// A still, a figure, a film and waves of the same light agree.
 #[test]
-fn a_caustic_has_the_numbers_that_its_picture_shows() {
+fn a_caustic_has_the_data_of_its_picture() {
     let folder = folder_with(&[("a.toml", &format!("{FAINT}[liquid]\nscreen = 0.05\n"))]);
     let at = folder.path();
     let caustic = ["--quantity", "caustic", "--backend", "cpu"];
@@ -260,7 +260,7 @@ fn a_caustic_has_the_numbers_that_its_picture_shows() {
     let landed: f64 =
         said.split(" % of the light").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
     assert!((100.0 * mean - landed).abs() < 0.006, "{mean}: {said}");
-    // It is dark under the focus, where light is spread.
+    // Transmitted light is spread under the focus.
     let focus = light[50 * 80 + 50];
     assert!(focus < 0.9 && largest(&light).1 > 1.0, "{focus}");
     output_of(
@@ -290,7 +290,7 @@ fn a_caustic_has_the_numbers_that_its_picture_shows() {
 }
 
 #[test]
-fn light_that_makes_no_sense_is_refused_by_name() {
+fn invalid_light_is_refused_with_its_key() {
     for (key, said) in [
         ("screen = 0.0", "liquid.screen = 0"),
         ("refractive_index = 0.9", "liquid.refractive_index = 0.9: must be a number from 1 to 4"),

@@ -1,4 +1,4 @@
-//! The program as its users and their scripts call it, a module per command or per thing that commands make.
+//! The program as users and scripts call it: a module per command or kind of output.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
@@ -6,7 +6,7 @@ mod arrays;
 mod batch;
 mod contract;
 #[path = "../dice/mod.rs"]
-#[expect(dead_code, reason = "other tests throw more")]
+#[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
 mod examples;
 mod figures;

@@ -1,4 +1,4 @@
-//! Motion as its users and their scripts call it: `solve --motion`, `render --motion`, and what bad input gets.
+//! Motion on the command line: `solve --motion`, `render --motion`, and refusals of bad input.
 
 use std::fs;
 use std::path::Path;
@@ -7,14 +7,14 @@ use serde_json::Value;
 
 use crate::process::{folder_with, refuse, run, succeed};
 
-/// Two foci that run along a square, with an element that is off.
+/// Two foci that run along a square, with one element off.
 const SQUARE: &str = "format = 1\n[array]\noff = [3]\n[[target]]\nat = [-0.02, 0, 0.1]\n[[target]]\nat = [0.02, 0, 0.1]\n\
                       [plane]\nsize = [0.12, 0.06]\n[motion]\npath = \"square\"\nsize = 0.02\nrate = 2\nframes = 12\n";
-/// One focus that takes turns on the left and on the right.
+/// A focus that alternates between left and right.
 const STEPS: &str = "format = 1\n[[target]]\nat = [-0.03, 0, 0.1]\nstep = 0\n[[target]]\nat = [0.03, 0.01, 0.1]\n\
                      pressure = 0.5\nstep = 1\n[solver]\nmethod = \"focus\"\n[motion]\npath = \"steps\"\nrate = 1\nframes = 4\n";
 
-/// A focus that goes out and back in time and gets quieter, and one beside it that stands.
+/// A focus that moves out and back and gets quieter, beside a constant one.
 const KEYFRAMES: &str = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[target.motion]\npath = \"keyframes\"\nrate = 2\n\
                          frames = 8\nkeyframes = [{ time = 0 }, { time = 0.25, at = [0.02, 0, 0], easing = \"smooth\" },\n\
                          { time = 0.75, at = [0, 0.01, 0.02], pressure = 0.5, easing = \"hold\" }]\n\
@@ -25,12 +25,12 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn keyframes_are_gone_through_in_their_times_and_pressures() {
+fn keyframes_are_followed_in_time_and_pressure() {
     let folder = folder_with(&[("a.toml", KEYFRAMES)]);
     let text = succeed(folder.path(), &["solve", "a.toml", "--motion", "--json"]);
     let value: Value = serde_json::from_str(&text).unwrap();
     let frames = value["frames"].as_array().unwrap();
-    // Worked out by hand: linear to the second, smooth to the third, which holds.
+    // Computed by hand: linear to the second keyframe, smooth to the third, then constant.
     let half = [0.01, 0.005, 0.01];
     let quarter = |from: f64, to: f64| from + (to - from) * (3.0 / 16.0 - 2.0 / 64.0);
     let wanted = [
@@ -49,7 +49,7 @@ fn keyframes_are_gone_through_in_their_times_and_pressures() {
         let there = place.iter().zip([x, y, 0.1 + z]).all(|(a, b)| (a - b).abs() < 1e-12);
         assert!(there, "frame {i}: {place:?}");
         assert_eq!(numbers(&frame["foci"][1]), [-0.04, 0.0, 0.1]);
-        // Levelled foci stand in the proportion that is asked for.
+        // Levelled foci have the prescribed ratio.
         let pressures = numbers(&frame["pressures"]);
         assert!((pressures[0] / pressures[1] / loud - 1.0).abs() < 0.02, "frame {i}: {pressures:?}");
     }
@@ -63,7 +63,7 @@ fn keyframes_are_gone_through_in_their_times_and_pressures() {
 }
 
 #[test]
-fn every_frame_is_in_the_json_and_in_the_csv_and_plays_what_it_says() {
+fn every_frame_is_in_json_and_csv_and_makes_its_stated_pressures() {
     let folder = folder_with(&[("a.toml", SQUARE), ("points.csv", "x,y,z\n-0.03,-0.01,0.1\n")]);
     let text = succeed(folder.path(), &["solve", "a.toml", "--motion", "--json", "--csv", "frames.csv"]);
     let value: Value = serde_json::from_str(&text).unwrap();
@@ -83,7 +83,7 @@ fn every_frame_is_in_the_json_and_in_the_csv_and_plays_what_it_says() {
     assert_eq!(rows.len(), 12);
     for (index, (row, frame)) in rows.iter().zip(frames).enumerate() {
         assert_eq!(row.len(), 258);
-        assert!(row[5].is_nan(), "an element that is off has no phase");
+        assert!(row[5].is_nan(), "elements that are off have no phase");
         assert!(
             (row[1] - index as f64 / 24.0).abs() < 1e-12
                 && (frame["time"].as_f64().unwrap() - row[1]).abs() < 1e-12
@@ -92,7 +92,7 @@ fn every_frame_is_in_the_json_and_in_the_csv_and_plays_what_it_says() {
         assert!((0..256).all(|n| n == 3 || (phases[n] - row[2 + n]).abs() < 1e-12));
     }
 
-    // The first frame's drive, played by another command, makes the first focus as loud as it says.
+    // The first frame's drive, played by another command, gives the stated pressure at the first focus.
     let drive: String = std::iter::once("phase,amplitude\n".to_owned())
         .chain(
             (0..256).map(|n| if n == 3 { "0,0\n".to_owned() } else { format!("{:?},1\n", rows[0][2 + n]) }),
@@ -107,7 +107,7 @@ fn every_frame_is_in_the_json_and_in_the_csv_and_plays_what_it_says() {
 }
 
 #[test]
-fn the_table_says_how_fast_the_focus_is_and_what_can_play_it() {
+fn the_table_states_speeds_and_boards() {
     let fast = SQUARE.replace("rate = 2", "rate = 4000");
     let folder = folder_with(&[("a.toml", SQUARE), ("fast.toml", &fast)]);
     let table = succeed(folder.path(), &["solve", "a.toml", "--motion"]);
@@ -123,7 +123,7 @@ fn the_table_says_how_fast_the_focus_is_and_what_can_play_it() {
     );
 }
 
-/// The brightest pixel, from the top left.
+/// Position of the brightest pixel from the top left.
 fn brightest(rgb: &image::RgbImage) -> (u32, u32) {
     let light = |pixel: &image::Rgb<u8>| pixel.0.iter().map(|&v| u32::from(v)).sum::<u32>();
     let (x, y, _) = rgb.enumerate_pixels().max_by_key(|(.., pixel)| light(pixel)).unwrap();
@@ -131,7 +131,7 @@ fn brightest(rgb: &image::RgbImage) -> (u32, u32) {
 }
 
 #[test]
-fn animations_show_the_focus_where_it_is_in_colours_that_all_frames_share() {
+fn animations_show_the_moving_focus_on_one_colour_scale() {
     let folder = folder_with(&[("a.toml", STEPS)]);
     let args = |output| ["render", "a.toml", "--motion", "-o", output, "--size", "100", "--colours", "grey"];
     for (output, count) in [("a.gif", 4), ("a.png", 4), ("a.apng", 4), ("frames/", 4)] {
@@ -153,7 +153,7 @@ fn animations_show_the_focus_where_it_is_in_colours_that_all_frames_share() {
         assert_eq!(&image::open(path).unwrap().to_rgb8(), frame);
         assert_eq!(gif.remove(0), frame.as_raw()[..], "frame {index} of the GIF");
         let (x, y) = brightest(frame);
-        // 2 mm a pixel, y upwards.
+        // 2 mm per pixel, y upwards.
         let (wanted_x, wanted_y) = if index < 2 { (35, 50) } else { (65, 45) };
         assert!(x.abs_diff(wanted_x) <= 1 && y.abs_diff(wanted_y) <= 1, "frame {index}: {x}, {y}");
         peaks.push(frame.get_pixel(x, y)[0]);
@@ -173,13 +173,13 @@ fn gif_frames(path: &Path) -> Vec<Vec<u8>> {
     frames
 }
 
-/// Two foci run along a square beside a point that stands, and a target goes round by itself.
+/// Two foci along a square, a point at rest, and a target with its own motion.
 const OUTLINE: &str = "format = 1\n[[target]]\nkind = \"rectangle\"\n[[target]]\nat = [0, 0, 0.1]\n\
                        [[target]]\nat = [-0.06, 0, 0.1]\n[target.motion]\npath = \"circle\"\nsize = 0.02\nrate = 90\n\
                        [motion]\npath = \"outline\"\nfoci = 2\nframes = 16\n";
 
 #[test]
-fn foci_run_along_the_drawn_strokes() {
+fn foci_run_along_drawn_strokes() {
     let folder = folder_with(&[("a.toml", OUTLINE)]);
     let output = run(folder.path(), &["solve", "a.toml", "--motion", "--json"]);
     let warning = String::from_utf8(output.stderr).unwrap();
@@ -208,7 +208,7 @@ fn foci_run_along_the_drawn_strokes() {
 }
 
 #[test]
-fn the_mean_of_foci_that_run_is_the_shape() {
+fn the_mean_over_running_foci_is_the_shape() {
     let scene = OUTLINE.split("[[target]]\nat").next().unwrap();
     for foci in [1, 4] {
         let text = format!("{scene}[motion]\npath = \"outline\"\nfoci = {foci}\n");
@@ -217,7 +217,7 @@ fn the_mean_of_foci_that_run_is_the_shape() {
             ["render", "a.toml", "--frame", "mean", "-o", "a.png", "--size", "100", "--colours", "grey"];
         succeed(folder.path(), &args);
         let picture = image::open(folder.path().join("a.png")).unwrap().to_rgb8();
-        // 2 mm a pixel: the sides are 10 pixels from the middle.
+        // 2 mm per pixel: the sides are 10 pixels from the middle.
         let light = |x: u32, y: u32| f64::from(picture.get_pixel(x, y)[0]);
         let sides: Vec<_> =
             (42..58).flat_map(|i| [light(i, 40), light(i, 60), light(40, i), light(60, i)]).collect();
@@ -234,7 +234,7 @@ fn the_mean_of_foci_that_run_is_the_shape() {
 }
 
 #[test]
-fn what_is_too_fast_for_viewers_is_slowed_down_and_says_so() {
+fn animations_too_fast_for_viewers_are_slowed_down_and_say_so() {
     let folder = folder_with(&[("a.toml", &SQUARE.replace("rate = 2", "rate = 50"))]);
     let args = ["render", "a.toml", "--motion", "-o", "a.gif", "--size", "32", "--quantity", "phase"];
     let said = succeed(folder.path(), &args);
@@ -243,7 +243,7 @@ fn what_is_too_fast_for_viewers_is_slowed_down_and_says_so() {
 }
 
 #[test]
-fn a_still_view_of_steps_is_the_first() {
+fn a_still_of_steps_shows_the_first() {
     let folder = folder_with(&[("a.toml", STEPS)]);
     succeed(folder.path(), &["render", "a.toml", "-o", "still.png", "--size", "100"]);
     let still = image::open(folder.path().join("still.png")).unwrap().to_rgb8();
@@ -254,7 +254,7 @@ fn a_still_view_of_steps_is_the_first() {
 }
 
 #[test]
-fn a_scene_that_does_not_move_is_one_frame_with_a_word() {
+fn a_scene_at_rest_is_one_frame_with_a_note() {
     let folder = folder_with(&[("a.toml", "format = 1\n[[target]]\n")]);
     let output = run(folder.path(), &["render", "a.toml", "--motion", "-o", "a.gif", "--size", "16"]);
     let (said, noted) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));

@@ -1,4 +1,4 @@
-//! Figures through the program: what PNG, SVG and PDF hold of one map, and what is refused.
+//! Figures: PNG, SVG and PDF of one map agree; refusals.
 
 use std::path::Path;
 use std::process::Command;
@@ -32,7 +32,7 @@ fn draw(folder: &Path, name: &str, more: &[&str]) -> Vec<u8> {
     std::fs::read(folder.join(name)).unwrap()
 }
 
-/// The largest picture in a PDF: dictionary and data of every stream are looked through.
+/// The largest picture in a PDF, among all streams.
 fn map_of_pdf(bytes: &[u8]) -> RgbImage {
     let find = |from: usize, words: &[u8]| {
         bytes[from..].windows(words.len()).position(|window| window == words).map(|at| from + at)
@@ -74,15 +74,15 @@ fn map_and_words_of_svg(bytes: &[u8]) -> (RgbImage, Vec<String>) {
 }
 
 #[test]
-fn one_map_is_in_all_three_files_and_words_stay_words() {
+fn all_three_formats_hold_the_same_map_and_text_stays_text() {
     let folder = folder();
     let choice = ["--title", "A focus & <more>", "--width-mm", "70", "--dpi", "200"];
     let png = image::load_from_memory(&draw(folder.path(), "a.png", &choice)).unwrap().to_rgb8();
     let pdf = draw(folder.path(), "a.pdf", &choice);
     let (map, words) = map_and_words_of_svg(&draw(folder.path(), "a.svg", &choice));
-    assert!(map.width() > 300 && map == map_of_pdf(&pdf), "SVG and PDF hold one picture");
+    assert!(map.width() > 300 && map == map_of_pdf(&pdf), "SVG and PDF hold the same picture");
     assert_eq!(png.width(), (70.0f64 * 200.0 / 25.4).round() as u32);
-    // Pixel by pixel, but for the frame around the map.
+    // Pixel by pixel, without the frame around the map.
     let inside = |left: u32, top: u32| {
         let (columns, rows) = (4..map.width() - 4, 4..map.height() - 4);
         rows.into_iter()
@@ -90,7 +90,11 @@ fn one_map_is_in_all_three_files_and_words_stay_words() {
     };
     let corners =
         (0..png.width() - map.width()).flat_map(|x| (0..png.height() - map.height()).map(move |y| (x, y)));
-    assert_eq!(corners.filter(|&(left, top)| inside(left, top)).count(), 1, "the PNG shows it one to one");
+    assert_eq!(
+        corners.filter(|&(left, top)| inside(left, top)).count(),
+        1,
+        "the PNG holds the map at the same resolution"
+    );
     for word in ["A focus & <more>", "x / mm", "y / mm", "−50", "RMS pressure / kPa", "0"] {
         assert!(words.iter().any(|own| own == word), "{word}: {words:?}");
     }
@@ -98,7 +102,7 @@ fn one_map_is_in_all_three_files_and_words_stay_words() {
 }
 
 #[test]
-fn what_is_chosen_is_drawn() {
+fn options_change_the_figure() {
     let folder = folder();
     let words = |more: &[&str]| map_and_words_of_svg(&draw(folder.path(), "a.svg", more)).1.join("|");
     let paths = |more: &[&str]| {
@@ -115,13 +119,13 @@ fn what_is_chosen_is_drawn() {
         let (map, _) = map_and_words_of_svg(&draw(folder.path(), "a.svg", more));
         *map.pixels().min_by_key(|pixel| pixel.0.iter().map(|&c| u32::from(c)).sum::<u32>()).unwrap()
     };
-    assert!(silent(&[]).0.iter().all(|&c| c < 40), "dark where there is little");
+    assert!(silent(&[]).0.iter().all(|&c| c < 40), "dark where quiet");
     let (map, _) = map_and_words_of_svg(&draw(folder.path(), "a.svg", &["--light"]));
-    assert!(map.pixels().any(|pixel| pixel.0.iter().all(|&c| c > 235)), "light where there is little");
+    assert!(map.pixels().any(|pixel| pixel.0.iter().all(|&c| c > 235)), "light where quiet");
 }
 
 #[test]
-fn widths_are_those_that_solve_prints() {
+fn widths_are_those_of_solve() {
     let folder = folder();
     let (_, answer, error) = run(folder.path(), &["solve", "a.toml", "--json"]);
     let answer: serde_json::Value = serde_json::from_str(&answer).expect(&error);
@@ -142,10 +146,10 @@ fn widths_are_those_that_solve_prints() {
 }
 
 #[test]
-fn a_shaded_surface_has_bars_for_its_lengths_and_depths_instead_of_axes() {
+fn a_shaded_surface_has_scale_bars_instead_of_axes() {
     let folder = folder();
     let choice = ["--quantity", "depression", "--view", "shaded", "--scale-bar", "--title", "Water"];
-    // The array at its usual amplitude presses water farther than linear theory goes, which is a warning.
+    // At the default amplitude the depression exceeds linear theory, which is a warning.
     let draw = |name: &str, more: &[&str]| {
         let args =
             [&["render", "a.toml", "-o", name, "--figure", "--backend", "cpu"], &choice[..], more].concat();
@@ -158,7 +162,7 @@ fn a_shaded_surface_has_bars_for_its_lengths_and_depths_instead_of_axes() {
     assert_eq!(words.len(), 3, "{words:?}");
     assert!(words[0] == "Water" && words.iter().any(|words| words == "20 mm"), "{words:?}");
     assert!(words.iter().any(|words| words.contains(" deep, drawn ") && words.ends_with(" ×")), "{words:?}");
-    // The plane is 120 mm wide on 83 mm of paper: its 20 mm are 13.83 mm there.
+    // The plane is 120 mm wide on 83 mm of paper: its bar of 20 mm is 13.83 mm there.
     let text = std::str::from_utf8(&svg).unwrap();
     let document = roxmltree::Document::parse(text).unwrap();
     let bars: Vec<[f64; 2]> = document
@@ -182,11 +186,13 @@ fn a_shaded_surface_has_bars_for_its_lengths_and_depths_instead_of_axes() {
         error
     };
     assert!(refused(&[]).contains("--quantity depression"));
-    assert!(refused(&["--quantity", "depression", "--contours=-6"]).contains("--contours is of flat maps"));
+    assert!(
+        refused(&["--quantity", "depression", "--contours=-6"]).contains("--contours applies to flat maps")
+    );
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused_in_one_line() {
+fn impossible_figures_are_refused_in_one_line() {
     let folder = folder();
     let render = |more: &[&'static str]| [&["render", "a.toml", "-o"], more].concat();
     for (args, part) in [

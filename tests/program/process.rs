@@ -1,4 +1,4 @@
-//! The program as its users and their scripts call it: commands that must succeed, and commands that must fail as bad input does.
+//! Runs of the program in a temporary folder, expected to succeed or to refuse bad input.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,10 +6,10 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// A focus that is found at once.
+/// A focus with a fast solution.
 pub const POINT: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[solver]\nmethod = \"focus\"\n";
 
-/// A scene of the repository.
+/// The path of one of the repository's scenes.
 pub fn example(name: &str) -> String {
     format!("{}/assets/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
@@ -41,12 +41,12 @@ pub fn output_of(folder: &Path, args: &[&str]) -> (String, String) {
     (out, error)
 }
 
-/// What a command that must succeed prints.
+/// Standard output of a command that must succeed.
 pub fn succeed(folder: &Path, args: &[&str]) -> String {
     output_of(folder, args).0
 }
 
-/// The message of a command that must fail as bad input does, and leaves nothing behind.
+/// The message of a command that must refuse its input and leave no file.
 pub fn refuse(folder: &Path, args: &[&str]) -> String {
     let before = listing(folder);
     let output = run(folder, args);

@@ -1,4 +1,4 @@
-//! Shapes through the command line.
+//! Shapes on the command line.
 
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -16,13 +16,13 @@ fn solved(scene: &str, args: &[&str]) -> Value {
     serde_json::from_str(&text).unwrap()
 }
 
-/// |p| of the default array's drive at points on the plane z = 0.1 m, to any scale: far-field pistons without absorption.
+/// |p| of the default array's drive at points on the plane z = 0.1 m, to any scale: far-field pistons, no absorption.
 fn judged(solution: &Value, points: &[[f64; 2]]) -> Vec<f64> {
     const PITCH: f64 = 0.0105;
     const RADIUS: f64 = 0.005;
     const HEIGHT: f64 = 0.1;
     let k = TAU * 40e3 / (331.3 * (293.15f64 / 273.15).sqrt());
-    // The first terms of 2 J1(x)/x; x is at most 3.7.
+    // The power series of 2 J1(x)/x; x is at most 3.7.
     let directivity = |x: f64| {
         let (mut term, mut sum) = (1.0, 1.0);
         for n in 1..20 {
@@ -45,7 +45,7 @@ fn judged(solution: &Value, points: &[[f64; 2]]) -> Vec<f64> {
     points.iter().map(at).collect()
 }
 
-/// Places every half a millimetre along a line through some vertices (m).
+/// Points every 0.5 mm along a polyline (m).
 fn along(vertices: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let piece = |pair: &[[f64; 2]]| {
         let [[x, y], [to_x, to_y]] = [pair[0], pair[1]];
@@ -56,7 +56,7 @@ fn along(vertices: &[[f64; 2]]) -> Vec<[f64; 2]> {
     vertices.windows(2).flat_map(piece).collect()
 }
 
-/// Least over mean along a stroke, and the loudest place of 40 x 40 cm that is farther than 8 mm from it over that mean.
+/// Minimum over mean along a stroke, and the largest value of 40 x 40 cm more than 8 mm from it over that mean.
 fn figures(solution: &Value, stroke: &[[f64; 2]]) -> (f64, f64) {
     let heard = judged(solution, stroke);
     let mean = heard.iter().sum::<f64>() / heard.len() as f64;
@@ -83,7 +83,7 @@ fn drawings() -> [Vec<[f64; 2]>; 3] {
 }
 
 #[test]
-fn a_drawing_is_even_and_all_around_it_is_quiet() {
+fn a_drawing_is_even_with_low_side_lobes() {
     for drawing in drawings() {
         let scene = path(&drawing);
         let (solution, stroke) = (solved(&scene, &[]), along(&drawing));
@@ -93,15 +93,15 @@ fn a_drawing_is_even_and_all_around_it_is_quiet() {
         assert!((said("evenness") - evenness).abs() < 0.02, "{evenness:.3}: {}", said("evenness"));
         assert!((said("side_lobe") / side_lobe - 1.0).abs() < 0.1, "{side_lobe:.3}: {}", said("side_lobe"));
         assert!((0.8..=1.05).contains(&said("strength")), "{}", said("strength"));
-        // Separate foci are what they were: beads, with ghosts as loud as the drawing.
+        // Separate foci still give beads, with side lobes as loud as the drawing.
         let beads = figures(&solved(&format!("{scene}spacing = 0.01\n"), &[]), &stroke);
         assert!(beads.0 < evenness - 0.2 && beads.1 > side_lobe + 0.1, "{beads:?}");
     }
 }
 
-/// Each of three drives is louder elsewhere than their mean, and that is quieter than one drive for the whole time can be.
+/// Each of three drives has louder side lobes than their mean, which is quieter than any single drive.
 #[test]
-fn drives_that_take_turns_are_quiet_on_the_average() {
+fn drives_in_turn_have_lower_mean_side_lobes() {
     let drawing = &drawings()[1];
     let (scene, stroke) = (format!("{}[solver]\nframes = 3\n", path(drawing)), along(drawing));
     let solution = solved(&scene, &[]);
@@ -132,7 +132,7 @@ fn drives_that_take_turns_are_quiet_on_the_average() {
 }
 
 #[test]
-fn maps_and_points_are_of_all_drives_that_take_turns() {
+fn maps_and_points_are_means_over_drives_in_turn() {
     let scene = format!("{}[solver]\nframes = 2\n", path(&drawings()[1]));
     let folder = folder_with(&[("a.toml", &scene), ("p.csv", "x,y,z\n0.025,-0.025,0.1\n")]);
     let value = |args: &[&str]| {
@@ -140,7 +140,7 @@ fn maps_and_points_are_of_all_drives_that_take_turns() {
             ["render", "a.toml", "-o", "a.png", "--size", "4", "--data", "a.npy", "--tolerance", "exact"];
         succeed(folder.path(), &[&render[..], args].concat());
         let bytes = std::fs::read(folder.path().join("a.npy")).unwrap();
-        // The seventh of 4 x 4 pixels is that point.
+        // Pixel 7 of 4 x 4 is at that point.
         let at = bytes.len() - 4 * (16 - 6);
         f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()))
     };
@@ -158,7 +158,7 @@ fn maps_and_points_are_of_all_drives_that_take_turns() {
 }
 
 #[test]
-fn quiet_is_bought_with_strength() {
+fn lower_side_lobes_cost_strength() {
     let scene = path(&drawings()[1]);
     let of = |quiet: f64| {
         let solution = solved(&format!("{scene}[solver]\nquiet = {quiet}\n"), &[]);
@@ -172,7 +172,7 @@ fn quiet_is_bought_with_strength() {
 }
 
 #[test]
-fn a_quiet_zone_is_quieter_than_without_it() {
+fn a_quiet_zone_is_quieter() {
     let drawing = &drawings()[1];
     let zone = [[-0.036, 0.0], [-0.04, 0.004], [-0.044, 0.0], [-0.04, -0.004], [-0.04, 0.0]];
     let loudest = |text: &str| {
@@ -186,9 +186,9 @@ fn a_quiet_zone_is_quieter_than_without_it() {
     assert!(with < 0.6 * without, "{with:.3}, and {without:.3} without it");
 }
 
-/// A section across a drawing cannot be quiet: the plane that the drawing lies on is.
+/// Side lobes belong to the drawing's plane, not to the scene's, which here cuts through the drawing.
 #[test]
-fn a_drawing_is_as_even_where_the_scene_shows_a_section_of_it() {
+fn a_drawing_is_equally_even_on_an_oblique_scene_plane() {
     let drawing = &drawings()[1];
     let section = format!("{}[plane]\ny_axis = [0, 0, 1]\n", path(drawing));
     let (solution, level) = (solved(&section, &[]), solved(&path(drawing), &[]));
@@ -201,13 +201,13 @@ fn a_drawing_is_as_even_where_the_scene_shows_a_section_of_it() {
     assert!((height - 0.1).abs() < 1e-9, "{height}");
 }
 
-/// What a search finds that is given more and more seconds: those of a busy machine are short.
+/// The result of a search that is given increasing times, since a busy machine may get little done in the first.
 fn searched<T>(search: impl Fn(&str) -> Option<T>) -> T {
-    ["0.5", "2", "8", "32"].into_iter().find_map(search).expect("something is searched")
+    ["0.5", "2", "8", "32"].into_iter().find_map(search).expect("a search makes progress")
 }
 
 #[test]
-fn searching_on_finds_no_weaker_drive() {
+fn further_search_finds_no_weaker_drive() {
     let foci: String = (0..9)
         .map(|i| {
             let (x, y) = (f64::from(i * 37 % 9) * 8e-3 - 0.03, f64::from(i * 23 % 9) * 7e-3 - 0.03);
@@ -225,7 +225,7 @@ fn searching_on_finds_no_weaker_drive() {
 }
 
 #[test]
-fn searching_on_makes_no_shape_worse() {
+fn further_search_makes_no_shape_worse() {
     let scene = path(&drawings()[0]);
     let of = |args: &[&str]| {
         let solution = solved(&scene, args);
@@ -237,13 +237,13 @@ fn searching_on_makes_no_shape_worse() {
         let (further, later) = of(&["--search", seconds]);
         (further > steps).then_some(later)
     });
-    // What is made small is a sum of both.
+    // The search minimises a sum of both.
     assert!(later[0] > soon[0] - 0.03 && later[1] < soon[1] + 0.03, "{soon:?}, then {later:?}");
 }
 
-/// A stroke wanted three times as loud at one end, and a point; evenness is of pressure over target.
+/// A stroke with three times the target at one end, and a point; evenness is of pressure over target.
 #[test]
-fn solve_answers_with_the_samples_of_a_stroke() {
+fn solve_prints_the_samples_of_a_stroke() {
     let stroke = "format = 1\n[[target]]\nkind = \"path\"\nvertices = [[-0.02, 0, 0.1], [0.02, 0, 0.1]]\n\
                   pressures = [1, 3]\n[[target]]\nat = [0, 0.03, 0.1]\n";
     let folder = folder_with(&[("stroke.toml", stroke), ("alone.toml", stroke.rsplit_once("[[").unwrap().0)]);
@@ -256,22 +256,22 @@ fn solve_answers_with_the_samples_of_a_stroke() {
     let relative: Vec<_> = foci.iter().map(|it| number(it, "pressure") / number(it, "target")).collect();
     let mean = relative.iter().sum::<f64>() / relative.len() as f64;
     let least = relative.iter().copied().fold(f64::INFINITY, f64::min);
-    // It is looked for between the samples too.
+    // The evenness also covers points between the samples.
     let lower = least / mean - number(&value["quality"], "evenness");
     assert!((-0.01..0.05).contains(&lower), "{lower}");
-    // Samples are no foci that blur, and fill no table.
+    // Samples give no warnings about resolution and no rows of the table.
     let output = run(folder.path(), &["solve", "stroke.toml"]);
     let (text, warnings) =
         (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
     assert_eq!(warnings, "");
     assert!(text.contains("20 samples") && text.contains("evenness"), "{text}");
     assert_eq!(text.matches(" Pa ").count().min(1), 1, "{text}");
-    assert!(text.contains("30.00") && !text.contains("20.00"), "the point alone: {text}");
+    assert!(text.contains("30.00") && !text.contains("20.00"), "only the point: {text}");
     assert!(!succeed(folder.path(), &["solve", "alone.toml"]).contains("x / mm"));
 }
 
 #[test]
-fn a_drawing_beyond_the_arrays_reach_is_said_to_be_so() {
+fn a_drawing_beyond_the_arrays_reach_gives_a_warning() {
     let of = |side: f64| {
         let scene =
             format!("format = 1\n[[target]]\nkind = \"rectangle\"\nwidth = {side}\nheight = {side}\n");
@@ -283,7 +283,7 @@ fn a_drawing_beyond_the_arrays_reach_is_said_to_be_so() {
 }
 
 #[test]
-fn a_time_to_search_that_is_none_is_refused() {
+fn invalid_search_times_are_refused() {
     let folder = folder_with(&[("a.toml", "format = 1\n[[target]]\n")]);
     for (args, part) in [
         (&["--search", "-1"][..], "from 0 to 3600 s"),
@@ -307,7 +307,7 @@ fn disc_png() -> Vec<u8> {
 }
 
 #[test]
-fn a_picture_is_found_beside_its_scene_and_fitted() {
+fn a_picture_is_read_beside_its_scene_and_fitted() {
     let text = "format = 1\n[[target]]\nkind = \"picture\"\nfile = \"pictures/disc.png\"\nwidth = 0.04\n";
     let folder = folder_with(&[("a.toml", text)]);
     std::fs::create_dir(folder.path().join("pictures")).unwrap();
@@ -319,7 +319,7 @@ fn a_picture_is_found_beside_its_scene_and_fitted() {
     let quality = &solution["quality"];
     let (error, contrast) = (quality["error"].as_f64().unwrap(), quality["contrast"].as_f64().unwrap());
     assert!(error < 0.1 && contrast > 10.0, "{quality}");
-    // A disc of 15 mm: louder inside than around it.
+    // A disc of 15 mm radius: louder inside than around it.
     let ring = |radius: f64| -> Vec<[f64; 2]> {
         (0..24)
             .map(|i| (TAU * f64::from(i) / 24.0).sin_cos())
@@ -346,7 +346,7 @@ fn a_picture_is_found_beside_its_scene_and_fitted() {
 }
 
 #[test]
-fn a_picture_that_cannot_be_used_is_named_with_its_line() {
+fn unusable_pictures_are_refused_with_their_line() {
     let black = export::png(&Picture { width: 2, height: 2, rgba: vec![0; 16] }).unwrap();
     for (bytes, part) in [
         (None, "no such file"),

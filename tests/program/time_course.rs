@@ -1,4 +1,4 @@
-//! `probe --time`, and scenes whose modulation is named in a file.
+//! `probe --time`, and scenes with a modulation.
 
 use std::fs;
 
@@ -26,12 +26,12 @@ const PLAIN: [&str; 4] = ["probe", "a.toml", "--points", "points.csv"];
 const HEAD: &str = "x,y,z,time,re,im,square";
 
 #[test]
-fn a_modulated_focus_swings_about_what_plain_probe_says() {
+fn a_modulated_focus_swings_about_the_plain_probe() {
     let folder = folder_with(&format!("{SCENE}[modulation]\nshape = \"sine\"\nfrequency = 100\n"));
     let steady = rows(&succeed(folder.path(), &PLAIN), "x,y,z,re,im,rms");
     let time = [&PLAIN[..], &["--time", "--spectrum", "lines.csv"]].concat();
     let course = rows(&succeed(folder.path(), &time), HEAD);
-    // A period in 32 steps.
+    // One period in 32 steps.
     assert_eq!(course.len(), 2 * 32);
     for (index, row) in course.iter().enumerate() {
         let (point, step) = (&steady[index / 32], (index % 32) as f64);
@@ -56,7 +56,7 @@ fn a_modulated_focus_swings_about_what_plain_probe_says() {
 }
 
 #[test]
-fn a_moving_focus_is_heard_frame_by_frame() {
+fn a_moving_focus_is_probed_frame_by_frame() {
     let scene = format!("{SCENE}[motion]\npath = \"circle\"\nsize = 0.03\nrate = 5\nframes = 8\n");
     let folder = folder_with(&scene);
     let output = run(folder.path(), &[&PLAIN[..], &["--time", "-o", "course.csv"]].concat());
@@ -64,7 +64,7 @@ fn a_moving_focus_is_heard_frame_by_frame() {
     let said = String::from_utf8(output.stderr).unwrap();
     assert!(said.contains("40.000 frames/s, 5.000 cycles/s"), "{said}");
     let course = rows(&fs::read_to_string(folder.path().join("course.csv")).unwrap(), HEAD);
-    // Four instants in each of the frames.
+    // Four samples per frame.
     assert_eq!(course.len(), 2 * 8 * 4);
     for frame in 0..8 {
         let (sin, cos) = (std::f64::consts::TAU * frame as f64 / 8.0).sin_cos();
@@ -85,7 +85,7 @@ fn a_moving_focus_is_heard_frame_by_frame() {
 }
 
 #[test]
-fn drives_that_take_turns_are_heard_a_thousand_times_a_second() {
+fn drives_in_turn_change_a_thousand_times_a_second() {
     let line = "kind = \"line\"\nfrom = [-0.02, 0, 0.1]\nto = [0.02, 0, 0.1]\n";
     let folder = folder_with(&format!("format = 1\n[[target]]\n{line}[solver]\nframes = 2\n"));
     let course = rows(&succeed(folder.path(), &[&PLAIN[..], &["--time"]].concat()), HEAD);
@@ -98,17 +98,17 @@ fn drives_that_take_turns_are_heard_a_thousand_times_a_second() {
 }
 
 #[test]
-fn plain_probe_is_the_same_whatever_the_modulation() {
+fn plain_probe_ignores_the_modulation() {
     let plain = succeed(folder_with(SCENE).path(), &PLAIN);
     let folder = folder_with(&format!("{SCENE}[modulation]\nshape = \"square\"\nlaw = \"power\"\n"));
     assert_eq!(succeed(folder.path(), &PLAIN), plain);
-    // A steady sound has one instant.
+    // Steady sound needs one sample.
     let course = rows(&succeed(folder_with(SCENE).path(), &[&PLAIN[..], &["--time"]].concat()), HEAD);
     assert_eq!(course.len(), 2);
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn invalid_options_are_refused() {
     let folder = folder_with(SCENE);
     for (args, part) in [
         (&["--span", "1"][..], "--time"),
@@ -124,7 +124,7 @@ fn what_makes_no_sense_is_refused() {
     }
 }
 
-/// A WAV file with these samples of 16 bits at 1 kHz.
+/// A WAV file of 16-bit samples at 1 kHz.
 fn wav(samples: &[i16]) -> Vec<u8> {
     let data: Vec<u8> = samples.iter().flat_map(|sample| sample.to_le_bytes()).collect();
     let mut bytes = b"RIFF".to_vec();
@@ -146,7 +146,7 @@ fn wav(samples: &[i16]) -> Vec<u8> {
 }
 
 #[test]
-fn a_waveform_beside_the_scene_is_the_envelope() {
+fn a_waveform_beside_the_scene_becomes_the_envelope() {
     let modulation = "[modulation]\nshape = \"file\"\nlaw = \"power\"\nfile = \"sounds/buzz.wav\"\n";
     let folder = folder_with(&format!("{SCENE}{modulation}"));
     let missing = refuse(folder.path(), &PLAIN);
@@ -157,7 +157,7 @@ fn a_waveform_beside_the_scene_is_the_envelope() {
     fs::create_dir(folder.path().join("sounds")).unwrap();
     let buzz = folder.path().join("sounds/buzz.wav");
     fs::write(&buzz, wav(&[0, 16384, -16384, -32768])).unwrap();
-    // From elsewhere, too.
+    // Also from another working directory.
     let elsewhere = tempfile::tempdir().unwrap();
     let scene = folder.path().join("a.toml").display().to_string();
     let points = folder.path().join("points.csv").display().to_string();
@@ -165,14 +165,14 @@ fn a_waveform_beside_the_scene_is_the_envelope() {
     let steady = rows(&succeed(elsewhere.path(), &plain), "x,y,z,re,im,rms");
     let course =
         rows(&succeed(elsewhere.path(), &[&plain[..], &["--time", "--rate", "2000"]].concat()), HEAD);
-    // Half way between samples it is half way between their values.
+    // Linear interpolation between samples.
     let parts = [0.5, 0.625, 0.75, 0.5, 0.25, 0.125, 0.0, 0.25];
     assert_eq!(course.len(), 2 * parts.len());
     for (row, part) in course.iter().zip(parts) {
         let square = steady[0][3].powi(2) + steady[0][4].powi(2);
         assert!((row[6] / square - part).abs() < 1e-9, "{row:?}: {part}");
     }
-    // What is read is not written, and what is no waveform is named.
+    // Input files are not overwritten, and files that are not waveforms are named.
     let own = buzz.display().to_string();
     let message = refuse(folder.path(), &[&PLAIN[..], &["--time", "-o", &own]].concat());
     assert!(message.contains("buzz.wav"), "{message}");
@@ -182,7 +182,7 @@ fn a_waveform_beside_the_scene_is_the_envelope() {
 }
 
 #[test]
-fn a_board_that_cannot_play_a_modulation_is_not_sent_it() {
+fn modulations_are_refused_for_boards_that_cannot_play_them() {
     let tones = "[modulation]\nshape = \"tones\"\ntones = [{ frequency = 199, depth = 0.5 }, { frequency = 200, depth = 0.5 }]\n";
     let folder = folder_with(&format!("{SCENE}{tones}"));
     for (profile, part) in [

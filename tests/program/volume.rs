@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::process::{POINT, example, folder_with, refuse, succeed};
 
-/// A number list of an attribute.
+/// The numbers of an XML attribute.
 fn numbers(head: &str, attribute: &str) -> Vec<f64> {
     let (_, rest) = head.split_once(&format!("{attribute}=\"")).unwrap();
     rest.split('"').next().unwrap().split(' ').map(|number| number.parse().unwrap()).collect()
@@ -27,7 +27,7 @@ fn vti(path: &Path) -> ([f64; 3], [f64; 3], Vec<f32>) {
 }
 
 #[test]
-fn a_volume_holds_what_probe_says_at_its_points_in_either_format() {
+fn a_volume_agrees_with_probe_in_both_formats() {
     let folder = folder_with(&[]);
     let counts = [9, 8, 7];
     for scene in ["hit", "two-boards", "water-circle"] {
@@ -57,7 +57,7 @@ fn a_volume_holds_what_probe_says_at_its_points_in_either_format() {
 }
 
 #[test]
-fn a_box_is_filled_with_cells_whose_centres_the_points_are() {
+fn points_are_the_centres_of_cells_that_fill_the_box() {
     let folder = folder_with(&[("s.toml", POINT)]);
     let args =
         ["render", "s.toml", "--box", "0.04,0.03,0.02,0.01,0.02,0.1", "--volume", "4,3,2", "-o", "v.vti"];
@@ -75,7 +75,7 @@ fn a_box_is_filled_with_cells_whose_centres_the_points_are() {
 }
 
 #[test]
-fn what_has_no_volume_is_refused() {
+fn impossible_volumes_are_refused() {
     let folder = folder_with(&[("s.toml", POINT)]);
     for (args, message) in [
         (&["--volume", "4,4,4", "-o", "v.png"][..], "this is written as .vti or .npy"),
@@ -94,7 +94,7 @@ fn what_has_no_volume_is_refused() {
 }
 
 #[test]
-fn space_is_drawn_from_named_and_given_directions() {
+fn pictures_of_space_have_named_and_numeric_directions() {
     let folder = folder_with(&[("s.toml", POINT)]);
     let draw = |args: &[&str], name: &str| {
         let all = [&["render", "s.toml", "--view", "3d", "--size", "160x128", "-o", name], args].concat();
@@ -121,10 +121,10 @@ fn space_is_drawn_from_named_and_given_directions() {
 }
 
 #[test]
-fn what_is_no_view_of_space_is_refused() {
+fn invalid_3d_views_are_refused() {
     let folder = folder_with(&[("s.toml", POINT)]);
     for (args, message) in [
-        (&["--camera", "top"][..], "--camera is of space: add --view 3d"),
+        (&["--camera", "top"][..], "--camera applies to 3D views: add --view 3d"),
         (&["--view", "3d", "--camera", "below"], "give iso, top, front, side"),
         (&["--view", "3d", "--iso", "3"], "from -60 to -0.1"),
         (&["--view", "3d", "--iso", "-3", "--projection"], "cannot be used with"),
@@ -132,7 +132,7 @@ fn what_is_no_view_of_space_is_refused() {
         (&["--view", "3d", "--quantity", "phase"], "shows the RMS pressure"),
         (&["--view", "3d", "--motion"], "is a still picture"),
         (&["--view", "3d", "--size", "100000"], "are the most"),
-        (&["--box", "1,1,1,0,0,0"], "--box is of --volume and of --view 3d"),
+        (&["--box", "1,1,1,0,0,0"], "add --volume or --view 3d"),
         (&["--light"], "add --figure or --view 3d"),
     ] {
         let refused = refuse(folder.path(), &[&["render", "s.toml", "-o", "p.png"], args].concat());

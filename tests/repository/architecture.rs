@@ -1,10 +1,10 @@
-//! The rules of ARCHITECTURE.md that a compiler does not hold: layers, file heads, sizes and names.
+//! Rules of ARCHITECTURE.md that the compiler does not enforce: layers, first lines, sizes and names.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The layers, the uppermost first, with the outside crates each may name. A module uses itself and what stands above.
+/// The layers, the uppermost first, with their external crates. A module uses only itself and layers above.
 const LAYERS: &[(&str, &[&str])] = &[
     ("echo", &[]),
     ("shelf", &[]),
@@ -45,12 +45,13 @@ const LAYERS: &[(&str, &[&str])] = &[
             "ttf_parser",
         ],
     ),
-    ("import", &["glam", "image", "thiserror", "usvg"]),
+    ("import", &["glam", "image", "kurbo", "thiserror", "usvg"]),
     (
         "device",
         &[
             "cobs",
             "crc",
+            "fastrand",
             "js_sys",
             "pollster",
             "rustix",
@@ -145,12 +146,12 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     ("main", &["anyhow", "libc", "sonoglyph", "windows_sys"]),
 ];
-/// Modules that know nothing of each other, whichever stands above: the command line and the window meet in `main` alone.
+/// Modules that must not name each other, whatever their order: command line and window meet only in `main`.
 const APART: &[(&str, &[&str])] = &[("bench", &["ui", "app"]), ("cli", &["ui", "app"])];
-/// Crates that any layer may name.
-const COMMON: &[&str] = &["std", "crate", "self"];
+/// Crates allowed in every layer.
+const COMMON: &[&str] = &["std", "crate", "self", "strum"];
 const LONGEST_FILE: usize = 500;
-/// Each links the whole library.
+/// Each test program links the whole library.
 const MOST_TEST_PROGRAMS: usize = 10;
 const BAD_NAMES: &[&str] = &["utils", "util", "common", "helpers", "helper", "manager", "misc", "wrapper"];
 
@@ -182,7 +183,7 @@ fn module_of(path: &Path) -> String {
     parts.join("::")
 }
 
-/// The innermost layer that a module is in.
+/// The innermost layer of a module.
 fn layer_of(module: &str) -> Option<usize> {
     let inside = |layer: &str| module == layer || module.starts_with(&format!("{layer}::"));
     (0..LAYERS.len()).filter(|&i| inside(LAYERS[i].0)).max_by_key(|&i| LAYERS[i].0.len())
@@ -204,7 +205,7 @@ fn code_lines(text: &str) -> impl Iterator<Item = (usize, String)> {
     text.lines().map(strip).collect::<Vec<_>>().into_iter().enumerate().map(|(i, line)| (i + 1, line))
 }
 
-/// First segments of every path in a line of code, and the second where the first is `crate`.
+/// First segments of every path in a line of code, and the second after `crate`.
 fn paths(line: &str) -> Vec<String> {
     let mut paths = Vec::new();
     let is_word = |c: char| c.is_alphanumeric() || c == '_';
@@ -227,12 +228,12 @@ fn paths(line: &str) -> Vec<String> {
     paths
 }
 
-/// Whether a module may not name another, though the table would let it.
+/// Whether a module must not name another, even if the table allows it.
 fn are_apart(own: &str, used: &str) -> bool {
     APART.iter().any(|(module, others)| own == *module && others.contains(&used))
 }
 
-/// What a file does that its layer may not, one line each.
+/// Violations of a file's layer, one line each.
 fn violations(path: &Path, text: &str) -> Vec<String> {
     let outside = outside();
     let module = module_of(path);
@@ -280,7 +281,7 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
     found
 }
 
-/// The crates that Cargo.toml names, as code writes them.
+/// The crates in Cargo.toml, as written in code.
 fn outside() -> BTreeSet<String> {
     let manifest: toml::Table =
         toml::from_str(&fs::read_to_string(root().join("Cargo.toml")).unwrap()).unwrap();
@@ -295,7 +296,7 @@ fn outside() -> BTreeSet<String> {
 }
 
 #[test]
-fn every_module_uses_only_what_stands_above_it() {
+fn every_module_uses_only_layers_above_it() {
     let mut found = Vec::new();
     for path in rust_files(&root().join("src")) {
         if !path.ends_with("src/lib.rs") {
@@ -306,7 +307,7 @@ fn every_module_uses_only_what_stands_above_it() {
 }
 
 #[test]
-fn the_rule_finds_what_breaks_it() {
+fn the_rule_finds_violations() {
     let in_file = |path: &str, text: &str| violations(&root().join("src").join(path), text);
     for (path, text) in [
         ("solver/gs.rs", "use crate::field::Samples;"),
@@ -338,7 +339,7 @@ fn the_rule_finds_what_breaks_it() {
     }
 }
 
-/// The modules below `crate` that a text names, with what stands in braces multiplied out: `a::b::{c, d}` is `a::b::c` and `a::b::d`.
+/// The modules below `crate` named by a text, with braces expanded: `a::b::{c, d}` gives `a::b::c` and `a::b::d`.
 fn named_modules(text: &str) -> BTreeSet<String> {
     let is_path = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
     let code: String = code_lines(text).map(|(_, line)| line + "\n").collect();
@@ -358,7 +359,7 @@ fn named_modules(text: &str) -> BTreeSet<String> {
     named
 }
 
-/// From each file to the files that it names. `mod.rs` is left out: it holds what its folder shares, and the folder's parts at once.
+/// From each file to the files that it names. `mod.rs` is left out: a folder's files use it, and it uses them.
 fn arrows(files: &BTreeMap<String, String>) -> BTreeMap<&str, BTreeSet<&str>> {
     let file_of = |path: &str| {
         let within = |module: &&String| path == **module || path.starts_with(&format!("{module}::"));
@@ -370,7 +371,7 @@ fn arrows(files: &BTreeMap<String, String>) -> BTreeMap<&str, BTreeSet<&str>> {
     files.iter().map(|(module, text)| (module.as_str(), targets(module, text))).collect()
 }
 
-/// What is left when files that name no other are taken away, again and again.
+/// The files left after repeatedly removing those that name no other.
 fn circles(files: &BTreeMap<String, String>) -> BTreeSet<&str> {
     let mut arrows = arrows(files);
     loop {
@@ -388,7 +389,7 @@ fn circles(files: &BTreeMap<String, String>) -> BTreeSet<&str> {
 }
 
 #[test]
-fn no_files_name_each_other_in_a_circle() {
+fn no_files_refer_to_each_other_in_a_circle() {
     let files: BTreeMap<_, _> = rust_files(&root().join("src"))
         .into_iter()
         .filter(|path| !path.ends_with("mod.rs") && path.parent().unwrap() != root().join("src"))
@@ -407,26 +408,23 @@ fn no_files_name_each_other_in_a_circle() {
     assert_eq!(circles(&files), ["a::x", "a::y", "b"].into());
 }
 
-/// What is named in no source, and why.
+/// Names forbidden in all sources, with the reason.
 const NOWHERE: &[(&str, &str)] = &[
-    ("SystemTime", "the clock on the wall jumps: `Instant` does not"),
-    ("UNIX_EPOCH", "the clock on the wall jumps: `Instant` does not"),
-    (
-        "println!",
-        "it panics where nobody reads or the disk is full: `say!`, `note`, `warn` and `mention` do not",
-    ),
-    ("print!", "it panics where nobody reads or the disk is full: `output::print` does not"),
-    ("fs::write(", "what it writes may stay half written: `output` writes files whole"),
-    ("File::create(", "what is written to it may stay half written: `output` writes files whole"),
+    ("SystemTime", "the system clock may jump: use `Instant`"),
+    ("UNIX_EPOCH", "the system clock may jump: use `Instant`"),
+    ("println!", "it panics on closed pipes and full disks: use `say!`, `note`, `warn` or `mention`"),
+    ("print!", "it panics on closed pipes and full disks: use `output::print`"),
+    ("fs::write(", "it may leave a partial file: use `output`"),
+    ("File::create(", "it may leave a partial file: use `output`"),
 ];
 
-/// The code of a file without its tests, which stand at its end.
+/// The code of a file without the unit tests at its end.
 fn without_tests(text: &str) -> &str {
     text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default()
 }
 
 #[test]
-fn nothing_hangs_on_the_wall_clock_panics_in_print_or_writes_half_a_file() {
+fn no_source_uses_forbidden_names() {
     let mut found = Vec::new();
     for path in rust_files(&root().join("src")) {
         let text = fs::read_to_string(&path).unwrap();
@@ -439,31 +437,28 @@ fn nothing_hangs_on_the_wall_clock_panics_in_print_or_writes_half_a_file() {
     }
     assert!(found.is_empty(), "{}", found.join("\n"));
     let line = "    println!(now = SystemTime::now());";
-    assert!(
-        NOWHERE.iter().filter(|(name, _)| line.contains(name)).count() >= 2,
-        "the rule finds what breaks it"
-    );
+    assert!(NOWHERE.iter().filter(|(name, _)| line.contains(name)).count() >= 2, "the rule finds violations");
 }
 
 #[test]
-fn every_file_says_what_it_holds_and_stays_short() {
+fn every_file_has_a_first_line_and_a_limited_length() {
     for folder in ["src", "tests", "benches", "fuzz/fuzz_targets"] {
         for path in rust_files(&root().join(folder)) {
             let text = fs::read_to_string(&path).unwrap();
-            assert!(text.starts_with("//! "), "{}: opens without a //! line", path.display());
+            assert!(text.starts_with("//! "), "{}: must open with a //! line", path.display());
             assert!(
                 text.lines().count() <= LONGEST_FILE,
                 "{}: more than {LONGEST_FILE} lines",
                 path.display()
             );
             let name = path.file_stem().unwrap().to_str().unwrap();
-            assert!(!BAD_NAMES.contains(&name), "{}: the name says nothing", path.display());
+            assert!(!BAD_NAMES.contains(&name), "{}: a name without meaning", path.display());
         }
     }
 }
 
 #[test]
-fn tests_are_modules_of_few_programs() {
+fn tests_are_modules_of_few_binaries() {
     let is_program = |path: &PathBuf| path.is_file() || path.join("main.rs").exists();
     let entries = fs::read_dir(root().join("tests")).unwrap().map(|entry| entry.unwrap().path());
     let programs: Vec<_> = entries.filter(is_program).collect();

@@ -1,6 +1,6 @@
-//! What the documents say of boards, quantities and the interface is what the program does, and their links lead somewhere.
+//! Documents agree with the program: boards, quantities, the library's interface, links, and the README's table.
 //!
-//! What `docs/scene.md` says stands beside what reads scene files: `src/scene/file/documented.rs`.
+//! `docs/scene.md` is tested beside the reader of scene files, in `src/scene/file/documented.rs`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -62,11 +62,11 @@ fn quantities_are_documented_with_their_units() {
         };
         let value = &said[&name];
         assert!(value.split([' ', ',']).any(|word| word == unit), "{name} in {unit}: {value}");
-        assert!(commands.contains(&format!("`{name}`")), "{name} is in docs/commands.md");
+        assert!(commands.contains(&format!("`{name}`")), "docs/commands.md lacks {name}");
     }
 }
 
-/// All Markdown files below a folder but those of builds.
+/// All Markdown files below a folder, except in build folders.
 fn documents(folder: &Path) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let (folders, files): (Vec<_>, Vec<_>) = entries.partition(|path| path.is_dir());
@@ -80,7 +80,7 @@ fn documents(folder: &Path) -> Vec<PathBuf> {
 }
 
 #[test]
-fn links_between_documents_lead_somewhere() {
+fn links_between_documents_have_targets() {
     let documents = documents(Path::new(env!("CARGO_MANIFEST_DIR")));
     assert!(documents.len() > 8, "{documents:?}");
     for document in documents {
@@ -93,7 +93,7 @@ fn links_between_documents_lead_somewhere() {
 }
 
 #[test]
-fn the_interface_is_the_one_that_is_listed() {
+fn the_interface_is_the_listed_one() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut cargo = Command::new(env!("CARGO"));
     cargo.args([
@@ -106,7 +106,7 @@ fn the_interface_is_the_one_that_is_listed() {
         "--output-format",
         "json",
     ]);
-    // JSON is what rustdoc writes for tools, and not yet promised to stay.
+    // rustdoc's JSON output is unstable.
     let run = cargo.current_dir(root).env("RUSTDOC", root.join("tests/repository/rustdoc")).output().unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let json = public_api::Builder::from_rustdoc_json(root.join("target/doc/sonoglyph.json"));
@@ -120,14 +120,14 @@ fn the_interface_is_the_one_that_is_listed() {
         (before.difference(&after).collect(), after.difference(&before).collect());
     assert!(
         gone.is_empty() && new.is_empty(),
-        "the library's interface has changed; if it is to, copy {} to {}\ngone: {gone:#?}\nnew: {new:#?}",
+        "the library's interface has changed; if intended, copy {} to {}\nremoved: {gone:#?}\nadded: {new:#?}",
         now.display(),
         listed.display()
     );
 }
 
 #[test]
-fn the_readme_has_the_rows_that_the_report_writes() {
+fn the_readme_has_the_rows_of_the_report() {
     let list: toml::Table = toml::from_str(&text("benches/report/figures.toml")).unwrap();
     let names: Vec<_> =
         list["figure"].as_array().unwrap().iter().map(|figure| figure["name"].as_str().unwrap()).collect();

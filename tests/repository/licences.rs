@@ -1,4 +1,4 @@
-//! What archives take of licences is what cargo-deny lets dependencies have.
+//! The licences listed in release archives are those that cargo-deny allows for dependencies.
 
 use std::collections::BTreeSet;
 
@@ -26,7 +26,7 @@ fn read(name: &str) -> String {
 }
 
 #[test]
-fn archives_take_the_licences_that_dependencies_may_have() {
+fn archives_list_the_allowed_licences_of_dependencies() {
     #[derive(Deserialize)]
     struct About {
         accepted: BTreeSet<String>,

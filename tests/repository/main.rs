@@ -1,4 +1,4 @@
-//! The repository itself: rules that a compiler does not hold, documents that say what the program does, licences.
+//! The repository itself: architecture rules, agreement of documents with the program, licences.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 

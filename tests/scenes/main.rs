@@ -1,4 +1,4 @@
-//! Scenes and bytes that nobody chose: random scenes from end to end, any bytes from outside, and numbers that are none.
+//! Arbitrary scenes and bytes: random scenes from end to end, fuzz targets, and invalid numbers.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 

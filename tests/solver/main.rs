@@ -1,4 +1,4 @@
-//! The solver: methods against their definitions, properties of every method, shapes, and drives that hold beads.
+//! The solver: methods against their definitions, properties of every method, shapes, and traps.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 

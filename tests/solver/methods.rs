@@ -1,4 +1,4 @@
-//! The methods and figures of the solver against their definitions, written out plainly.
+//! The solver's methods and figures against direct implementations of their definitions.
 
 use glam::{DVec3, dvec3};
 use num_complex::Complex64;
@@ -11,7 +11,7 @@ const PLACES: [DVec3; 4] =
     [dvec3(-0.02, 0.004, 0.1), dvec3(-0.013, 0.004, 0.11), dvec3(0.02, 0.01, 0.12), dvec3(0.024, 0.008, 0.1)];
 const TARGETS: [f64; 4] = [1.0, 0.5, 2.0, 1.5];
 
-/// Foci of which some disturb each other, with targets of their own.
+/// Foci with different targets, some of which interfere.
 fn problem(aperture: &Aperture) -> Problem<'_> {
     let focus = |(&position, &target): (&DVec3, &f64)| Focus::new(position, target);
     Problem::new(aperture, PLACES.iter().zip(&TARGETS).map(focus).collect())
@@ -23,12 +23,12 @@ fn aperture() -> Aperture {
     Aperture::new(&scene)
 }
 
-/// What a method finds in so many iterations.
+/// The excitation by a method after this number of iterations.
 fn found(problem: &Problem<'_>, method: Method, iterations: u32) -> Vec<Complex64> {
     solver::excite(problem, method, iterations).unwrap().values
 }
 
-/// The same phases, each with this modulus.
+/// The same phases with these moduli.
 fn with_moduli(values: &[Complex64], moduli: impl Iterator<Item = f64>) -> Vec<Complex64> {
     values.iter().zip(moduli).map(|(value, modulus)| value / value.norm() * modulus).collect()
 }
@@ -52,7 +52,7 @@ fn relative(problem: &Problem<'_>, values: &[Complex64]) -> Vec<f64> {
 }
 
 #[test]
-fn naive_is_the_sum_of_what_every_focus_sends_back() {
+fn naive_is_phase_conjugation() {
     let aperture = aperture();
     let problem = problem(&aperture);
     assert_same(
@@ -63,7 +63,7 @@ fn naive_is_the_sum_of_what_every_focus_sends_back() {
 }
 
 #[test]
-fn gerchberg_and_saxton_go_there_and_back() {
+fn gerchberg_saxton_alternates_between_foci_and_elements() {
     let aperture = aperture();
     let problem = problem(&aperture);
     let (transfer, ones) = (&problem.transfer, || std::iter::repeat(1.0));
@@ -75,10 +75,10 @@ fn gerchberg_and_saxton_go_there_and_back() {
     }
 }
 
-/// Plasencia et al. 2020: a focus sends back what it is to get divided by the power that it hears, and at last what it gets too
-/// much or too little of is corrected.
+/// Plasencia et al. 2020: back-propagation divided by the power at each focus; the final step corrects the focal
+/// moduli.
 #[test]
-fn gs_pat_iterates_on_foci_and_corrects_at_last() {
+fn gs_pat_iterates_on_foci_and_ends_with_a_correction() {
     let aperture = aperture();
     let problem = problem(&aperture);
     let transfer = &problem.transfer;
@@ -97,9 +97,9 @@ fn gs_pat_iterates_on_foci_and_corrects_at_last() {
     }
 }
 
-/// Di Leonardo et al. 2007, damped: weights grow by the root of what a focus gets too little.
+/// Di Leonardo et al. 2007, damped: weights grow by the square root of a focus' deficit.
 #[test]
-fn weighted_iteration_turns_up_what_is_too_weak_until_foci_are_level() {
+fn weighted_iteration_raises_weak_foci_until_all_are_level() {
     let aperture = aperture();
     let problem = problem(&aperture);
     let (transfer, ones) = (&problem.transfer, || std::iter::repeat(1.0));
@@ -120,14 +120,14 @@ fn weighted_iteration_turns_up_what_is_too_weak_until_foci_are_level() {
 }
 
 #[test]
-fn the_greedy_search_ends_where_no_element_can_do_better_by_itself() {
+fn the_greedy_search_ends_at_a_coordinatewise_optimum() {
     let aperture = aperture();
     let problem = problem(&aperture);
     let transfer = &problem.transfer;
     let u = found(&problem, Method::Greedy, 300);
     let turn = |step: usize| Complex64::from_polar(1.0, std::f64::consts::TAU * step as f64 / 16.0);
     assert!(u.iter().all(|u| (0..16).any(|step| (u - turn(step)).norm() < 1e-12)), "on 16 phases");
-    // What the foci are to reach is what weighted iteration makes of them on the average.
+    // The search aims at the mean level of weighted iteration.
     let level = relative(&problem, &found(&problem, Method::Wgs, 20)).iter().sum::<f64>() / 4.0;
     let miss = |pressure: &dyn Fn(usize) -> Complex64| -> f64 {
         (0..4).map(|m| (pressure(m).norm() / TARGETS[m] - level).powi(2)).sum()
@@ -161,7 +161,7 @@ fn a_longer_search_is_never_weaker() {
 }
 
 #[test]
-fn figures_are_those_of_their_definitions() {
+fn figures_follow_their_definitions() {
     let target = |(&at, &pressure): (&DVec3, &f64)| Target { pressure, ..Target::new(Shape::Point { at }) };
     let mut scene = Scene { targets: PLACES.iter().zip(&TARGETS).map(target).collect(), ..Scene::default() };
     for method in [Method::Naive, Method::Pinv, Method::Gs] {
@@ -190,16 +190,16 @@ fn figures_are_those_of_their_definitions() {
             free.iter().map(|u| u.norm_sqr()).sum::<f64>() / 256.0 / largest,
             "efficiency",
         );
-        // Of each focus, what it would get of a time-of-flight focus, and a share of the power.
+        // Relative to a time-of-flight focus with this focus' share of the power.
         let alone = problem.transfer.rows().map(|row| row.map(|h| h.norm()).sum::<f64>());
         let parts: f64 = moduli.iter().zip(alone).map(|(p, alone)| p / (alone / 2.0)).sum();
         near(quality.relative_to_single, parts / 4.0, "relative to single");
-        // Measured where the targets' scale fits the moduli best: an excitation may have any.
+        // At the scale of the targets that fits the moduli best, since an excitation may have any.
         let made = problem.transfer.pressure(&free);
         let power: f64 = TARGETS.iter().map(|target| target * target).sum();
         let scale = power / made.iter().zip(TARGETS).map(|(p, target)| p.norm() * target).sum::<f64>();
         let off = |(p, target): (&Complex64, f64)| match method {
-            // With its phases.
+            // The pseudo-inverse prescribes phases, too.
             Method::Pinv => (p * scale - target).norm_sqr(),
             _ => (p.norm() * scale - target).powi(2),
         };
@@ -213,7 +213,7 @@ fn figures_are_those_of_their_definitions() {
 }
 
 #[test]
-fn as_many_foci_as_elements_may_still_be_too_many() {
+fn as_many_foci_as_elements_may_be_dependent() {
     let mut scene = Scene::default();
     (scene.array.rows, scene.array.columns) = (2, 2);
     let aperture = Aperture::new(&scene);
@@ -233,7 +233,7 @@ fn as_many_foci_as_elements_may_still_be_too_many() {
 }
 
 #[test]
-fn one_focus_reaches_its_bound_and_rounding_never_passes_it() {
+fn one_focus_reaches_its_bound_and_rounding_never_exceeds_it() {
     for place in PLACES {
         let mut scene = Scene { targets: vec![Target::new(Shape::Point { at: place })], ..Scene::default() };
         scene.solver.method = Method::Focus;

@@ -1,4 +1,4 @@
-//! Properties of every solver method: finite, never above the bound, as good as it says.
+//! Properties of every solver method: finite, within the bound, and figures that hold.
 
 use std::f64::consts::TAU;
 
@@ -13,6 +13,7 @@ use sonoglyph::scene::{
 };
 use sonoglyph::solver::levels::{self, Reached};
 use sonoglyph::solver::{self, Limits, Problem, Solution, SolveError, Warning, frames};
+use strum::VariantArray;
 
 fn scene(points: &[DVec3]) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -25,7 +26,7 @@ fn solve(scene: &Scene, method: Method) -> Solution {
     solver::solve(&scene).unwrap()
 }
 
-/// What a scene's foci and array allow; a solution is never beyond.
+/// The limits of a solution's scene, checked to hold for the solution.
 fn limits(scene: &Scene, solution: &Solution) -> (Limits, Option<Warning>) {
     let aperture = Aperture::new(scene);
     let problem = Problem::new(&aperture, solution.foci.clone());
@@ -37,13 +38,13 @@ fn limits(scene: &Scene, solution: &Solution) -> (Limits, Option<Warning>) {
     (limits, limits.warning(&problem))
 }
 
-/// The part of the best that any drive can do.
+/// The guaranteed fraction of the upper bound.
 fn certified(scene: &Scene, solution: &Solution) -> f64 {
     solution.certified(limits(scene, solution).0.bound)
 }
 
 fn several() -> impl Iterator<Item = Method> {
-    Method::ALL.into_iter().filter(|&method| method != Method::Focus)
+    Method::VARIANTS.iter().copied().filter(|&method| method != Method::Focus)
 }
 
 fn assert_sound(solution: &Solution) {
@@ -60,7 +61,7 @@ fn assert_sound(solution: &Solution) {
     ] {
         assert!(figure.is_finite() && figure >= 0.0, "{method:?}: {quality:?}");
     }
-    assert!(quality.mean_pressure > 0.0, "{method:?}: a useful drive makes sound");
+    assert!(quality.mean_pressure > 0.0, "{method:?}: a drive makes sound");
     assert!(quality.efficiency <= 1.0 + 1e-12, "{method:?}: {quality:?}");
 }
 
@@ -94,7 +95,7 @@ fn difficult_sets_give_a_finite_drive_and_a_warning() {
             assert_sound(&solution);
             let (_, dependent) = limits(&scene, &solution);
             let part = solution.quality.mean_pressure / reached;
-            assert!(part > 0.4, "{name}, {method:?}: {part} of what Gerchberg-Saxton reaches");
+            assert!(part > 0.4, "{name}, {method:?}: {part} of Gerchberg-Saxton's pressure");
             let mut warnings = solution.warnings.iter().chain(&dependent);
             let warned = warnings.any(|warning| warning.to_string().contains(expected));
             assert!(warned, "{name}, {method:?}: {:?}", solution.warnings);
@@ -110,21 +111,21 @@ fn focus_steers_one_focus_and_refuses_more() {
     let most: f64 = aperture.transfer(&[at]).row(0).map(|h| h.norm()).sum();
     assert!((solution.quality.mean_pressure / most - 1.0).abs() < 1e-12);
     assert!((solution.quality.relative_to_single - 1.0).abs() < 1e-12);
-    assert!((certified(&Scene::default(), &solution) - 1.0).abs() < 1e-11, "one focus has no better drive");
+    assert!((certified(&Scene::default(), &solution) - 1.0).abs() < 1e-11, "one focus reaches the bound");
     let mut two = scene(&[at, DVec3::Z]);
     two.solver.method = Method::Focus;
     assert!(matches!(solver::solve(&two), Err(SolveError::SeveralFoci(2))));
 }
 
 #[test]
-fn the_pseudo_inverse_makes_the_field_that_it_prescribes() {
+fn the_pseudo_inverse_makes_its_prescribed_field() {
     let solution = solve(&scene(&[dvec3(-0.02, 0.0, 0.1), dvec3(0.02, 0.01, 0.12)]), Method::Pinv);
     assert!(solution.quality.residual < 1e-12, "{:?}", solution.quality);
     assert_eq!(limits(&Scene::default(), &solution).0.rank, 2);
 }
 
 #[test]
-fn a_focus_out_of_hearing_takes_nothing_from_the_others() {
+fn a_focus_beyond_absorption_does_not_weaken_the_others() {
     let (near, beside, out_of_hearing) =
         (dvec3(0.01, 0.0, 0.1), dvec3(-0.02, 0.01, 0.12), dvec3(0.0, 0.01, 3.6));
     let in_fog = |points: &[DVec3], method| {
@@ -150,7 +151,7 @@ fn a_focus_out_of_hearing_takes_nothing_from_the_others() {
 }
 
 #[test]
-fn one_focus_out_of_hearing_is_steered_to_all_the_same() {
+fn a_single_focus_beyond_absorption_is_steered_to() {
     let mut scene = scene(&[dvec3(0.0, 0.01, 3.6)]);
     scene.medium.absorption = Some(1e3);
     let most = solve(&scene, Method::Focus).quality.mean_pressure;
@@ -163,7 +164,7 @@ fn one_focus_out_of_hearing_is_steered_to_all_the_same() {
 }
 
 #[test]
-fn relative_targets_are_met_by_the_methods_that_level() {
+fn levelling_methods_meet_relative_targets() {
     let mut scene = scene(&[dvec3(-0.02, 0.0, 0.1), dvec3(0.02, 0.01, 0.1), dvec3(0.0, -0.02, 0.12)]);
     scene.targets[1].pressure = 0.5;
     for method in [Method::Weighted, Method::Wgs, Method::Best] {
@@ -186,7 +187,7 @@ fn elements_that_are_off_stay_off() {
 }
 
 #[test]
-fn foci_get_the_pascals_that_they_are_to_get() {
+fn foci_get_their_targets_in_pascals() {
     let mut scene = scene(&[dvec3(-0.02, 0.0, 0.1), dvec3(0.02, 0.01, 0.1), dvec3(0.0, -0.02, 0.12)]);
     let asked = [900.0, 450.0, 700.0];
     for (target, asked) in scene.targets.iter_mut().zip(asked) {
@@ -201,7 +202,7 @@ fn foci_get_the_pascals_that_they_are_to_get() {
             assert!(0.0 < amplitude && amplitude < 1.0 && solution.warnings.is_empty(), "{method:?}");
             let largest = solution.drive.amplitudes.iter().copied().fold(0.0, f64::max);
             assert!((largest - amplitude).abs() < 1e-15, "{method:?}");
-            // The drive itself makes these pressures, and they are those asked for.
+            // The drive itself, recomputed, makes the stated pressures, and these are the targets.
             let aperture = Aperture::new(&scene);
             let points: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
             let made = aperture.transfer(&points).pressure(&solution.drive.excitation(&aperture.driven));
@@ -211,7 +212,7 @@ fn foci_get_the_pascals_that_they_are_to_get() {
                 let off = made.norm() / asked - 1.0;
                 assert!(off.abs() < if is_level { 1e-3 } else { 0.1 }, "{method:?} {amplitudes:?}: {off}");
             }
-            // The certificate is that of the same drive at full amplitude.
+            // The fraction of the bound is that of the same drive at full amplitude.
             let mut relative = scene.clone();
             relative.solver.pressures = Pressures::Relative;
             let full = certified(&relative, &solve(&relative, method));
@@ -221,7 +222,7 @@ fn foci_get_the_pascals_that_they_are_to_get() {
 }
 
 #[test]
-fn more_pascals_than_the_array_has_are_played_at_full_drive_with_a_warning() {
+fn targets_beyond_the_array_are_played_at_full_drive_with_a_warning() {
     let mut scene = scene(&[dvec3(-0.02, 0.0, 0.1), dvec3(0.02, 0.01, 0.1)]);
     let full = solve(&scene, Method::Best);
     for target in &mut scene.targets {
@@ -249,7 +250,7 @@ fn a_free_drive_is_the_methods_own() {
         assert!(apart(&free.drive.amplitudes, &free.excitation) < 1e-12, "{method:?}");
         assert!(apart(&free.drive.phases, &uniform.drive.phases) < 1e-12, "{method:?}");
         match method {
-            // What the pseudo-inverse prescribes is what its own amplitudes make.
+            // Only with its own amplitudes does the pseudo-inverse make the prescribed field.
             Method::Pinv => assert!(free.quality.spread < 1e-9 && uniform.quality.spread > 1e-2, "{free:?}"),
             Method::Weighted | Method::Naive | Method::Gspat => {
                 assert!(free.quality.mean_pressure < uniform.quality.mean_pressure, "{method:?}");
@@ -262,7 +263,7 @@ fn a_free_drive_is_the_methods_own() {
     }
 }
 
-/// Foci that the array tells apart, scattered over a square of 10 cm.
+/// Resolvable foci, scattered over a square of 10 cm.
 fn apart(count: usize) -> Vec<DVec3> {
     let mut points: Vec<DVec3> = Vec::new();
     let unit = |i: usize, step: f64| (i as f64 * step).fract() - 0.5;
@@ -299,7 +300,7 @@ fn best_is_level_stronger_than_long_iteration_and_certified() {
 }
 
 #[test]
-fn foci_closer_than_the_array_resolves_are_level_too() {
+fn unresolved_foci_are_level_too() {
     let aperture = Aperture::new(&Scene::default());
     for (count, rise) in [(32, 0.1), (64, 0.1), (32, 0.0), (64, 0.0)] {
         let foci = crowded(count, rise, 0.0);
@@ -312,7 +313,7 @@ fn foci_closer_than_the_array_resolves_are_level_too() {
     }
 }
 
-/// A turn of a helix with a radius of 3 cm that rises by `rise` from z = 10 cm, its axis at x = `shift`.
+/// One turn of a helix of radius 3 cm about x = `shift`, rising by `rise` from z = 10 cm.
 fn crowded(count: usize, rise: f64, shift: f64) -> Vec<Focus> {
     let focus = |i: usize| {
         let part = i as f64 / count as f64;
@@ -323,7 +324,7 @@ fn crowded(count: usize, rise: f64, shift: f64) -> Vec<Focus> {
 }
 
 #[test]
-fn few_levels_cost_what_theory_says_and_a_search_wins_some_of_it_back() {
+fn rounding_to_few_levels_costs_the_expected_part_and_a_search_recovers_some() {
     let aperture = Aperture::new(&Scene::default());
     let foci = apart(8).into_iter().map(|position| Focus::new(position, 1.0)).collect();
     let problem = Problem::new(&aperture, foci);
@@ -347,7 +348,7 @@ fn few_levels_cost_what_theory_says_and_a_search_wins_some_of_it_back() {
 }
 
 #[test]
-fn moving_foci_are_followed_from_the_last_solution() {
+fn moving_foci_continue_from_the_last_solution() {
     let aperture = Aperture::new(&Scene::default());
     let problem = |step: usize| {
         let moved = apart(8).into_iter().map(|point| point + 0.0005 * step as f64 * DVec3::X);
@@ -358,7 +359,7 @@ fn moving_foci_are_followed_from_the_last_solution() {
     for step in 1..=20 {
         let problem = problem(step);
         let next = solver::excite_from(&problem, &followed);
-        // Uniform drives that differ by less than what half a millimetre asks for: nothing jumps.
+        // A displacement of 0.5 mm changes phases smoothly.
         let turned = |(a, b): (&Complex64, &Complex64)| (a / b).arg().abs();
         let mean = next.values.iter().zip(&followed.values).map(turned).sum::<f64>() / 256.0;
         assert!(mean < 0.6, "{mean} rad at step {step}");
@@ -366,12 +367,12 @@ fn moving_foci_are_followed_from_the_last_solution() {
         let anew = solver::excite(&problem, Method::Best, 0).unwrap();
         part += weakest(&problem, &followed.values) / weakest(&problem, &anew.values) / 20.0;
     }
-    assert!(part > 0.985, "{part} of what a search finds");
+    assert!(part > 0.985, "{part} of a new search's pressure");
 }
 
-/// What foci can get falls with the distance; that alone is no reason to search.
+/// Focal pressures fall with distance, which alone must not start a new search.
 #[test]
-fn foci_that_leave_the_array_are_followed_without_searching_anew() {
+fn foci_that_move_away_need_no_new_search() {
     let mut scene = scene(&apart(6));
     scene.motion = Motion {
         path: MotionPath::Points,
@@ -389,12 +390,12 @@ fn foci_that_leave_the_array_are_followed_without_searching_anew() {
             let mean = moduli.iter().sum::<f64>() / moduli.len() as f64;
             assert!((frame.mean_pressure() / mean - 1.0).abs() < 1e-12);
         }
-        assert!(searched <= 4, "{pressures:?}: {searched} of {} frames were searched for", frames.len());
+        assert!(searched <= 4, "{pressures:?}: {searched} of {} frames were searched anew", frames.len());
     }
 }
 
 #[test]
-fn crowded_foci_are_followed_with_the_weights_that_level_them() {
+fn unresolved_foci_keep_their_weights_from_frame_to_frame() {
     let aperture = Aperture::new(&Scene::default());
     let problem = |shift: f64| Problem::new(&aperture, crowded(64, 0.1, shift));
     let before = solver::excite(&problem(0.0005), Method::Best, 0).unwrap();
@@ -408,7 +409,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, rng_seed: RngSeed::Fixed(40_000), ..ProptestConfig::default() })]
 
     #[test]
-    fn random_sets_are_solved_soundly_and_best_is_best(
+    fn random_sets_have_sound_solutions_and_best_is_strongest(
         points in prop::collection::vec((-0.05..0.05, -0.05..0.05, 0.1..0.2f64), 2..12)
     ) {
         let points: Vec<_> = points.into_iter().map(|(x, y, z)| DVec3::new(x, y, z)).collect();
@@ -422,7 +423,7 @@ proptest! {
         prop_assert!(best.min_pressure >= 0.98 * solve(&scene, Method::Pinv).quality.min_pressure, "{:?}", best);
     }
 
-    /// Three elements, every phase in steps of 15° and two amplitudes: nothing beats the bound.
+    /// Three elements, all phases in steps of 15° and two amplitudes: no drive exceeds the bound.
     #[test]
     fn the_bound_is_never_exceeded_on_small_arrays(
         points in prop::collection::vec((-0.02..0.02, -0.02..0.02, 0.02..0.06f64), 2..4)
@@ -441,15 +442,15 @@ proptest! {
                 for amplitude in [0.5, 1.0] {
                     let pressures = transfer.pressure(&[Complex64::ONE, second * amplitude, third]);
                     let weakest = pressures.iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min);
-                    prop_assert!(weakest <= bound * (1.0 + 1e-9), "{weakest} is more than {bound}");
+                    prop_assert!(weakest <= bound * (1.0 + 1e-9), "{weakest} exceeds {bound}");
                 }
             }
         }
     }
 
-    /// Whatever a file may ask for, the answer is finite and no element plays more than fully.
+    /// For any scene a file may hold, the solution is finite and amplitudes are at most 1.
     #[test]
-    fn any_scene_is_solved_soundly(
+    fn any_scene_has_a_sound_solution(
         (rows, columns) in (1..14u32, 1..14u32),
         (pitch, frequency) in (0.004..0.02f64, 20e3..100e3f64),
         foci in prop::collection::vec((-0.08..0.08f64, -0.08..0.08f64, 0.002..0.5f64, 0.0..3.0f64), 1..64),
@@ -464,7 +465,7 @@ proptest! {
             Target { pressure, ..Target::new(Shape::Point { at: DVec3::new(x, y, z) }) }
         };
         let mut scene = Scene { array, targets: foci.iter().map(target).collect(), ..Scene::default() };
-        scene.solver.method = if foci.len() > 1 { Method::ALL[method.max(1)] } else { Method::ALL[method] };
+        scene.solver.method = Method::VARIANTS[if foci.len() > 1 { method.max(1) } else { method }];
         scene.solver.pressures = if pascal { Pressures::Pascal } else { Pressures::Relative };
         scene.solver.amplitudes = if free { Amplitudes::Free } else { Amplitudes::Uniform };
         let scene = file::parse(&file::write(&scene), "any.toml".as_ref()).unwrap();

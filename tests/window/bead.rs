@@ -1,4 +1,4 @@
-//! A bead in the window: points that become traps, whether these hold it, and arrows of the force over the map.
+//! A bead in the window: points as traps, trapping of the bead, and arrows of the force over the map.
 
 use sonoglyph::force::{Levitation, Outcome};
 use sonoglyph::scene::{Board, Material, Target, Trap};
@@ -8,11 +8,11 @@ use super::*;
 
 const AT: DVec3 = DVec3::new(0.004, -0.003, 0.1);
 
-/// The window on a trap between two boards, with the figures of the bead in it.
+/// The window with a trap between two boards and the bead's figures.
 fn open_on_trap() -> Screen {
     let mut screen = open();
     let editor = screen.state_mut().editor_mut();
-    // One board alone lifts no bead of half a millimetre.
+    // A single board cannot lift a bead of 0.5 mm.
     let above = Board { at: DVec3::Z * 0.2, normal: DVec3::NEG_Z, ..Board::default() };
     editor.document.scene.boards = vec![Board::default(), above];
     editor.document.scene.targets = vec![Target::new(Shape::Point { at: AT })];
@@ -22,7 +22,7 @@ fn open_on_trap() -> Screen {
     rest(&mut screen);
     pick(&mut screen, "Trap", "standing wave");
     screen.state_mut().editor_mut().document.settle();
-    // So that the page has room.
+    // Makes room for the page.
     screen.state_mut().editor_mut().selection.clear();
     rest(&mut screen);
     screen.get_by_label("Bead").click();
@@ -33,17 +33,17 @@ fn open_on_trap() -> Screen {
 }
 
 fn levitated(screen: &Screen) -> Levitated {
-    screen.state().shown().levitated.clone().expect("something is known of the bead")
+    screen.state().shown().levitated.clone().expect("the bead has figures")
 }
 
-/// The same of the scene on the screen, by the library.
+/// The library's levitation of the scene on the screen.
 fn levitation(screen: &Screen) -> Levitation {
     let sound = screen.state().shown().sound.as_ref().unwrap();
     Levitation::new(scene(screen), &sound.aperture, &sound.drives)
 }
 
 #[test]
-fn a_point_becomes_a_trap_that_holds_a_light_bead_and_no_heavy_one() {
+fn a_point_becomes_a_trap_for_light_beads_but_not_for_heavy_ones() {
     let mut screen = open_on_trap();
     assert_eq!(scene(&screen).targets[0].shape, Shape::Trap { at: AT, trap: Trap::Standing, charge: 1 });
     let found = levitated(&screen);
@@ -77,7 +77,7 @@ fn a_point_becomes_a_trap_that_holds_a_light_bead_and_no_heavy_one() {
 }
 
 #[test]
-fn arrows_are_the_forces_on_the_cut() {
+fn arrows_are_the_forces_on_the_plane() {
     let mut screen = open_on_trap();
     assert_eq!(screen.state().shown().arrows, None, "computed on demand");
     screen.get_by_label("Arrows on the map").click();
@@ -87,7 +87,7 @@ fn arrows_are_the_forces_on_the_cut() {
     let height = scene(&screen).plane.centre.z;
     assert!(arrows.places.iter().all(|place| (place.z - height).abs() < 1e-12));
     assert_eq!(arrows.forces, levitation(&screen).forces_at(&arrows.places));
-    // They stay while the Scene page is left, and go with the map.
+    // They stay on other pages, and vanish with the map.
     screen.state_mut().editor_mut().panel = Panel::Solver;
     rest(&mut screen);
     assert!(screen.state().shown().arrows.is_some() && screen.state().shown().levitated.is_none());

@@ -1,4 +1,4 @@
-//! The window's Device panel with a virtual board: what is dragged on the screen arrives at the other end of a real line.
+//! The window's Device panel with a virtual board: drags on the screen arrive over a real line.
 
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
@@ -27,15 +27,19 @@ const POINT: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0
 fn until(screen: &mut Screen, what: &str, condition: impl Fn(&Screen) -> bool) {
     let start = Instant::now();
     while !condition(screen) {
-        assert!(start.elapsed() < PATIENCE, "{what} did not come; {:?}", screen.state().shown().board);
+        assert!(
+            start.elapsed() < PATIENCE,
+            "timed out waiting for {what}; {:?}",
+            screen.state().shown().board
+        );
         std::thread::sleep(Duration::from_millis(5));
         screen.step();
     }
-    // What is drawn may still be of the frame before: buttons move when a board is lost or found.
+    // Buttons move when a board is lost or found, so the layout needs further frames.
     screen.run_steps(2);
 }
 
-/// The window on one point, its Device panel connected to a virtual board.
+/// The window on one point, with its Device panel connected to a virtual board.
 fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
     let (sender, shown) = sync_channel(100_000);
     let watch = move |frame: &Shown| drop(sender.try_send(frame.clone()));
@@ -59,7 +63,7 @@ fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
     (screen, board, shown)
 }
 
-/// What the board is to play of the scene as it is.
+/// The levels of the scene's solution for the board.
 fn wanted(screen: &Screen, profile: Profile) -> Levels {
     let solution = screen.state().shown().solution.as_ref().unwrap();
     Levels::new(profile, &solution.drive, &Calibration::default()).unwrap()
@@ -70,7 +74,7 @@ fn place(screen: &Screen, x: f64, y: f64) -> Pos2 {
     Lens { rect: map.rect, window: map.window }.screen(DVec2::new(x, y) * 1e-3)
 }
 
-/// Waits for a frame, and says whether it came.
+/// Waits for a frame.
 fn arrives(screen: &mut Screen, shown: &Receiver<Shown>, levels: &Levels) {
     let start = Instant::now();
     while shown.try_recv().map_or(true, |shown| shown.levels != *levels) {
@@ -86,7 +90,7 @@ fn is_silent(board: &Board) -> bool {
 }
 
 #[test]
-fn what_is_dragged_is_played() {
+fn a_dragged_target_is_played() {
     for profile in [Profile::Native, Profile::SonicSurface] {
         let (mut screen, board, shown) = connected(profile);
         until(&mut screen, "silence", |_| is_silent(&board));
@@ -94,7 +98,7 @@ fn what_is_dragged_is_played() {
         screen.run_steps(2);
         let first = wanted(&screen, profile);
         arrives(&mut screen, &shown, &first);
-        // The point goes with the pointer, and its field with it.
+        // The point and its field follow the pointer.
         let from = place(&screen, 0.0, 0.0);
         screen.hover_at(from);
         screen.step();
@@ -108,7 +112,7 @@ fn what_is_dragged_is_played() {
             assert_ne!(now, first);
             arrives(&mut screen, &shown, &now);
         }
-        // Unplugged in the middle of it: the window says so, and goes on where it is when the board is back.
+        // Unplugged during the drag: the window reports it, and continues when the board returns.
         board.unplug(true);
         let is_lost = |screen: &Screen| {
             let lost = screen.state().shown().notice.as_ref();
@@ -133,7 +137,7 @@ fn what_is_dragged_is_played() {
         screen.run_steps(2);
         arrives(&mut screen, &shown, &newest);
         until(&mut screen, "sound", |_| !is_silent(&board));
-        // A scene without targets is silent, and so is a window that was closed.
+        // A scene without targets is silent, and so is the board after the window has closed.
         let targets = std::mem::take(&mut screen.state_mut().editor_mut().document.scene.targets);
         until(&mut screen, "silence", |_| is_silent(&board));
         screen.state_mut().editor_mut().document.scene.targets = targets;
@@ -141,14 +145,14 @@ fn what_is_dragged_is_played() {
         drop(screen);
         let start = Instant::now();
         while !is_silent(&board) {
-            assert!(start.elapsed() < PATIENCE, "the window has left a sound behind");
+            assert!(start.elapsed() < PATIENCE, "the board still sounds after the window");
             std::thread::sleep(Duration::from_millis(5));
         }
     }
 }
 
 #[test]
-fn elements_are_tried_one_by_one() {
+fn elements_are_tested_one_by_one() {
     let (mut screen, board, shown) = connected(Profile::SonicSurface);
     screen.state_mut().editor_mut().board.element = 37;
     screen.step();
@@ -164,7 +168,7 @@ fn elements_are_tried_one_by_one() {
 }
 
 #[test]
-fn an_array_that_is_not_the_boards_is_refused_with_a_word() {
+fn an_array_of_another_shape_is_refused_with_a_message() {
     let (mut screen, board, _) = connected(Profile::SonicSurface);
     let array = &mut screen.state_mut().editor_mut().document.scene.array;
     (array.rows, array.columns) = (8, 32);
@@ -180,7 +184,7 @@ fn an_array_that_is_not_the_boards_is_refused_with_a_word() {
 }
 
 #[test]
-fn a_virtual_board_is_chosen_as_a_port_and_remembered_and_claims_no_more_than_it_knows() {
+fn a_virtual_board_is_a_port_that_is_remembered_and_reported_as_unconfirmed() {
     let folder = tempfile::tempdir().unwrap();
     let there = folder.path().to_owned();
     let open_there = || {
@@ -226,7 +230,7 @@ fn a_virtual_board_is_chosen_as_a_port_and_remembered_and_claims_no_more_than_it
 }
 
 #[test]
-fn a_board_is_tried_without_one() {
+fn a_board_can_be_emulated() {
     for profile in [Profile::Native, Profile::SonicSurface] {
         let mut screen = Harness::builder()
             .with_size(vec2(1280.0, 800.0))
@@ -249,7 +253,7 @@ fn a_board_is_tried_without_one() {
     }
 }
 
-/// Clicks on a button as soon as it is there and can be.
+/// Clicks on a button as soon as it is enabled.
 fn press(screen: &mut Screen, name: &str) {
     until(screen, name, |screen| {
         screen.query_by_label(name).is_some_and(|node| !node.accesskit_node().is_disabled())
@@ -308,7 +312,7 @@ fn a_board_is_brought_up_step_by_step() {
 }
 
 #[test]
-fn after_an_emergency_stop_the_scene_sounds_when_it_is_sent_again() {
+fn after_an_emergency_stop_the_scene_must_be_sent_again() {
     let (mut screen, board, _shown) = connected(Profile::Native);
     press(&mut screen, "Send");
     until(&mut screen, "sound", |screen| {
@@ -318,13 +322,13 @@ fn after_an_emergency_stop_the_scene_sounds_when_it_is_sent_again() {
     until(&mut screen, "the stop", |screen| screen.state().shown().board.health.as_ref().unwrap().stopped);
     board.press(false);
     screen.run_steps(3);
-    assert_eq!(screen.state().shown().board.plays, Plays::Nothing, "until somebody says so");
+    assert_eq!(screen.state().shown().board.plays, Plays::Nothing, "until the scene is sent again");
     press(&mut screen, "Send");
     until(&mut screen, "sound again", |_| !is_silent(&board));
 }
 
 #[test]
-fn while_the_board_plays_the_motion_the_screen_goes_through_its_frames() {
+fn the_screen_shows_the_frames_that_the_board_plays() {
     let (mut screen, _board, _shown) = connected(Profile::Native);
     let editor = screen.state_mut().editor_mut();
     editor.document.scene.motion = Motion { path: MotionPath::Circle, frames: 8, ..Motion::default() };

@@ -1,4 +1,4 @@
-//! Pressure painted by hand: strokes, the eraser, undo, and the files that paintings go to.
+//! Pressure painted by hand: strokes, the eraser, undo, and the files of paintings.
 
 use egui_kittest::kittest::NodeT;
 use sonoglyph::app::recovery::Recovery;
@@ -16,14 +16,14 @@ fn open_empty() -> Screen {
     screen
 }
 
-/// Drags the tool of a key from one place in mm to another.
+/// Drags with a tool from one place to another, in mm.
 fn sweep(screen: &mut Screen, tool: Tool, from: [f64; 2], to: [f64; 2]) {
     key(screen, tool.key());
     let (from, to) = (at(screen, from[0], from[1]), at(screen, to[0], to[1]));
     drag(screen, from, to);
 }
 
-/// The window on a plane that is empty but for one stroke, from (-20, 10) to (20, 10).
+/// The window on a plane with one stroke, from (-20, 10) to (20, 10).
 fn open_painted() -> Screen {
     let mut screen = open_empty();
     key(&mut screen, Tool::Point.key());
@@ -41,7 +41,7 @@ fn picture(target: &Target) -> (&str, &Grey) {
     let Shape::Picture { file, pixels, .. } = &target.shape else {
         panic!("{:?} is no picture", target.shape)
     };
-    (file, pixels.get().expect("it has pixels"))
+    (file, pixels.get().expect("its pixels are loaded"))
 }
 
 fn only(screen: &Screen) -> (&str, &Grey) {
@@ -49,7 +49,7 @@ fn only(screen: &Screen) -> (&str, &Grey) {
     picture(&scene(screen).targets[0])
 }
 
-/// Brightness of the first target at a place in mm about its centre.
+/// Brightness of the first target at mm from its centre.
 fn painted(screen: &Screen, x: f64, y: f64) -> f32 {
     let Shape::Picture { width, pixels, .. } = &scene(screen).targets[0].shape else { panic!("no picture") };
     let grey = pixels.get().unwrap();
@@ -73,7 +73,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn a_stroke_of_the_brush_is_a_picture_where_it_gets_loud() {
+fn a_stroke_of_the_brush_is_a_picture_with_loud_sound() {
     let mut screen = open_painted();
     let (file, grey) = only(&screen);
     assert_eq!((file, grey.file.as_deref()), ("painting.png", None));
@@ -89,13 +89,17 @@ fn a_stroke_of_the_brush_is_a_picture_where_it_gets_loud() {
     sweep(&mut screen, Tool::Brush, [0.0, -30.0], [0.0, -30.0]);
     assert_eq!((only(&screen).0, painted(&screen, 0.0, -30.0)), ("painting.png", 1.0), "on the same picture");
     press(&mut screen, Modifiers::COMMAND, Key::Z);
-    assert_eq!([painted(&screen, 0.0, -30.0), painted(&screen, 0.0, 10.0)], [0.0, 1.0], "a stroke is a step");
+    assert_eq!(
+        [painted(&screen, 0.0, -30.0), painted(&screen, 0.0, 10.0)],
+        [0.0, 1.0],
+        "a stroke is one undo step"
+    );
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     assert!(scene(&screen).targets.is_empty());
     press(&mut screen, Modifiers::COMMAND, Key::Y);
     press(&mut screen, Modifiers::COMMAND, Key::Y);
     assert_eq!([painted(&screen, 0.0, -30.0), painted(&screen, 0.0, 10.0)], [1.0, 1.0]);
-    // Beside the plane there is nothing to paint on.
+    // Beside the plane strokes have no effect.
     clear(&mut screen);
     key(&mut screen, Tool::Brush.key());
     let canvas = screen.get_by_label("Canvas: the field on the plane").rect();
@@ -104,7 +108,7 @@ fn a_stroke_of_the_brush_is_a_picture_where_it_gets_loud() {
 }
 
 #[test]
-fn the_eraser_wipes_pictures_and_deletes_what_is_black_and_other_targets() {
+fn the_eraser_wipes_pictures_and_deletes_empty_ones_and_other_targets() {
     let mut screen = open_painted();
     screen
         .state_mut()
@@ -122,13 +126,13 @@ fn the_eraser_wipes_pictures_and_deletes_what_is_black_and_other_targets() {
     assert_eq!(only(&screen).0, "painting.png", "the circle is gone");
     type_in(&mut screen, "Diameter", "40");
     sweep(&mut screen, Tool::Erase, [-30.0, 10.0], [30.0, 10.0]);
-    assert!(scene(&screen).targets.is_empty(), "nothing is left of it");
+    assert!(scene(&screen).targets.is_empty(), "the empty picture is deleted");
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     assert_eq!(painted(&screen, 0.0, 10.0), 1.0);
 }
 
 #[test]
-fn the_brush_paints_upright_planes_the_selected_picture_and_as_its_numbers_say() {
+fn the_brush_paints_upright_planes_and_selected_pictures_with_its_settings() {
     let mut screen = open_painted();
     type_in(&mut screen, "Diameter", "20");
     type_in(&mut screen, "Brightness", "0.5");
@@ -142,7 +146,7 @@ fn the_brush_paints_upright_planes_the_selected_picture_and_as_its_numbers_say()
     screen.get_by_label("XZ").click();
     rest(&mut screen);
     sweep(&mut screen, Tool::Brush, [0.0, 120.0], [10.0, 120.0]);
-    assert_eq!(scene(&screen).targets.len(), 2, "the first does not lie in this plane");
+    assert_eq!(scene(&screen).targets.len(), 2, "the first lies in another plane");
     let foci = &screen.state().shown().sound.as_ref().unwrap().foci;
     let upright: Vec<_> = foci.iter().filter(|focus| focus.position.z > 0.101).collect();
     assert!(!upright.is_empty());
@@ -156,7 +160,7 @@ fn the_brush_paints_upright_planes_the_selected_picture_and_as_its_numbers_say()
 }
 
 #[test]
-fn paintings_are_saved_beside_the_scene_and_the_file_plays_what_the_window_did() {
+fn paintings_are_saved_beside_the_scene_and_solved_from_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml");
     let mut screen = open_painted();
@@ -171,7 +175,7 @@ fn paintings_are_saved_beside_the_scene_and_the_file_plays_what_the_window_did()
     let drive = |scene: &Scene| solver::solve(scene).unwrap().drive;
     assert_eq!(drive(&again), drive(scene(&screen)));
 
-    // Undone, saved, and done again: one file, with what the window shows.
+    // After undo, save and redo there is one file, with the window's pixels.
     let bytes = |place: &Path| std::fs::read(place).unwrap();
     let first = bytes(&png);
     sweep(&mut screen, Tool::Brush, [0.0, -30.0], [20.0, -30.0]);
@@ -186,25 +190,25 @@ fn paintings_are_saved_beside_the_scene_and_the_file_plays_what_the_window_did()
     press(&mut screen, Modifiers::COMMAND, Key::S);
     assert_eq!((bytes(&png), names(folder.path()).len()), (second.clone(), 2));
 
-    // Opened again and painted on, it is still the scene's own.
+    // After opening and painting, the file still belongs to the scene.
     press(&mut screen, Modifiers::COMMAND, Key::O);
     answer(&mut screen, Purpose::Open, &path);
     sweep(&mut screen, Tool::Erase, [-30.0, 10.0], [-10.0, 10.0]);
-    assert_eq!(picture(&scene(&screen).targets[0]).0, "painting.png", "it is in no file");
+    assert_eq!(picture(&scene(&screen).targets[0]).0, "painting.png", "not yet in a file");
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     press(&mut screen, Modifiers::COMMAND, Key::S);
     assert_eq!((bytes(&png), names(folder.path()).len()), (second.clone(), 2));
     press(&mut screen, Modifiers::COMMAND, Key::Y);
     press(&mut screen, Modifiers::COMMAND, Key::S);
     assert!(bytes(&png) != second && names(folder.path()).len() == 2, "{:?}", names(folder.path()));
-    // The file that these pixels were loaded from holds others by now.
+    // By now, the file of these pixels holds others.
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     press(&mut screen, Modifiers::COMMAND, Key::S);
     assert_eq!((bytes(&png), names(folder.path()).len()), (second, 2));
 }
 
 #[test]
-fn files_of_others_are_never_painted_over() {
+fn foreign_pictures_are_never_overwritten() {
     let folder = tempfile::tempdir().unwrap();
     let (foreign, taken) = (folder.path().join("star.png"), folder.path().join("star-painting.png"));
     image::GrayImage::from_pixel(20, 10, image::Luma([128])).save(&foreign).unwrap();
@@ -216,11 +220,11 @@ fn files_of_others_are_never_painted_over() {
     let mut screen = open();
     press(&mut screen, Modifiers::COMMAND, Key::O);
     answer(&mut screen, Purpose::Open, &path);
-    // Two of the same, and one of them is painted on.
+    // Two targets of one picture, one of which is painted on.
     press(&mut screen, Modifiers::COMMAND, Key::A);
     press(&mut screen, Modifiers::COMMAND, Key::D);
     sweep(&mut screen, Tool::Brush, [10.0, -10.0], [15.0, -10.0]);
-    assert_eq!(scene(&screen).targets.len(), 2, "no new one");
+    assert_eq!(scene(&screen).targets.len(), 2, "no new target");
     press(&mut screen, Modifiers::COMMAND, Key::S);
     assert_eq!([&foreign, &taken].map(|file| std::fs::read(file).unwrap()), before);
     let written = std::fs::read_to_string(&path).unwrap();
@@ -232,7 +236,7 @@ fn files_of_others_are_never_painted_over() {
     let found: Vec<_> = again.targets.iter().map(brightest).collect();
     assert!(found.iter().zip(expected).all(|(a, b): (&f32, f32)| (a - b).abs() < 1e-5), "{found:?}");
 
-    // Elsewhere, the foreign one is named by its whole path, and the painting is written again.
+    // In another folder, the foreign picture is named by its whole path, and the painting is written again.
     let other = tempfile::tempdir().unwrap();
     save_as(&mut screen, &other.path().join("moved.toml"));
     assert_eq!(names(other.path()), ["moved-painting.png", "moved.toml"]);
@@ -252,7 +256,7 @@ fn a_painting_that_cannot_be_written_stays_in_the_window() {
     let before = scene(&screen).clone();
     press(&mut screen, Modifiers::COMMAND, Key::S);
     let Some(Dialog::Message { text: said, .. }) = &screen.state().editor().dialog else {
-        panic!("it says nothing")
+        panic!("no message")
     };
     assert!(said.contains("mine-painting.png"), "{said}");
     assert!(*scene(&screen) == before && screen.state().editor().document.is_unsaved());
@@ -260,7 +264,7 @@ fn a_painting_that_cannot_be_written_stays_in_the_window() {
 }
 
 #[test]
-fn paintings_outlive_a_crash_and_go_through_the_clipboard() {
+fn paintings_survive_a_crash_and_the_clipboard() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open_painted();
     let unsaved = scene(&screen).clone();
@@ -286,7 +290,7 @@ fn paintings_outlive_a_crash_and_go_through_the_clipboard() {
     });
     rest(&mut screen);
     assert!(scene(&screen).targets.is_empty());
-    screen.event(Event::Paste(copied.expect("something is on the clipboard")));
+    screen.event(Event::Paste(copied.expect("the clipboard has a text")));
     rest(&mut screen);
     let pixels = |scene: &Scene| match &scene.targets[0].shape {
         Shape::Picture { pixels, .. } => pixels.clone(),
@@ -296,7 +300,7 @@ fn paintings_outlive_a_crash_and_go_through_the_clipboard() {
 }
 
 #[test]
-fn the_numbers_of_the_brush_stand_above_the_map_while_it_is_the_tool() {
+fn the_brush_has_its_settings_above_the_map() {
     let mut screen = open();
     let has = |screen: &Screen, name: &str| {
         let nodes = screen.root().children_recursive();

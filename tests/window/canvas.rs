@@ -1,4 +1,4 @@
-//! What is measured, lined up, transformed and done by keys on the canvas.
+//! The canvas: measuring, alignment, transformation, and keys.
 
 use egui::PointerButton;
 use egui::accesskit::Role;
@@ -50,12 +50,12 @@ fn choose(screen: &mut Screen, item: &str) {
 }
 
 #[test]
-fn a_line_is_measured_moved_at_its_end_exported_and_put_away() {
+fn a_line_profile_is_measured_moved_exported_and_removed() {
     let mut screen = open_with(&[point(0.0, 0.0)]);
     key(&mut screen, Key::D);
     let (from, to) = (at(&screen, -30.0, 0.0), at(&screen, 30.0, 0.0));
     drag(&mut screen, from, to);
-    assert_eq!(scene(&screen).targets.len(), 1, "nothing is drawn");
+    assert_eq!(scene(&screen).targets.len(), 1, "no target is drawn");
     assert!(screen.query_by_label("60.0 mm, 0.0°").is_some());
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("profile.csv");
@@ -82,7 +82,7 @@ fn a_line_is_measured_moved_at_its_end_exported_and_put_away() {
 }
 
 #[test]
-fn the_line_profile_stands_below_the_map_in_step_with_it_and_starts_in_front_of_the_array() {
+fn the_line_profile_follows_the_map_and_starts_in_front_of_the_array() {
     let mut screen = open_with(&[point(0.01, 0.0)]);
     key(&mut screen, Key::X);
     let (plot, map) = (screen.get_by_label("Line profile plot").rect(), lens(&screen).rect);
@@ -123,12 +123,12 @@ fn a_freehand_stroke_that_nearly_closes_is_closed() {
         else {
             panic!("no path")
         };
-        assert_eq!(*is_closed, closed, "{last} of a round");
+        assert_eq!(*is_closed, closed, "{last} of a circle");
     }
 }
 
 #[test]
-fn alt_drags_a_copy_and_guides_line_it_up_unless_ctrl_is_held() {
+fn alt_drags_a_copy_that_guides_align_unless_ctrl_is_held() {
     let mut screen = open_with(&[point(0.0, 0.0), point(-0.03, 0.02)]);
     let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 35.0, 19.3));
     hold(&mut screen, Modifiers::ALT);
@@ -136,7 +136,7 @@ fn alt_drags_a_copy_and_guides_line_it_up_unless_ctrl_is_held() {
     hold(&mut screen, Modifiers::NONE);
     let places = centres(&screen);
     assert_eq!(places.len(), 3);
-    assert_eq!(places[0], DVec2::ZERO, "what is copied stays");
+    assert_eq!(places[0], DVec2::ZERO, "the original stays");
     assert!((places[2].y - 20.0).abs() < 1e-9, "in line with the other: {}", places[2]);
     assert!((places[2].x - 35.0).abs() < 0.5);
     let from = at(&screen, places[2].x, places[2].y);
@@ -148,7 +148,7 @@ fn alt_drags_a_copy_and_guides_line_it_up_unless_ctrl_is_held() {
 }
 
 #[test]
-fn a_selection_is_scaled_at_a_corner_and_turned_at_its_handle() {
+fn a_selection_is_scaled_at_a_corner_and_rotated_at_its_handle() {
     let mut screen = open_with(&[point(-0.02, -0.01), point(0.02, 0.01)]);
     press(&mut screen, Modifiers::COMMAND, Key::A);
     let corner = at(&screen, 20.0, 10.0) + vec2(14.0, -14.0);
@@ -167,7 +167,7 @@ fn a_selection_is_scaled_at_a_corner_and_turned_at_its_handle() {
 }
 
 #[test]
-fn the_right_button_opens_a_menu_of_what_is_selected() {
+fn the_right_button_opens_a_menu_for_the_selection() {
     let mut screen = open_with(&[point(-0.02, -0.01), point(0.02, 0.01), point(0.01, 0.03)]);
     let place = at(&screen, 20.0, 10.0);
     click_right(&mut screen, place);
@@ -184,7 +184,7 @@ fn the_right_button_opens_a_menu_of_what_is_selected() {
 }
 
 #[test]
-fn a_target_is_placed_moved_and_chosen_by_keys_alone() {
+fn a_target_is_placed_moved_and_selected_by_keys_alone() {
     let mut screen = open_with(&[]);
     key(&mut screen, Key::P);
     screen.get_by_label(CANVAS).focus();
@@ -197,14 +197,14 @@ fn a_target_is_placed_moved_and_chosen_by_keys_alone() {
     press(&mut screen, Modifiers::SHIFT, Key::ArrowLeft);
     key(&mut screen, Key::Space);
     assert_eq!(centres(&screen).len(), 2);
-    // The next one in the list, which arrows move from then on.
+    // Selects the next target in the list, which the arrow keys then move.
     key(&mut screen, Key::Period);
     assert_eq!(screen.state().editor().selection, [0].into());
     press(&mut screen, Modifiers::COMMAND, Key::ArrowDown);
     key(&mut screen, Key::ArrowDown);
     assert!(centres(&screen)[0].distance(DVec2::new(10.0, 0.0)) < 1e-9, "{:?}", centres(&screen));
     press(&mut screen, Modifiers::COMMAND, Key::Z);
-    assert_eq!(centres(&screen)[0].y.mul_add(10.0, 0.0).round(), 10.0, "keys of the menu still work");
+    assert_eq!(centres(&screen)[0].y.mul_add(10.0, 0.0).round(), 10.0, "menu shortcuts still work");
     key(&mut screen, Key::T);
     key(&mut screen, Key::Enter);
     letters(&mut screen, "HI");
@@ -213,7 +213,7 @@ fn a_target_is_placed_moved_and_chosen_by_keys_alone() {
 }
 
 #[test]
-fn what_is_drawn_says_its_size_beside_the_pointer() {
+fn a_shape_in_drawing_has_its_size_beside_the_pointer() {
     let mut screen = open_with(&[point(0.0, 0.07)]);
     key(&mut screen, Key::C);
     let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 0.0, 20.0));
@@ -224,7 +224,7 @@ fn what_is_drawn_says_its_size_beside_the_pointer() {
     rest(&mut screen);
 }
 
-/// What is written on the screen, and where.
+/// The texts on the screen, with their rectangles.
 fn texts(screen: &Screen) -> Vec<(String, Rect)> {
     let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
         egui::Shape::Text(text) => {
@@ -236,7 +236,7 @@ fn texts(screen: &Screen) -> Vec<(String, Rect)> {
 }
 
 #[test]
-fn the_read_out_of_a_narrow_map_is_seen_whole() {
+fn the_read_out_fits_a_narrow_map() {
     let mut screen = open_with(&[point(0.0, 0.0)]);
     screen.set_size(vec2(500.0, 600.0));
     rest(&mut screen);
@@ -250,7 +250,7 @@ fn the_read_out_of_a_narrow_map_is_seen_whole() {
 }
 
 #[test]
-fn a_target_out_of_reach_is_named() {
+fn a_target_out_of_reach_gives_a_warning() {
     let mut screen = open_with(&[point(0.0, 0.0)]);
     let warned =
         |screen: &Screen| screen.state().shown().warnings.iter().any(|it| it.starts_with("Target 1 is too"));

@@ -1,4 +1,4 @@
-//! Two maps side by side: what each is of, one range of colours, one pointer and one zoom, and the difference.
+//! Two maps side by side: their differences in method, levels and plane, one colour scale, pointer and zoom.
 
 use egui::accesskit::Role;
 use sonoglyph::scene::Method;
@@ -27,7 +27,7 @@ fn beside(screen: &Screen) -> &Beside {
 }
 
 #[test]
-fn another_method_stands_beside_with_the_same_range_of_colours() {
+fn another_method_is_compared_on_the_same_colour_scale() {
     let mut screen = comparing();
     let (own, other) = (screen.state().shown().map.as_ref().unwrap(), beside(&screen).map.as_ref().unwrap());
     let range = Some(f64::from(own.largest.max(other.largest) as f32));
@@ -39,15 +39,15 @@ fn another_method_stands_beside_with_the_same_range_of_colours() {
     alone.solver.method = Method::Naive;
     let drive = sonoglyph::solver::solve(&alone).unwrap().drive;
     assert_eq!(beside(&screen).sound.as_ref().unwrap().drive(), &drive);
-    // What is off is not made, and the first map has its own range again.
+    // Switched off, the second map is not computed, and the first has its own range again.
     switch(&mut screen);
     assert!(screen.state().shown().beside.is_none());
     assert_eq!(screen.state().shown().map.as_ref().unwrap().full, None);
-    assert!(screen.run() <= 2, "an idle window asks for no frames");
+    assert!(screen.run() <= 2, "an idle window requests no frames");
 }
 
 #[test]
-fn an_idle_comparison_asks_for_no_frames() {
+fn an_idle_comparison_requests_no_frames() {
     let mut screen = comparing();
     let work = screen.state().work();
     screen.run_steps(5);
@@ -56,7 +56,7 @@ fn an_idle_comparison_asks_for_no_frames() {
 }
 
 #[test]
-fn the_difference_is_that_of_both_maps() {
+fn the_difference_is_of_both_maps() {
     let mut screen = comparing();
     choose(&mut screen, "Difference");
     let largest = beside(&screen).difference.as_ref().unwrap().largest;
@@ -67,7 +67,7 @@ fn the_difference_is_that_of_both_maps() {
     };
     let most = own.iter().copied().fold(0.0, f32::max);
     assert!(largest > 0.0 && largest <= f64::from(most).max(other), "{largest}");
-    // A method beside itself.
+    // A method compared with itself.
     screen.get_by_role_and_label(Role::ComboBox, "Second method").click();
     rest(&mut screen);
     let item = screen.get_all_by_label("levelled Gauss-Newton").last().unwrap();
@@ -77,7 +77,7 @@ fn the_difference_is_that_of_both_maps() {
 }
 
 #[test]
-fn a_drive_on_few_levels_stands_beside_the_ideal_one() {
+fn a_drive_on_few_levels_is_compared_with_the_ideal_one() {
     let mut screen = comparing();
     choose(&mut screen, "Phase levels");
     let ideal = screen.state().shown().sound.as_ref().unwrap().drive().clone();
@@ -86,7 +86,7 @@ fn a_drive_on_few_levels_stands_beside_the_ideal_one() {
 }
 
 #[test]
-fn another_plane_goes_with_the_zoom_and_both_maps_read_the_pointer_out() {
+fn another_plane_shares_the_zoom_and_the_pointer() {
     let mut screen = comparing();
     choose(&mut screen, "Plane");
     let second = beside(&screen).map.as_ref().unwrap();
@@ -97,7 +97,7 @@ fn another_plane_goes_with_the_zoom_and_both_maps_read_the_pointer_out() {
     assert_eq!(own.window.scale, other.window.scale);
     assert_eq!(own.window.centre.x, other.window.centre.x);
     assert!(screen.state().editor().view.window.is_some());
-    // At the method's own zoom, both windows are one.
+    // Back to a comparison of methods, both maps have the same window.
     choose(&mut screen, "Method");
     let (own, other) = (screen.state().shown().map.as_ref().unwrap(), beside(&screen).map.as_ref().unwrap());
     assert_eq!(own.window, other.window);

@@ -1,4 +1,4 @@
-//! Modulation by tones, by power and by a file, and the pressure at a point in the course of time.
+//! Modulation by tones, by power and by a file, and the time course of the pressure at a point.
 
 use egui::accesskit::Role;
 use sonoglyph::scene::{Envelope, Law, Listener, Motion, MotionPath, Target};
@@ -36,7 +36,7 @@ fn tones_are_edited_one_by_one_and_never_exceed_full_depth() {
     type_in(&mut screen, "Tone 1 frequency", "150");
     type_in(&mut screen, "Tone 1 depth", "30");
     type_in(&mut screen, "Tone 1 phase", "90");
-    // Half is the other's.
+    // Limited, because the other tone has half of the depth.
     type_in(&mut screen, "Tone 2 depth", "95");
     press_button(&mut screen, "Add a tone");
     let tones = &scene(&screen).modulation.tones;
@@ -51,7 +51,7 @@ fn tones_are_edited_one_by_one_and_never_exceed_full_depth() {
 }
 
 #[test]
-fn the_course_at_a_focus_has_the_lines_of_the_modulation() {
+fn the_time_course_at_a_focus_has_the_spectrum_of_the_modulation() {
     let mut screen = open_on_motion();
     assert_eq!(screen.state().shown().course, None, "computed on demand");
     pick(&mut screen, "Amplitude modulation", "sine");
@@ -70,7 +70,7 @@ fn the_course_at_a_focus_has_the_lines_of_the_modulation() {
     assert!((peak / focus - 1.0).abs() < 1e-9, "{peak} and {focus} Pa");
     assert!(screen.query_by_label_contains("133.3 % at 200 Hz").is_some());
 
-    // The listener, who is not there, and then is.
+    // A listener, first missing, then present.
     pick(&mut screen, "Place", "listener");
     assert!(screen.query_by_label_contains("There is no listener").is_some());
     let ear = DVec3::new(0.1, -0.3, 0.3);
@@ -78,7 +78,7 @@ fn the_course_at_a_focus_has_the_lines_of_the_modulation() {
     rest(&mut screen);
     assert_eq!(course(&screen).at, ear);
 
-    // Where the pointer was last on the map.
+    // At the last position of the pointer on the map.
     pick(&mut screen, "Place", "pointer");
     assert_eq!(screen.state().editor().course.place, CoursePlace::Pointer);
     let place = at(&screen, 20.0, -10.0);
@@ -89,7 +89,7 @@ fn the_course_at_a_focus_has_the_lines_of_the_modulation() {
 }
 
 #[test]
-fn a_moving_focus_is_heard_in_harmonics_of_its_cycle() {
+fn a_moving_focus_has_harmonics_of_its_cycle() {
     let mut screen = open_on_motion();
     let motion = Motion { path: MotionPath::Circle, frames: 16, ..Motion::default() };
     screen.state_mut().editor_mut().document.scene.motion = motion;
@@ -108,13 +108,13 @@ fn a_moving_focus_is_heard_in_harmonics_of_its_cycle() {
 }
 
 #[test]
-fn a_waveform_is_asked_for_and_taken() {
+fn a_waveform_is_chosen_from_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open_on_motion();
     pick(&mut screen, "Amplitude modulation", "file");
     let editor = screen.state().editor();
     assert!(matches!(editor.dialog, Some(Dialog::Path { purpose: Purpose::Waveform, .. })));
-    assert_eq!(scene(&screen).modulation.shape, Envelope::Off, "not before there is one");
+    assert_eq!(scene(&screen).modulation.shape, Envelope::Off, "unchanged until a file is chosen");
     let path = folder.path().join("buzz.wav");
     std::fs::write(&path, "no sound").unwrap();
     answer(&mut screen, Purpose::Waveform, &path);
@@ -135,7 +135,7 @@ fn a_waveform_is_asked_for_and_taken() {
     let modulation = &scene(&screen).modulation;
     assert_eq!((modulation.shape, modulation.file.as_str()), (Envelope::File, path.to_str().unwrap()));
     assert_eq!(modulation.wave.get().unwrap().values, [0.5, -0.5]);
-    // Saved beside it, the scene names the file alone, and reads it again.
+    // Saved beside the waveform, the scene holds only the file name, and can read it again.
     let saved = folder.path().join("a.toml");
     let placed = screen.state().editor().document.placed(&saved);
     let text = screen.state().editor().document.text_of(&placed.scene);

@@ -1,23 +1,15 @@
-//! The real window on a real X server: drawn in, saved from and closed with pointer and keys.
+//! The real window on an X server: drawing, saving and closing by pointer and keys.
 
 use std::io::{BufRead, BufReader};
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use sonoglyph::scene::{Shape, file};
 
-/// A program that ends with the test.
-struct Running(Child);
+use crate::running::Running;
 
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-/// An X server and the number of its display. `None` where there is none, said aloud.
+/// An X server and its display's number; `None`, with a note, without one.
 fn display() -> Option<(Running, String)> {
     for program in ["Xvfb", "xdotool"] {
         let is_there = Command::new(program).arg("-version").output();
@@ -34,7 +26,7 @@ fn display() -> Option<(Running, String)> {
     Some((Running(server), format!(":{}", number.trim())))
 }
 
-/// Does something to the window, and gives it time to draw.
+/// Sends input to the window, and gives it time to draw.
 fn xdotool(display: &str, args: &[&str]) -> String {
     let output = Command::new("xdotool").args(args).env("DISPLAY", display).output().unwrap();
     sleep(Duration::from_millis(400));
@@ -42,7 +34,7 @@ fn xdotool(display: &str, args: &[&str]) -> String {
 }
 
 #[test]
-fn somebody_draws_saves_and_leaves() {
+fn a_session_draws_saves_and_quits() {
     let Some((_server, display)) = display() else { return };
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drawn.toml");
@@ -66,7 +58,7 @@ fn somebody_draws_saves_and_leaves() {
         assert!(start.elapsed() < Duration::from_secs(60), "no window opens");
     };
     sleep(Duration::from_secs(2));
-    // Without a window manager nobody gives the window the keyboard.
+    // Without a window manager the window has to be given the keyboard focus.
     xdotool(&display, &["windowfocus", &window]);
     let act = |args: &[&str]| xdotool(&display, args);
     act(&["key", "ctrl+a"]);
@@ -93,14 +85,7 @@ fn somebody_draws_saves_and_leaves() {
         sleep(Duration::from_millis(200));
     }
     act(&["key", "ctrl+q"]);
-    let start = Instant::now();
-    let status = loop {
-        if let Some(status) = program.0.try_wait().unwrap() {
-            break status;
-        }
-        assert!(start.elapsed() < Duration::from_secs(60), "the window does not close");
-        sleep(Duration::from_millis(100));
-    };
+    let status = program.ended();
     assert!(status.success(), "{status}");
     let scene = file::read(&path).unwrap();
     let [text, circle] = &scene.targets[..] else { panic!("{:?}", scene.targets) };

@@ -1,4 +1,4 @@
-//! What can be edited besides drawing: handles, the list, the clipboard, modulation, motion and listener.
+//! Editing besides drawing: handles, the list, the clipboard, modulation, motion and listener.
 
 use sonoglyph::scene::{Envelope, MotionPath, Sampling, Target, Tempo};
 
@@ -21,7 +21,7 @@ fn point(x: f64) -> Shape {
 }
 
 #[test]
-fn shapes_are_pulled_at_their_handles_and_one_undo_takes_it_back() {
+fn shapes_are_resized_at_their_handles_as_one_undo_step() {
     let mut screen = open_with(&[Shape::Circle { at: AT, radius: 0.02 }]);
     let (from, to) = (at(&screen, 20.0, 0.0), at(&screen, 30.0, 0.0));
     drag(&mut screen, from, to);
@@ -59,7 +59,7 @@ fn a_hidden_target_stays_in_the_scene_and_is_silent() {
 }
 
 #[test]
-fn the_list_is_put_in_order_with_the_pointer() {
+fn the_list_is_reordered_with_the_pointer() {
     let mut screen = open_with(&[
         point(0.0),
         Shape::Circle { at: AT, radius: 0.02 },
@@ -72,9 +72,9 @@ fn the_list_is_put_in_order_with_the_pointer() {
     let kinds: Vec<_> = scene(&screen).targets.iter().map(|target| format!("{:?}", target.shape)).collect();
     let kinds: Vec<_> = kinds.iter().map(|kind| kind.split(' ').next().unwrap()).collect();
     assert_eq!(kinds, ["Circle", "Triangle", "Point"]);
-    assert!(screen.state().editor().selection.contains(&2), "what was moved is selected");
+    assert!(screen.state().editor().selection.contains(&2), "the moved target is selected");
     press(&mut screen, Modifiers::COMMAND, Key::Z);
-    assert!(matches!(scene(&screen).targets[0].shape, Shape::Point { .. }), "one step");
+    assert!(matches!(scene(&screen).targets[0].shape, Shape::Point { .. }), "one undo step");
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn targets_are_copied_cut_and_pasted() {
         egui::OutputCommand::CopyText(text) => Some(text.clone()),
         _ => None,
     });
-    let copied = copied.expect("something is on the clipboard");
+    let copied = copied.expect("the clipboard has a text");
     rest(&mut screen);
     assert_eq!(scene(&screen).targets.len(), 1);
     screen.event(Event::Paste("no targets".to_owned()));
@@ -96,7 +96,7 @@ fn targets_are_copied_cut_and_pasted() {
     rest(&mut screen);
     assert_eq!(scene(&screen).targets.len(), 2);
     let Shape::Point { at } = scene(&screen).targets[1].shape else { panic!("no point") };
-    assert!(at.distance(AT + DVec3::new(-0.02, -0.01, 0.0)) < 1e-12, "beside where it stood: {at}");
+    assert!(at.distance(AT + DVec3::new(-0.02, -0.01, 0.0)) < 1e-12, "displaced from the original: {at}");
     assert!(screen.state().editor().selection.contains(&1));
 }
 
@@ -109,7 +109,7 @@ fn an_outline_is_a_continuous_stroke_or_separate_foci() {
         (of_stroke, foci.len() - of_stroke)
     };
     assert_eq!(scene(&screen).targets[0].sampling, Sampling::Continuous);
-    assert_eq!(samples(&screen), (59, 1), "126 mm in pieces of 2.1 mm");
+    assert_eq!(samples(&screen), (59, 1), "126 mm in steps of 2.1 mm");
     assert!(screen.state().shown().warnings.is_empty(), "{:?}", screen.state().shown().warnings);
 
     screen.get_by_label("Spacing").click();
@@ -146,7 +146,7 @@ fn a_stroke_is_drawn_as_a_line_without_a_dot_for_each_sample() {
 }
 
 #[test]
-fn modulation_and_listener_can_be_given() {
+fn modulation_and_listener_can_be_edited() {
     let mut screen = open_with(&[point(0.0)]);
     screen.get_by_label("Motion").click();
     rest(&mut screen);
@@ -167,7 +167,7 @@ fn modulation_and_listener_can_be_given() {
 }
 
 #[test]
-fn paths_through_points_and_steps_can_be_made_by_hand() {
+fn paths_through_points_and_steps_can_be_edited() {
     let mut screen = open_with(&[point(-0.02), point(0.02)]);
     screen.get_by_label("Motion").click();
     rest(&mut screen);
@@ -186,14 +186,14 @@ fn paths_through_points_and_steps_can_be_made_by_hand() {
     let steps: Vec<_> = scene(&screen).targets.iter().map(|target| target.step).collect();
     assert_eq!(steps, [Some(0), Some(1)]);
     let round = screen.state().shown().round.as_ref().unwrap();
-    assert!(round.frames.iter().all(|frame| frame.foci.len() == 1), "they take turns");
+    assert!(round.frames.iter().all(|frame| frame.foci.len() == 1), "one focus per frame");
     pick(&mut screen, "Path", "none");
     assert!(scene(&screen).targets.iter().all(|target| target.step.is_none()));
     assert_eq!(scene(&screen).motion.path, MotionPath::None);
 }
 
 #[test]
-fn foci_run_along_the_drawing_at_a_speed_or_a_rate_that_is_kept() {
+fn foci_run_along_the_drawing_at_a_constant_speed_or_rate() {
     let mut screen = open_with(&[Shape::Rectangle { at: AT, width: 0.04, height: 0.06 }, point(0.0)]);
     screen.get_by_label("Motion").click();
     rest(&mut screen);
@@ -218,7 +218,7 @@ fn foci_run_along_the_drawing_at_a_speed_or_a_rate_that_is_kept() {
 }
 
 #[test]
-fn a_target_gets_a_motion_of_its_own_and_the_scene_at_rest_is_not_solved_for_it() {
+fn a_target_gets_its_own_motion_without_a_new_solution_at_rest() {
     let mut screen = open_with(&[point(-0.02), point(0.02)]);
     let solution = screen.state().shown().solution.clone().unwrap();
     screen.get_by_label("Own motion").click();
@@ -234,7 +234,7 @@ fn a_target_gets_a_motion_of_its_own_and_the_scene_at_rest_is_not_solved_for_it(
     let places = |index: usize| round.frames.iter().map(move |frame| frame.foci[index].position);
     assert!(round.frames.len() == 6 && places(1).all(|at| at == AT + DVec3::X * 0.02));
     assert!(places(0).all(|at| (at.distance(AT - DVec3::X * 0.02) - 0.015).abs() < 1e-12));
-    // The scene's own is the cycle, and this one makes whole rounds in it.
+    // The scene's motion defines the cycle, and the target's motion fits a whole number of times.
     pick(&mut screen, "Path", "line");
     screen.get_by_label("Scene").click();
     rest(&mut screen);
@@ -246,7 +246,7 @@ fn a_target_gets_a_motion_of_its_own_and_the_scene_at_rest_is_not_solved_for_it(
 }
 
 #[test]
-fn a_focus_dragged_upwards_in_an_upright_cut_follows_the_pointer() {
+fn a_focus_dragged_upwards_in_an_upright_plane_follows_the_pointer() {
     let mut screen = open_with(&[point(0.0)]);
     for (cut, across) in [("XZ", 12.0), ("YZ", -8.0)] {
         screen.get_by_label(cut).click();
@@ -261,9 +261,9 @@ fn a_focus_dragged_upwards_in_an_upright_cut_follows_the_pointer() {
         assert!((z(&screen) - 170.0).abs() < 1.5, "{} mm in {cut}", z(&screen));
         assert_eq!(lens(&screen).window, whole.window, "it stays in view");
         key(&mut screen, Key::ArrowUp);
-        assert_eq!(lens(&screen).window, whole.window, "nor does it jump on a key");
+        assert_eq!(lens(&screen).window, whole.window, "a key does not move the view");
         key(&mut screen, Key::Num0);
-        assert!(lens(&screen).window.scale > whole.window.scale, "there is more to see as a whole now");
+        assert!(lens(&screen).window.scale > whole.window.scale, "the whole is now larger");
         press(&mut screen, Modifiers::COMMAND, Key::Z);
         press(&mut screen, Modifiers::COMMAND, Key::Z);
         key(&mut screen, Key::Num0);

@@ -1,4 +1,4 @@
-//! Figures of the map on the screen.
+//! Exported figures of the map on the screen.
 
 use super::*;
 
@@ -12,7 +12,8 @@ fn a_figure_is_previewed_written_and_copied() {
     screen.get_by_label("Figure…").click();
     rest(&mut screen);
     let size = |screen: &Screen| {
-        let preview = screen.state().shown().figure.as_ref().expect("there is a preview").as_ref().unwrap();
+        let preview =
+            screen.state().shown().figure.as_ref().expect("the dialog has a preview").as_ref().unwrap();
         preview.size
     };
     assert!((size(&screen)[0] - 85.0).abs() < 0.2, "{:?}", size(&screen));
@@ -34,7 +35,7 @@ fn a_figure_is_previewed_written_and_copied() {
         screen.key_press(Key::Enter);
         rest(&mut screen);
     }
-    assert!(!wrong.exists(), "an ending says what is written");
+    assert!(!wrong.exists(), "an unknown ending is refused");
     let svg = std::fs::read_to_string(&path).unwrap();
     assert!(svg.contains(" mm</text>") && !svg.contains("RMS pressure"), "a scale bar and no colour bar");
 }
@@ -43,7 +44,7 @@ fn a_figure_is_previewed_written_and_copied() {
 fn the_figure_of_a_shaded_surface_is_shaded() {
     let mut screen = open();
     export_shaded(&mut screen, "Figure…");
-    assert!(screen.query_by_label("Contours").is_none(), "a surface at an angle has none");
+    assert!(screen.query_by_label("Contours").is_none(), "a shaded surface has no contours");
     screen.get_by_label("Depth bar").click();
     screen.get_by_label("Scale bar").click();
     rest(&mut screen);

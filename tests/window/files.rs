@@ -1,4 +1,4 @@
-//! Drawings come in, comments stay, motions go out.
+//! Files: imported drawings, comments of a scene, exported motions, and settings.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use sonoglyph::ui::Import;
 
 use super::*;
 
-/// What somebody drops on the window.
+/// A file dropped on the window.
 #[derive(Debug)]
 struct Dropped(PathBuf);
 
@@ -71,7 +71,7 @@ fn a_dropped_drawing_becomes_targets_where_it_is_placed() {
 }
 
 #[test]
-fn what_is_no_drawing_leaves_the_scene_and_a_reason() {
+fn an_invalid_drawing_leaves_the_scene_and_gives_a_reason() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
     let before = scene(&screen).clone();
@@ -108,7 +108,7 @@ fn what_is_no_drawing_leaves_the_scene_and_a_reason() {
 }
 
 #[test]
-fn comments_of_a_file_survive_an_edit_and_nothing_changes_without_one() {
+fn comments_survive_an_edit_and_an_unedited_file_is_unchanged() {
     const TEXT: &str = "format = 1\n\n# The only one.\n[[target]]\nat = [0, 0, 0.10]   # above the middle\n";
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("by-hand.toml");
@@ -126,7 +126,7 @@ fn comments_of_a_file_survive_an_edit_and_nothing_changes_without_one() {
     assert_eq!(file::read(&path).unwrap(), *scene(&screen));
 }
 
-/// A focus goes round in so many frames.
+/// A circular motion of the focus with this number of frames.
 fn circle(screen: &mut Screen, frames: u32) {
     let scene = &mut screen.state_mut().editor_mut().document.scene;
     scene.targets = vec![sonoglyph::scene::Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) })];
@@ -135,13 +135,13 @@ fn circle(screen: &mut Screen, frames: u32) {
 }
 
 #[test]
-fn a_motion_is_written_and_can_be_called_off() {
+fn a_motion_is_exported_and_can_be_cancelled() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
     circle(&mut screen, 6);
     let path = folder.path().join("round.gif");
     export_motion(&mut screen, &path);
-    assert!(screen.state().is_busy(), "it is written while the window goes on");
+    assert!(screen.state().is_busy(), "exported in the background");
     rest(&mut screen);
     let mut decoder = gif::DecodeOptions::new().read_info(std::fs::File::open(&path).unwrap()).unwrap();
     let map = screen.state().shown().map.as_ref().unwrap();
@@ -164,10 +164,10 @@ fn a_motion_is_written_and_can_be_called_off() {
     assert!(!never.exists());
 }
 
-/// Asks for the file by hand, and goes on at once.
+/// Exports a motion through the dialog, without waiting for it.
 fn export_motion(screen: &mut Screen, path: &Path) {
-    let kind = Kind::ALL.into_iter().find(|kind| path.extension().unwrap() == kind.endings()[0]).unwrap();
-    let purpose = Purpose::Export(sonoglyph::ui::Export::Motion(kind));
+    let kind = Kind::VARIANTS.iter().find(|kind| path.extension().unwrap() == kind.endings()[0]).unwrap();
+    let purpose = Purpose::Export(sonoglyph::ui::Export::Motion(*kind));
     let text = path.display().to_string();
     screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
     rest(screen);
@@ -176,7 +176,7 @@ fn export_motion(screen: &mut Screen, path: &Path) {
 }
 
 #[test]
-fn a_shaded_film_is_written_as_its_dialog_says() {
+fn a_shaded_film_has_the_settings_of_its_dialog() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
     circle(&mut screen, 4);
@@ -212,7 +212,7 @@ fn a_shaded_film_is_written_as_its_dialog_says() {
 }
 
 #[test]
-fn the_next_run_looks_as_the_last_one_did() {
+fn settings_are_restored_at_the_next_start() {
     let folder = tempfile::tempdir().unwrap();
     let open_there = || {
         let there = folder.path().to_owned();

@@ -1,4 +1,4 @@
-//! The window drawn by wgpu: its maps stay on the device that draws it.
+//! The window drawn by wgpu: maps stay on the device that draws the window.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::requirement::found;
 use crate::*;
 
 const ONE_FOCUS: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0.1]\n";
-/// Bytes that may come back in a frame.
+/// Limit of bytes read back per frame.
 const MOST_BYTES: u64 = 4096;
 
 fn renderer() -> WgpuTestRenderer {
@@ -24,7 +24,7 @@ fn renderer() -> WgpuTestRenderer {
     WgpuTestRenderer::from_setup(WgpuSetup::CreateNew(WgpuSetupCreateNew { device_descriptor, ..setup }))
 }
 
-/// The window as `--renderer wgpu` opens it, or with the CPU's maps.
+/// The window as with `--renderer wgpu`, with maps by GPU or CPU.
 fn open_on(by_gpu: bool) -> Option<Screen> {
     found("gpu", adapter::open_best(true))?;
     let builder = Harness::builder().with_size(vec2(900.0, 600.0)).renderer(renderer());
@@ -53,7 +53,7 @@ fn seen(screen: &mut Screen) -> Vec<[u8; 3]> {
 }
 
 #[test]
-fn a_drag_reads_back_next_to_nothing_and_allocates_nothing_after_its_first_frame() {
+fn a_drag_reads_back_only_figures_and_allocates_nothing_after_its_first_frame() {
     let Some(mut screen) = open_on(true) else { return };
     assert!(screen.state().gpu().is_some());
     let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 30.0, 20.0));
@@ -77,11 +77,11 @@ fn a_drag_reads_back_next_to_nothing_and_allocates_nothing_after_its_first_frame
     screen.drop_at(to);
     rest(&mut screen);
     let map = screen.state().shown().map.as_ref().unwrap();
-    assert!(map.largest > 100.0 && map.error < 1e-3, "figures have come back: {map:?}");
+    assert!(map.largest > 100.0 && map.error < 1e-3, "figures have been read back: {map:?}");
 }
 
 #[test]
-fn the_picture_on_the_device_is_the_one_that_the_cpu_makes() {
+fn the_picture_on_the_device_equals_the_cpus() {
     let (Some(mut by_gpu), Some(mut by_cpu)) = (open_on(true), open_on(false)) else { return };
     for quantity in [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7] {
         let mut pictures = Vec::new();
@@ -94,16 +94,16 @@ fn the_picture_on_the_device_is_the_one_that_the_cpu_makes() {
         let [a, b] = &pictures[..] else { unreachable!() };
         assert_eq!(a.len(), b.len());
         let bright = a.iter().filter(|pixel| pixel.iter().any(|&channel| channel > 60)).count();
-        assert!(bright > a.len() / 1000, "{quantity:?}: there is something to see");
+        assert!(bright > a.len() / 1000, "{quantity:?}: the picture is not empty");
         let far = |(a, b): &(&[u8; 3], &[u8; 3])| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 3);
         let off = a.iter().zip(b).filter(far).count();
-        // A cyclic table has a step of its own at the cut.
+        // The table of a phase is steep at its cut.
         let allowed = if quantity == Key::Num2 { a.len() / 200 } else { 0 };
         assert!(off <= allowed, "{quantity:?}: {off} of {} pixels differ", a.len());
     }
 }
 
-/// The window as a page has it: the GPU computes, and another device draws.
+/// The window as in a browser: the GPU computes, and another device draws.
 fn open_beside(evaluator: Evaluator) -> Screen {
     let builder = Harness::builder().with_size(vec2(900.0, 600.0));
     let mut screen = builder.build_eframe(|context| {
@@ -114,7 +114,7 @@ fn open_beside(evaluator: Evaluator) -> Screen {
 }
 
 #[test]
-fn maps_of_a_gpu_that_draws_no_window_arrive_in_a_drag_and_no_frame_waits_for_one() {
+fn maps_of_a_separate_gpu_arrive_during_a_drag_without_blocking_frames() {
     let Some(gpu) = found("gpu", adapter::open_best(true)) else { return };
     let mut by_gpu = open_beside(Evaluator::Gpu(Box::new(gpu)));
     let mut by_cpu = open_beside(Evaluator::Cpu);
@@ -129,7 +129,7 @@ fn maps_of_a_gpu_that_draws_no_window_arrive_in_a_drag_and_no_frame_waits_for_on
         for frame in 1..=60 {
             screen.hover_at(from + (to - from) * (frame as f32 / 60.0));
             screen.step();
-            assert!(screen.state().shown().map.is_some(), "frame {frame}: the picture before stays");
+            assert!(screen.state().shown().map.is_some(), "frame {frame}: the previous picture stays");
             let work = screen.state().work();
             let has_come = work.since(before).read_back > 0;
             (arrived, left) = (arrived + u32::from(has_come), left + u32::from(!has_come));
@@ -137,7 +137,7 @@ fn maps_of_a_gpu_that_draws_no_window_arrive_in_a_drag_and_no_frame_waits_for_on
         }
         screen.drop_at(to);
     }
-    // None comes back from the CPU.
+    // The CPU's 60 frames never read back.
     left -= 60;
     assert!(arrived > 3 && left > 3, "{arrived} maps came, and {left} frames were drawn without");
     rest(&mut by_gpu);
@@ -148,14 +148,14 @@ fn maps_of_a_gpu_that_draws_no_window_arrive_in_a_drag_and_no_frame_waits_for_on
     let off = a.iter().zip(&b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
     assert!(
         a.len() == b.len() && off < 2e-3 * peak,
-        "the last picture is that of the last place: {off} of {peak}"
+        "the last picture shows the last position: {off} of {peak}"
     );
     let map = by_gpu.state().shown().map.as_ref().unwrap();
     assert!((map.largest / f64::from(peak) - 1.0).abs() < 1e-3 && map.error < 1e-3, "{map:?}");
 }
 
 #[test]
-fn a_lost_device_leaves_the_window_to_another() {
+fn after_a_lost_device_the_window_uses_another() {
     let Some(mut screen) = open_on(true) else { return };
     screen.state().gpu().unwrap().lose();
     let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 10.0, 0.0));
@@ -163,5 +163,5 @@ fn a_lost_device_leaves_the_window_to_another() {
     let shown = screen.state().shown();
     assert!(screen.state().gpu().is_none() && shown.evaluator.starts_with("CPU"), "{}", shown.evaluator);
     let Shape::Point { at } = scene(&screen).targets[0].shape else { panic!("no point") };
-    assert!((at.x - 0.01).abs() < 1e-3, "the drag goes on: {at}");
+    assert!((at.x - 0.01).abs() < 1e-3, "the drag continues: {at}");
 }

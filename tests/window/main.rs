@@ -1,10 +1,10 @@
-//! The window without a screen: pointer and keys go in, and what the editor, the solver and the field make of them is looked at.
+//! The window without a display: pointer and keys as input, and the state of editor, solver and field as output.
 
 #![cfg(feature = "window")]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
-#[cfg(all(unix, feature = "serial"))]
 mod bead;
+#[cfg(all(unix, feature = "serial"))]
 mod board;
 mod brush;
 mod canvas;
@@ -22,6 +22,10 @@ mod reach;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod robust;
+#[cfg(target_os = "linux")]
+#[path = "../running/mod.rs"]
+#[expect(dead_code, reason = "no window is ended by a signal")]
+mod running;
 mod serving;
 mod shape;
 mod shell;
@@ -41,6 +45,7 @@ use sonoglyph::scene::{Method, Scene, Shape, file};
 use sonoglyph::ui::tool::Tool;
 use sonoglyph::ui::view::Lens;
 use sonoglyph::ui::{Command, Dialog, Purpose};
+use strum::VariantArray;
 
 type Screen = Harness<'static, Window>;
 
@@ -48,7 +53,7 @@ fn open() -> Screen {
     open_by(0.25)
 }
 
-/// With so many seconds from one layout to the next.
+/// With this time step (s) between layouts.
 fn open_by(step: f32) -> Screen {
     let mut screen = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
@@ -58,20 +63,20 @@ fn open_by(step: f32) -> Screen {
     screen
 }
 
-/// Lets frames go by until nothing is under way.
+/// Runs frames until no work is pending.
 fn rest(screen: &mut Screen) {
     let start = Instant::now();
     screen.run_steps(3);
     while screen.state().is_busy() {
-        assert!(start.elapsed() < Duration::from_secs(300), "a thread never ends");
+        assert!(start.elapsed() < Duration::from_secs(300), "a background task does not end");
         std::thread::sleep(Duration::from_millis(5));
         screen.run_steps(2);
     }
-    // What came with the last of them: a dialog is measured in a frame of its own before it is seen.
+    // For the last results: a dialog is measured in one frame and drawn in the next.
     screen.run_steps(3);
 }
 
-/// Turns the wheel over a place, nearer to what is there.
+/// Turns the wheel to zoom in at a place.
 fn turn_wheel(screen: &mut Screen, at: Pos2) {
     screen.hover_at(at);
     screen.step();
@@ -84,7 +89,7 @@ fn turn_wheel(screen: &mut Screen, at: Pos2) {
     rest(screen);
 }
 
-/// Drags what is at a place to another, and does not let go.
+/// Drags from one place to another without releasing the button.
 fn drag_and_hold(screen: &mut Screen, from: Pos2, to: Pos2) {
     screen.hover_at(from);
     screen.step();
@@ -107,11 +112,11 @@ fn scene(screen: &Screen) -> &Scene {
 }
 
 fn lens(screen: &Screen) -> Lens {
-    let map = screen.state().shown().map.as_ref().expect("there is a map");
+    let map = screen.state().shown().map.as_ref().expect("the window has a map");
     Lens { rect: map.rect, window: map.window }
 }
 
-/// A place on the screen from mm on the plane.
+/// The screen position of mm on the plane.
 fn at(screen: &Screen, x: f64, y: f64) -> Pos2 {
     lens(screen).screen(DVec2::new(x, y) * 1e-3)
 }
@@ -180,7 +185,7 @@ fn rms(screen: &mut Screen, x: f64, y: f64) -> f32 {
 }
 
 #[test]
-fn it_starts_with_a_scene_that_is_solved_and_drawn() {
+fn the_first_scene_is_solved_and_drawn() {
     let screen = open();
     let shown = screen.state().shown();
     assert!(shown.problem.is_none() && shown.solution.is_some());
@@ -190,10 +195,10 @@ fn it_starts_with_a_scene_that_is_solved_and_drawn() {
 }
 
 #[test]
-fn a_point_drawn_and_moved_takes_the_sound_with_it() {
+fn the_sound_follows_a_drawn_and_moved_point() {
     let mut screen = open();
     clear(&mut screen);
-    assert!(screen.state().shown().map.is_none(), "nothing plays");
+    assert!(screen.state().shown().map.is_none(), "no target");
     key(&mut screen, Key::P);
     let place = screen.get_by_label("Canvas: the field on the plane").rect().center();
     click(&mut screen, place);
@@ -214,14 +219,14 @@ fn a_point_drawn_and_moved_takes_the_sound_with_it() {
 
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     let Shape::Point { at: back } = scene(&screen).targets[0].shape else { panic!("no point") };
-    assert_eq!(back, first, "a drag is one step");
+    assert_eq!(back, first, "a drag is one undo step");
     press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
     let Shape::Point { at: again } = scene(&screen).targets[0].shape else { panic!("no point") };
     assert_eq!(again, moved);
 }
 
 #[test]
-fn escape_takes_back_what_is_under_way() {
+fn escape_cancels_a_gesture() {
     let mut screen = open();
     let before = scene(&screen).clone();
     let canvas = screen.get_by_label("Canvas: the field on the plane").rect();
@@ -270,7 +275,7 @@ fn every_shape_is_drawn_with_its_tool() {
 }
 
 #[test]
-fn text_is_typed_on_the_canvas_and_one_undo_takes_it_back() {
+fn text_is_typed_on_the_canvas_as_one_undo_step() {
     let mut screen = open();
     clear(&mut screen);
     key(&mut screen, Key::T);
@@ -287,7 +292,7 @@ fn text_is_typed_on_the_canvas_and_one_undo_takes_it_back() {
         },
         targets => panic!("{targets:?}"),
     };
-    assert_eq!(text(&screen), "HIT", "what the font lacks is left out, and letters are no shortcuts");
+    assert_eq!(text(&screen), "HIT", "missing glyphs are left out, and letters are not shortcuts");
     assert!(screen.state().shown().sound.as_ref().unwrap().foci.len() > 20);
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     assert!(scene(&screen).targets.is_empty());
@@ -296,7 +301,7 @@ fn text_is_typed_on_the_canvas_and_one_undo_takes_it_back() {
 }
 
 #[test]
-fn a_rubber_band_selects_and_what_is_selected_moves_and_goes() {
+fn a_rubber_band_selects_targets_which_move_and_are_deleted() {
     let mut screen = open();
     clear(&mut screen);
     let canvas = screen.get_by_label("Canvas: the field on the plane").rect();
@@ -322,7 +327,7 @@ fn a_rubber_band_selects_and_what_is_selected_moves_and_goes() {
 }
 
 #[test]
-fn another_method_and_the_depression_are_a_click_away() {
+fn method_and_quantity_are_chosen_by_clicks() {
     let mut screen = open();
     screen.get_by_label("Solver").click();
     rest(&mut screen);
@@ -331,7 +336,7 @@ fn another_method_and_the_depression_are_a_click_away() {
     rest(&mut screen);
     screen.get_by_label("Compare all methods").click();
     rest(&mut screen);
-    assert_eq!(screen.state().shown().methods.len(), Method::ALL.len());
+    assert_eq!(screen.state().shown().methods.len(), Method::VARIANTS.len());
     let best = screen.state().shown().solution.as_ref().unwrap().quality.min_pressure;
     screen.get_by_label("phase conjugation").scroll_to_me();
     rest(&mut screen);
@@ -350,7 +355,7 @@ fn another_method_and_the_depression_are_a_click_away() {
 }
 
 #[test]
-fn a_file_is_saved_and_opened_and_a_broken_one_leaves_everything() {
+fn a_file_is_saved_and_opened_and_an_invalid_one_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.toml");
     let mut screen = open();
@@ -363,7 +368,7 @@ fn a_file_is_saved_and_opened_and_a_broken_one_leaves_everything() {
     assert_eq!(file::read(&path).unwrap(), *scene(&screen));
     let saved = scene(&screen).clone();
 
-    // What is not saved is asked for.
+    // Unsaved changes are asked about.
     clear(&mut screen);
     press(&mut screen, Modifiers::COMMAND, Key::N);
     assert_eq!(screen.state().editor().dialog, Some(Dialog::Unsaved(Command::New)));
@@ -381,14 +386,14 @@ fn a_file_is_saved_and_opened_and_a_broken_one_leaves_everything() {
     press(&mut screen, Modifiers::COMMAND, Key::O);
     answer(&mut screen, Purpose::Open, &broken);
     let problem = screen.get_by_label_contains("broken.toml:3: array.pitch = nan");
-    assert!(problem.rect().is_positive(), "the question stays, with the reason");
+    assert!(problem.rect().is_positive(), "the dialog stays, with the reason");
     let typed = screen.state().editor().dialog.clone();
     assert!(matches!(typed, Some(Dialog::Path { text, .. }) if text.ends_with("broken.toml")));
     assert_eq!(*scene(&screen), saved);
     assert!(screen.state().shown().map.is_some());
 }
 
-/// Fills in the question for a file.
+/// Answers a file dialog.
 fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     let Some(Dialog::Path { purpose: asked, .. }) = &screen.state().editor().dialog else {
         panic!("no question: {:?}", screen.state().editor().dialog)
@@ -435,17 +440,17 @@ fn exports_are_written() {
 }
 
 #[test]
-fn nothing_is_computed_when_nothing_changed() {
+fn an_idle_window_computes_nothing() {
     let mut screen = open();
     let work = screen.state().work();
     screen.run_steps(5);
     assert_eq!(screen.state().work(), work);
     screen.run();
-    assert!(screen.run() <= 2, "an idle window asks for no frames");
+    assert!(screen.run() <= 2, "an idle window requests no frames");
 }
 
 #[test]
-fn planes_through_the_array_and_scenes_that_cannot_be_leave_a_picture_and_a_reason() {
+fn invalid_planes_and_scenes_keep_the_last_picture_and_give_a_reason() {
     let mut screen = open();
     screen.state_mut().editor_mut().document.scene.targets[0].pressure = 1.0;
     screen.state_mut().editor_mut().view.heights[0] = 0.0;
@@ -463,7 +468,7 @@ fn planes_through_the_array_and_scenes_that_cannot_be_leave_a_picture_and_a_reas
     rest(&mut screen);
 }
 
-/// Writes into the field with this name.
+/// Types into the field with this name.
 fn type_in(screen: &mut Screen, name: &str, text: &str) {
     screen.get_by_role_and_label(egui::accesskit::Role::SpinButton, name).focus();
     screen.run_steps(2);

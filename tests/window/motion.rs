@@ -1,4 +1,4 @@
-//! Motions: paths that are pulled on the canvas, keyframes on the timeline, and which frame is shown.
+//! Motions: paths edited on the canvas, keyframes on the timeline, and the displayed frame.
 
 use egui::accesskit::Role;
 use egui::{PointerButton, Pos2};
@@ -9,9 +9,9 @@ use super::*;
 
 const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
 
-/// The window on a point that moves so, with the Motion panel.
+/// The window on a point with this motion, with the Motion panel.
 fn open_on(motion: Motion) -> Screen {
-    // Fine enough for two clicks to be a double click.
+    // A step short enough for a double click.
     let mut screen = open_by(0.02);
     let editor = screen.state_mut().editor_mut();
     editor.document.scene.targets = vec![Target::new(Shape::Point { at: AT })];
@@ -31,7 +31,7 @@ fn undo(screen: &mut Screen) {
     press(screen, Modifiers::COMMAND, Key::Z);
 }
 
-/// A place on the timeline, from a part of the cycle.
+/// Position on the timeline at a fraction of the cycle.
 fn moment(screen: &Screen, part: f32) -> Pos2 {
     let ruler = screen.get_by_label("Playhead").rect();
     let (left, right) = (ruler.left() + 84.0, ruler.right() - 6.0);
@@ -39,7 +39,7 @@ fn moment(screen: &Screen, part: f32) -> Pos2 {
 }
 
 #[test]
-fn a_path_is_pulled_to_another_size_and_angle_in_one_step() {
+fn a_path_is_resized_and_rotated_in_one_undo_step() {
     for (path, from, to, size, degrees) in [
         (MotionPath::Line, (15.0, 0.0), (0.0, 25.0), 0.05, 90.0),
         (MotionPath::Circle, (15.0, 0.0), (0.0, 25.0), 0.05, 0.0),
@@ -58,7 +58,7 @@ fn a_path_is_pulled_to_another_size_and_angle_in_one_step() {
 }
 
 #[test]
-fn vertices_are_pulled_added_and_deleted() {
+fn vertices_are_moved_added_and_deleted() {
     let points =
         [(0.0, 20.0), (30.0, 20.0), (30.0, -20.0)].map(|(x, y)| DVec3::new(x, y, 0.0) * 1e-3).to_vec();
     let mut screen = open_on(Motion { path: MotionPath::Points, points, frames: 8, ..Motion::default() });
@@ -101,15 +101,15 @@ fn the_timeline_shows_the_moment_under_the_pointer() {
 }
 
 #[test]
-fn it_plays_once_or_in_a_loop_and_rests_when_it_has_ended() {
+fn playback_runs_once_or_in_a_loop_and_then_stops() {
     let mut screen = open_on(keyed());
     screen.get_by_label("Loop").click();
     screen.run_steps(2);
     screen.get_by_role_and_label(Role::Button, "Play").click();
     screen.run_steps(300);
     let playback = screen.state().editor().playback;
-    assert_eq!((playback.playing, playback.frame), (false, Some(7)), "200 ms at 1/20 are over after 4 s");
-    assert!(screen.run() <= 2, "an idle window asks for no frames");
+    assert_eq!((playback.playing, playback.frame), (false, Some(7)), "200 ms at 1/20 end after 4 s");
+    assert!(screen.run() <= 2, "an idle window requests no frames");
     screen.get_by_label("Loop").click();
     screen.run_steps(2);
     screen.get_by_role_and_label(Role::Button, "Play").click();
@@ -128,15 +128,15 @@ fn keyframes_are_added_moved_eased_and_deleted() {
     screen.get_by_label("Add keyframe").click();
     rest(&mut screen);
     let keyframes = scene(&screen).motion.keyframes.clone();
-    assert_eq!(keyframes[1], Keyframe::new(0.25, DVec3::X * 0.015), "it changes nothing yet");
-    // The marker at the playhead takes it elsewhere.
+    assert_eq!(keyframes[1], Keyframe::new(0.25, DVec3::X * 0.015), "a new keyframe keeps the path");
+    // The marker at the playhead moves the keyframe.
     let (from, to) = (at(&screen, 15.0, 0.0), at(&screen, 15.0, 25.0));
     drag(&mut screen, from, to);
     let place = scene(&screen).motion.keyframes[1].at;
     assert!(place.distance(DVec3::new(0.015, 0.025, 0.0)) < 5e-4, "{place}");
     let round = screen.state().shown().round.clone().unwrap();
     assert!(round.frames[2].foci[0].position.distance(AT + place) < 1e-12, "the frames follow");
-    // In time, from a quarter to three eighths.
+    // Moves it in time, from 1/4 to 3/8.
     let diamond = |screen: &Screen, number: u32| {
         screen.get_by_label(&format!("All targets keyframe {number}")).rect().center()
     };
@@ -145,7 +145,7 @@ fn keyframes_are_added_moved_eased_and_deleted() {
     drag(&mut screen, from, to);
     assert_eq!(scene(&screen).motion.keyframes[1].time, 0.375);
     undo(&mut screen);
-    assert_eq!(scene(&screen).motion.keyframes[1].time, 0.25, "a drag is one step");
+    assert_eq!(scene(&screen).motion.keyframes[1].time, 0.25, "a drag is one undo step");
     let place = diamond(&screen, 2);
     click(&mut screen, place);
     screen.get_by_role_and_label(Role::Button, "hold").click();
@@ -164,7 +164,7 @@ fn keyframes_are_added_moved_eased_and_deleted() {
 }
 
 #[test]
-fn pulling_the_marker_between_keyframes_makes_one() {
+fn dragging_the_marker_between_keyframes_adds_one() {
     let mut screen = open_on(keyed());
     let there = moment(&screen, 0.26);
     click(&mut screen, there);
@@ -194,7 +194,7 @@ fn a_target_has_keyframes_of_its_own() {
 }
 
 #[test]
-fn the_frames_of_keyframes_are_as_loud_as_they_are_to_be() {
+fn the_frames_of_keyframes_have_their_pressures() {
     let mut motion = keyed();
     motion.keyframes = [(0.0, 1.0), (0.5, 0.5)]
         .map(|(time, pressure)| Keyframe { pressure, ..Keyframe::new(time, DVec3::ZERO) })

@@ -1,4 +1,4 @@
-//! Every quantity by its key and its button, and the figures of what presses on a liquid.
+//! All quantities by their keys and buttons, and the figures of radiation pressure on a liquid.
 
 use std::f64::consts::{PI, TAU};
 use std::process::Command as Program;
@@ -14,7 +14,7 @@ use super::*;
 
 const FOCUS: DVec3 = DVec3::new(0.012, -0.008, 0.1);
 
-/// One focus above a small plane, and sound that swells and fades.
+/// One focus above a small plane, with amplitude modulation.
 fn scene_at(height: f64) -> Scene {
     let mut scene = Scene { targets: vec![Target::new(Shape::Point { at: FOCUS })], ..Scene::default() };
     scene.array.strength = 3.0;
@@ -35,7 +35,7 @@ fn open(scene: Scene) -> Screen {
     screen
 }
 
-/// The map on the screen is of this quantity, with the values that the sound has at single points in f64.
+/// Asserts that the map on the screen is of this quantity, with the f64 values at single points.
 fn shows(screen: &mut Screen, quantity: Quantity) {
     let (_, values) = screen.state_mut().numbers().unwrap();
     let shown = screen.state().shown();
@@ -47,7 +47,7 @@ fn shows(screen: &mut Screen, quantity: Quantity) {
     let lens = lens(screen);
     let part = if quantity.declaration().is_slow { scene(screen).modulation.mean_square() } else { 1.0 };
     let place = lens.screen(map.axes.flat(FOCUS)) - lens.rect.min;
-    // The focus, and what lies beside it.
+    // At the focus and beside it.
     for offset in [vec2(0.0, 0.0), vec2(7.0, 4.0), vec2(-5.0, 12.0)] {
         let column = (place.x + offset.x) / lens.rect.width() * map.width as f32;
         let row = (1.0 - (place.y + offset.y) / lens.rect.height()) * map.height as f32;
@@ -84,7 +84,7 @@ fn every_quantity_has_a_key_and_a_button() {
         (Key::Num8, "Caustic", Quantity::Caustic),
         (Key::Num9, "Potential", Quantity::Gorkov),
     ];
-    // The tenth has no digit: 0 shows everything.
+    // The tenth has no digit: 0 shows the whole.
     assert_eq!(all.map(|(.., quantity)| quantity)[..], Quantity::ALL[..9]);
     for (name, _, quantity) in all {
         key(&mut screen, name);
@@ -100,7 +100,7 @@ fn every_quantity_has_a_key_and_a_button() {
     shows(&mut screen, Quantity::Force);
 }
 
-/// The number that stands beside a name in the panel.
+/// The number after a name in the panel.
 fn fact(screen: &Screen, name: &str) -> f64 {
     let text = |node: &egui_kittest::Node<'_>| {
         let node = node.accesskit_node();
@@ -115,7 +115,7 @@ fn number(text: &str) -> f64 {
     text.split(' ').next().unwrap().parse().unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
-/// What the command line prints of a scene and a quantity behind these words; mN or mm³.
+/// The command line's number after these words for a scene and a quantity; mN or mm³.
 fn printed(path: &Path, quantity: &str, before: &str) -> f64 {
     let program = Program::new(env!("CARGO_BIN_EXE_sonoglyph"))
         .args(["render", "scene.toml", "-o", "a.png", "--backend", "cpu", "--quantity", quantity])
@@ -132,7 +132,7 @@ fn printed(path: &Path, quantity: &str, before: &str) -> f64 {
 }
 
 #[test]
-fn force_and_volume_are_those_of_the_scene_whatever_is_on_the_screen() {
+fn force_and_volume_are_those_of_the_scene_on_any_view() {
     let folder = tempfile::tempdir().unwrap();
     let written = scene_at(0.1);
     std::fs::write(folder.path().join("scene.toml"), file::write(&written)).unwrap();
@@ -149,7 +149,7 @@ fn force_and_volume_are_those_of_the_scene_whatever_is_on_the_screen() {
     let (own_force, own_volume) = figures(&screen);
     assert!((own_volume - volume).abs() < 0.11, "{own_volume} mm³, and {volume} is printed");
     assert!((own_force - force).abs() < 0.006, "{own_force} mN, and {force} is printed");
-    // Another part of the plane, nearer, and another height.
+    // Another part of the plane, zoomed in, and another height.
     screen.hover_at(lens(&screen).rect.center());
     let window = lens(&screen).window;
     for _ in 0..5 {
@@ -169,7 +169,7 @@ fn force_and_volume_are_those_of_the_scene_whatever_is_on_the_screen() {
     assert_eq!(figures(&screen), (own_force, own_volume));
     key(&mut screen, Key::Num3);
     assert!((fact(&screen, "Force") - force).abs() < 0.006, "{} mN", fact(&screen, "Force"));
-    // Less sound presses less.
+    // Weaker sound presses less.
     screen.state_mut().editor_mut().document.scene.array.strength = 1.5;
     rest(&mut screen);
     assert!((fact(&screen, "Force") / force - 0.25).abs() < 0.02, "{} mN", fact(&screen, "Force"));
@@ -189,7 +189,7 @@ fn force_on_a_plane_near_the_array_is_that_of_the_whole_plane() {
 }
 
 #[test]
-fn a_caustic_follows_the_screen_that_the_panel_sets() {
+fn a_caustic_follows_the_screens_distance() {
     let mut screen = open(scene_at(0.1));
     screen.get_by_label("Liquid").click();
     rest(&mut screen);
@@ -200,7 +200,7 @@ fn a_caustic_follows_the_screen_that_the_panel_sets() {
     assert!((fact(&screen, "Light on the screen") - 100.0).abs() < 5.0);
     let largest = |screen: &Screen| screen.state().shown().map.as_ref().unwrap().largest;
     let far = largest(&screen);
-    // Light that passes a screen at the surface is not bent yet.
+    // Light on a screen at the surface is not displaced yet.
     screen.state_mut().editor_mut().document.scene.liquid.screen = 1e-5;
     rest(&mut screen);
     shows(&mut screen, Quantity::Caustic);

@@ -1,4 +1,4 @@
-//! Every input has a name, and the keyboard reaches it.
+//! All inputs have a name and can be reached by keyboard.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use egui_kittest::kittest::NodeT;
 
 use super::*;
 
-/// What somebody can press, choose or write in.
+/// Whether a widget takes input.
 fn is_input(role: Role) -> bool {
     matches!(
         role,
@@ -26,7 +26,7 @@ fn is_input(role: Role) -> bool {
     )
 }
 
-/// Role and place of inputs that have no name.
+/// Role and position of inputs without a name.
 fn unnamed<State>(screen: &Harness<'_, State>) -> Vec<String> {
     let nodes = screen.root().children_recursive();
     let is_unnamed = |node: &egui_kittest::Node<'_>| {
@@ -142,6 +142,6 @@ fn the_keyboard_reaches_every_input() {
             .filter(|node| left.contains(&node.accesskit_node().locate().0))
             .map(|node| format!("{:?} {:?}", node.accesskit_node().role(), node.accesskit_node().label()))
             .collect();
-        assert!(names.is_empty(), "{panel}: Tab never comes to {names:?}");
+        assert!(names.is_empty(), "{panel}: Tab does not reach {names:?}");
     }
 }

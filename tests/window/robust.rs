@@ -1,4 +1,4 @@
-//! What no hand would do: commands without pattern, numbers without sense, far too much of everything.
+//! Stress: random commands, invalid numbers, and very many targets.
 
 use egui::accesskit::Role;
 use egui_kittest::kittest::NodeT;
@@ -6,7 +6,7 @@ use sonoglyph::scene::{Listener, MotionPath, Target, check};
 
 use super::*;
 
-/// Every field with a number that is there, by its name and its place among those of that name.
+/// All visible fields with a number, by name and index among fields of that name.
 fn fields(screen: &Screen) -> Vec<(String, usize)> {
     let mut fields: Vec<(String, usize)> = Vec::new();
     for node in screen.root().children_recursive() {
@@ -33,8 +33,8 @@ fn focus(screen: &mut Screen, (name, place): &(String, usize)) -> bool {
     true
 }
 
-/// Writes what is no number, or none that can be, into every field there is. Nothing is to come of it but a scene that
-/// is a scene, or the last picture with a reason; and it can be taken back.
+/// Types invalid text and extreme numbers into all fields. The result is a valid scene, or the last picture with a
+/// reason, and can be undone.
 fn mistype_everywhere(screen: &mut Screen) -> usize {
     let before = scene(screen).clone();
     let fields = fields(screen);
@@ -64,7 +64,7 @@ fn mistype_everywhere(screen: &mut Screen) -> usize {
     fields.len()
 }
 
-/// The window on these targets, solved in no time.
+/// The window on these targets, with a fast method.
 fn open_with(targets: Vec<Target>, motion: MotionPath) -> Screen {
     let mut screen = open();
     let editor = screen.state_mut().editor_mut();
@@ -74,7 +74,7 @@ fn open_with(targets: Vec<Target>, motion: MotionPath) -> Screen {
     scene.motion.points = vec![DVec3::ZERO, DVec3::X * 0.01];
     scene.modulation.shape = sonoglyph::scene::Envelope::Sine;
     scene.listener = Some(Listener { at: DVec3::new(0.0, -0.3, 0.3) });
-    // As if it came from a file: there is nothing to take back.
+    // As if opened from a file: without undo steps.
     editor.replace(sonoglyph::ui::document::Document::new(scene, "test"));
     editor.selection = [0].into();
     // Wide enough for the panel beside the map.
@@ -86,7 +86,7 @@ fn open_with(targets: Vec<Target>, motion: MotionPath) -> Screen {
 const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
 
 #[test]
-fn no_number_that_is_typed_does_harm() {
+fn typed_numbers_do_no_harm() {
     let shapes = [
         Shape::Line { from: AT, to: AT + DVec3::X * 0.02 },
         Shape::Rectangle { at: AT, width: 0.02, height: 0.01 },
@@ -112,17 +112,17 @@ fn no_number_that_is_typed_does_harm() {
 }
 
 #[test]
-fn hundreds_of_targets_stay_in_hand() {
+fn hundreds_of_targets_stay_editable() {
     let mut screen = open();
     let place = |i: u32| AT + DVec3::new(f64::from(i % 25) - 12.0, f64::from(i / 25) - 10.0, 0.0) * 6e-3;
     let targets: Vec<_> = (0..500).map(|i| Target::new(Shape::Point { at: place(i) })).collect();
     let first = screen.state().shown().map.as_ref().unwrap().largest;
     screen.state_mut().editor_mut().document.scene.targets = targets.clone();
     screen.step();
-    assert!(screen.state().is_busy(), "so many are solved beside the window's frames");
+    assert!(screen.state().is_busy(), "solved in the background");
     assert_eq!(screen.state().shown().map.as_ref().unwrap().largest, first, "the last picture stays");
     let rows = screen.get_all_by_role(Role::CheckBox).count();
-    assert!(rows < 30, "only what is in sight is drawn: {rows}");
+    assert!(rows < 30, "only visible rows are drawn: {rows}");
     press(&mut screen, Modifiers::COMMAND, Key::A);
     assert_eq!(screen.state().editor().selection.len(), 500);
     assert_eq!(screen.state().shown().sound.as_ref().unwrap().foci.len(), 500);
@@ -131,7 +131,7 @@ fn hundreds_of_targets_stay_in_hand() {
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     assert_eq!(scene(&screen).targets, targets);
     rest(&mut screen);
-    // More than a scene may have: nothing is lost, and the reason is there.
+    // Beyond the limit of a scene, targets are kept, with the reason.
     press(&mut screen, Modifiers::COMMAND, Key::A);
     for _ in 0..2 {
         press(&mut screen, Modifiers::COMMAND, Key::D);
@@ -142,7 +142,7 @@ fn hundreds_of_targets_stay_in_hand() {
 }
 
 #[test]
-fn a_tiny_window_and_one_without_targets_are_windows_too() {
+fn tiny_windows_and_empty_scenes_work() {
     let mut screen = open();
     for size in [vec2(200.0, 150.0), vec2(1.0, 1.0), vec2(3000.0, 60.0), vec2(1280.0, 800.0)] {
         screen.set_size(size);
@@ -168,7 +168,7 @@ fn a_tiny_window_and_one_without_targets_are_windows_too() {
     assert!(screen.state().shown().map.is_some() && screen.state().shown().problem.is_none());
 }
 
-/// Numbers without pattern, the same every time.
+/// Reproducible random numbers.
 struct Dice(u64);
 
 impl Dice {
@@ -184,7 +184,7 @@ impl Dice {
 }
 
 #[test]
-fn a_thousand_random_commands_do_no_harm_and_can_all_be_taken_back() {
+fn a_thousand_random_commands_do_no_harm_and_can_be_undone() {
     let mut screen = open();
     let first = scene(&screen).clone();
     let window = Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 800.0));
@@ -194,7 +194,7 @@ fn a_thousand_random_commands_do_no_harm_and_can_all_be_taken_back() {
             screen.query_by_label("Canvas: the field on the plane").map_or(window, |node| node.rect());
         match dice.below(12) {
             0..4 => {
-                let tool = Tool::ALL[dice.below(Tool::ALL.len())];
+                let tool = Tool::VARIANTS[dice.below(Tool::VARIANTS.len())];
                 screen.key_press(tool.key());
                 screen.step();
                 let (from, to) = (dice.place(canvas), dice.place(canvas));
@@ -254,7 +254,7 @@ fn a_thousand_random_commands_do_no_harm_and_can_all_be_taken_back() {
                     node.click();
                 }
             }
-            // What is selected by itself has handles, and the pointer goes where one is.
+            // A single selected target has handles; the pointer drags one.
             10 => {
                 screen.key_press(Key::V);
                 screen.step();
@@ -277,7 +277,7 @@ fn a_thousand_random_commands_do_no_harm_and_can_all_be_taken_back() {
                 let events = [Event::Copy, Event::Cut, Event::Paste(copied), Event::Paste("木".to_owned())];
                 screen.event(events[dice.below(events.len())].clone());
             }
-            // Anywhere beside the canvas, but for the menu: it leads out of the window.
+            // Anywhere beside the canvas, except the menu, which could leave the window.
             8 => {
                 let panel = Rect::from_min_max(Pos2::new(canvas.right(), 70.0), Pos2::new(1270.0, 760.0));
                 let (from, to) = (dice.place(panel), dice.place(panel));
@@ -296,7 +296,7 @@ fn a_thousand_random_commands_do_no_harm_and_can_all_be_taken_back() {
             }
         }
         screen.step();
-        // More foci than that take their time, and that is tried elsewhere.
+        // More foci would be slow, and are tested elsewhere.
         let targets = &mut screen.state_mut().editor_mut().document.scene.targets;
         targets.truncate(6);
     }

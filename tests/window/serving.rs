@@ -1,4 +1,4 @@
-//! Other programs edit what the window shows: seen at once, one step of the history, and played on a connected board.
+//! Edits by other programs: shown at once, undone as one step, and played on a connected board.
 
 use std::net::UdpSocket;
 use std::time::{Duration, Instant};
@@ -17,7 +17,7 @@ use super::Screen;
 const PATIENCE: Duration = Duration::from_secs(60);
 const TWO: &str = "format = 1\n[[target]]\nat = [-0.02, 0, 0.1]\n[[target]]\nat = [0.02, 0, 0.1]\n";
 
-/// A window on two points that serves, and a program that speaks to it.
+/// A serving window on two points, and a client.
 fn serving() -> (Screen, UdpSocket) {
     let scene = sonoglyph::scene::file::parse(TWO, "two.toml".as_ref()).unwrap();
     let mut screen = Harness::builder()
@@ -26,7 +26,7 @@ fn serving() -> (Screen, UdpSocket) {
     screen.state_mut().editor_mut().replace(Document::new(scene, "two"));
     screen.state_mut().editor_mut().panel = Panel::Device;
     screen.run_steps(4);
-    assert!(screen.state().shown().serving.is_none(), "off at the start");
+    assert!(screen.state().shown().serving.is_none(), "off by default");
     screen.get_by_label("Serve other programs").click();
     screen.run_steps(4);
     let addresses = screen.state().shown().serving.clone().unwrap().addresses;
@@ -49,7 +49,11 @@ fn place(socket: &UdpSocket, number: usize, at: [f32; 3]) {
 fn until(screen: &mut Screen, what: &str, condition: impl Fn(&Screen) -> bool) {
     let start = Instant::now();
     while !condition(screen) {
-        assert!(start.elapsed() < PATIENCE, "{what} did not come; {:?}", screen.state().shown().serving);
+        assert!(
+            start.elapsed() < PATIENCE,
+            "timed out waiting for {what}; {:?}",
+            screen.state().shown().serving
+        );
         std::thread::sleep(Duration::from_millis(5));
         screen.step();
     }
@@ -64,9 +68,9 @@ fn stands(screen: &Screen, number: usize, at: [f64; 3]) -> bool {
 }
 
 #[test]
-fn what_others_move_is_seen_solved_and_undone_as_one_step() {
+fn remote_edits_are_shown_solved_and_undone_as_one_step() {
     let (mut screen, socket) = serving();
-    // What the user did before is a step of its own.
+    // The user's own edit is a separate undo step.
     screen.state_mut().editor_mut().document.scene.targets[1].pressure = 2.0;
     for step in 1..=40u8 {
         place(&socket, 1, [f32::from(step) / 1000.0, 0.01, 0.1]);
@@ -75,7 +79,7 @@ fn what_others_move_is_seen_solved_and_undone_as_one_step() {
     until(&mut screen, "the last place", |screen| stands(screen, 1, [0.04, 0.01, 0.1]));
     let foci = &screen.state().shown().solution.as_ref().unwrap().foci;
     assert_eq!(foci[0].position, DVec3::new(0.04, 0.01, 0.1));
-    // The burst is over, and a step.
+    // After a pause, the burst is one undo step.
     std::thread::sleep(Duration::from_millis(800));
     screen.run_steps(2);
     screen.state_mut().editor_mut().undo();
@@ -83,7 +87,7 @@ fn what_others_move_is_seen_solved_and_undone_as_one_step() {
     assert_eq!(screen.state().editor().scene().targets[1].pressure, 2.0);
     screen.state_mut().editor_mut().undo();
     assert_eq!(screen.state().editor().scene().targets[1].pressure, 1.0);
-    // What the user has is what others edit from now on.
+    // Remote edits apply to the scene after the undo.
     screen.run_steps(2);
     screen.state_mut().editor_mut().selection = [1].into();
     say(&socket, "target/1/remove", &[]);
@@ -92,7 +96,7 @@ fn what_others_move_is_seen_solved_and_undone_as_one_step() {
     assert!(screen.state().editor().selection.is_empty());
     place(&socket, 2, [0.0, 0.0, 0.1]);
     let refused = |screen: &Screen| screen.state().shown().serving.as_ref().unwrap().refused == 1;
-    until(&mut screen, "the count of what is refused", refused);
+    until(&mut screen, "the count of refused packets", refused);
     screen.get_by_label("Serve other programs").click();
     screen.run_steps(3);
     assert!(screen.state().shown().serving.is_none());
@@ -103,7 +107,7 @@ fn what_others_move_is_seen_solved_and_undone_as_one_step() {
 
 #[cfg(all(unix, feature = "serial"))]
 #[test]
-fn others_start_and_stop_the_board_once_the_user_knows_how_loud_it_is() {
+fn clients_start_and_stop_the_board_after_the_user_confirmed() {
     use sonoglyph::device::health::State;
     use sonoglyph::ui::board::Plays;
 
@@ -122,7 +126,7 @@ fn others_start_and_stop_the_board_once_the_user_knows_how_loud_it_is() {
     until(&mut screen, "silence", |screen| screen.state().shown().board.plays == Plays::Nothing);
     say(&socket, "send", &[OscType::Bool(true)]);
     until(&mut screen, "the scene again", |screen| screen.state().shown().board.plays == Plays::Scene);
-    // The state tells what is played.
+    // The state includes the played scene.
     say(&socket, "state", &[]);
     let mut bytes = [0; 65536];
     let start = Instant::now();

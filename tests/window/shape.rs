@@ -1,19 +1,19 @@
-//! Shapes in the window: a quick drive while one is dragged, the best at rest, and its figures.
+//! Shapes in the window: a quick drive during a drag, the best one at rest, and its figures.
 
 use sonoglyph::solver::Solution;
 
 use super::*;
 
 fn solution(screen: &Screen) -> &Solution {
-    screen.state().shown().solution.as_ref().expect("there is a solution")
+    screen.state().shown().solution.as_ref().expect("the scene is solved")
 }
 
 #[test]
-fn a_shape_stays_even_while_it_is_dragged_and_gets_quiet_at_rest() {
+fn a_shape_is_even_during_a_drag_and_has_low_side_lobes_at_rest() {
     let mut screen = open();
-    let figures = solution(&screen).figures.expect("at rest it is judged");
+    let figures = solution(&screen).figures.expect("figures at rest");
     assert!(figures.evenness > 0.85 && figures.side_lobe < 0.6, "{figures:?}");
-    // HIT, held at its I.
+    // HIT, dragged at its I.
     let from = at(&screen, 0.0, 0.0);
     screen.hover_at(from);
     screen.step();
@@ -25,13 +25,13 @@ fn a_shape_stays_even_while_it_is_dragged_and_gets_quiet_at_rest() {
         let held = solution(&screen);
         assert!(held.quality.evenness > 0.8, "step {step}: {}", held.quality.evenness);
     }
-    assert!(solution(&screen).figures.is_none(), "a frame has no time for them");
+    assert!(solution(&screen).figures.is_none(), "no figures during a drag");
     let quick = solution(&screen).drive.clone();
     screen.drop_at(from + vec2(0.0, 40.0));
     rest(&mut screen);
-    let moved = solution(&screen).figures.expect("at rest it is judged");
+    let moved = solution(&screen).figures.expect("figures at rest");
     assert!(moved.evenness > 0.85 && moved.side_lobe < 0.6, "{moved:?}");
-    // What is played goes over to it without a jump of all phases.
+    // The drive changes without a phase jump.
     let ahead = solution(&screen).drive.phases.iter().zip(&quick.phases);
     let turn: (f64, f64) =
         ahead.map(|(to, from)| (to - from).sin_cos()).fold((0.0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1));
@@ -39,7 +39,7 @@ fn a_shape_stays_even_while_it_is_dragged_and_gets_quiet_at_rest() {
 }
 
 #[test]
-fn the_solver_page_tells_how_good_a_shape_is_and_sets_how_quiet() {
+fn the_solver_page_shows_a_shapes_figures_and_sets_quiet() {
     let mut screen = open();
     screen.get_by_label("Solver").click();
     rest(&mut screen);
@@ -52,7 +52,7 @@ fn the_solver_page_tells_how_good_a_shape_is_and_sets_how_quiet() {
     rest(&mut screen);
     let strongest = solution(&screen).figures.unwrap().strength;
     assert!(strongest > loud && (strongest - 1.0).abs() < 1e-3, "{strongest}, {loud} before");
-    // Separate foci are no shape.
+    // Separate foci are not a shape.
     for target in &mut screen.state_mut().editor_mut().document.scene.targets {
         target.sampling = sonoglyph::scene::Sampling::Spacing(0.01);
     }

@@ -1,4 +1,4 @@
-//! What stands around the map: questions for files, numbers that are typed, menus, and small windows.
+//! The window around the map: file dialogs, typed numbers, menus, and small windows.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -26,7 +26,7 @@ fn open_after_a_crash(folder: &Path) -> Screen {
 }
 
 #[test]
-fn what_a_crash_left_is_offered_until_it_is_taken_or_discarded() {
+fn a_recovered_scene_is_offered_until_taken_or_discarded() {
     let folder = tempfile::tempdir().unwrap();
     Recovery::at(folder.path()).unwrap().keep(Some(&point(0.02)), 0.0);
     let left = || Recovery::at(folder.path()).unwrap().found();
@@ -36,14 +36,14 @@ fn what_a_crash_left_is_offered_until_it_is_taken_or_discarded() {
         click(&mut screen, Pos2::new(20.0, 700.0));
         assert!(matches!(screen.state().editor().dialog, Some(Dialog::Recovered(_))));
     }
-    assert_eq!(left(), Some(point(0.02)), "a window that is killed with the question open keeps it");
+    assert_eq!(left(), Some(point(0.02)), "kept if the window is killed with the dialog open");
     {
         let mut screen = open_after_a_crash(folder.path());
         let viewport = screen.input_mut().viewports.entry(egui::ViewportId::ROOT).or_default();
         viewport.events.push(egui::ViewportEvent::Close);
         rest(&mut screen);
     }
-    assert_eq!(left(), Some(point(0.02)), "and so does one that is closed");
+    assert_eq!(left(), Some(point(0.02)), "kept if the window is closed");
     {
         let mut screen = open_after_a_crash(folder.path());
         screen.get_by_label("Discard").click();
@@ -54,9 +54,9 @@ fn what_a_crash_left_is_offered_until_it_is_taken_or_discarded() {
 }
 
 #[test]
-fn the_window_closes_though_nothing_more_happens() {
+fn the_window_closes_without_further_events() {
     let mut screen = open();
-    // eframe hears of a frame that is asked for, but not of those asked for more than one pass before the last.
+    // eframe honours a repaint request only if it is at most one pass old.
     let asked = Arc::new(AtomicU64::new(0));
     let heard = Arc::clone(&asked);
     screen.ctx.set_request_repaint_callback(move |info| {
@@ -64,7 +64,7 @@ fn the_window_closes_though_nothing_more_happens() {
     });
     let is_wanted = |screen: &Screen| asked.load(Ordering::Relaxed) >= screen.ctx.cumulative_pass_nr();
     screen.step();
-    assert!(!is_wanted(&screen), "an idle window wants no frame");
+    assert!(!is_wanted(&screen), "an idle window requests no frames");
     let quit = |pressed| Event::Key {
         key: Key::Q,
         physical_key: None,
@@ -76,10 +76,10 @@ fn the_window_closes_though_nothing_more_happens() {
     screen.step();
     let commands = &screen.output().viewport_output[&egui::ViewportId::ROOT].commands;
     assert!(commands.contains(&egui::ViewportCommand::Close), "{commands:?}");
-    assert!(is_wanted(&screen), "the frame that closes the window is forgotten");
+    assert!(is_wanted(&screen), "the frame that closes the window is requested");
 }
 
-/// Opens the question for a file and writes the answer into its field.
+/// Opens a file dialog and types a path.
 fn type_path(screen: &mut Screen, modifiers: Modifiers, asks: Key, text: &str) {
     press(screen, modifiers, asks);
     press(screen, Modifiers::COMMAND, Key::A);
@@ -88,7 +88,7 @@ fn type_path(screen: &mut Screen, modifiers: Modifiers, asks: Key, text: &str) {
 }
 
 #[test]
-fn saving_adds_the_ending_and_asks_before_it_writes_over_a_file() {
+fn saving_adds_the_ending_and_asks_before_overwriting() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
     let save_as = Modifiers::COMMAND | Modifiers::SHIFT;
@@ -108,7 +108,7 @@ fn saving_adds_the_ending_and_asks_before_it_writes_over_a_file() {
     assert_eq!(screen.state().editor().dialog, None, "Enter replaces");
     assert_eq!(file::read(&other).unwrap(), *scene(&screen));
     assert_eq!(screen.state().editor().document.path(), Some(other.as_path()));
-    // Its own file is written without a word, an export over another is not.
+    // Its own file is saved without a question; an export over another file is not.
     type_path(&mut screen, save_as, Key::S, &other.display().to_string());
     key(&mut screen, Key::Enter);
     assert_eq!(screen.state().editor().dialog, None);
@@ -125,7 +125,7 @@ fn saving_adds_the_ending_and_asks_before_it_writes_over_a_file() {
 }
 
 #[test]
-fn files_are_found_by_clicks_and_a_wrong_path_stays_with_the_reason() {
+fn files_are_chosen_by_clicks_and_a_wrong_path_stays_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("inner")).unwrap();
     std::fs::write(folder.path().join("inner").join("a.toml"), file::write(&point(0.03))).unwrap();
@@ -146,14 +146,14 @@ fn files_are_found_by_clicks_and_a_wrong_path_stays_with_the_reason() {
     assert_eq!(*scene(&screen), point(0.03));
 }
 
-/// What is typed into a number's field, and the number that stands there afterwards.
+/// Types into the pitch field, and gives the resulting number.
 fn pitch_of(screen: &mut Screen, text: &str) -> f64 {
     type_in(screen, "Pitch", text);
     scene(screen).array.pitch
 }
 
 #[test]
-fn numbers_are_read_as_people_type_them_and_what_is_none_is_explained() {
+fn numbers_have_units_and_expressions_and_invalid_ones_are_explained() {
     let mut screen = open_by(0.02);
     screen.get_by_label("Array").click();
     rest(&mut screen);
@@ -165,7 +165,7 @@ fn numbers_are_read_as_people_type_them_and_what_is_none_is_explained() {
     assert!(screen.query_by_label_contains("“wide” is not a number").is_some());
     let before = screen.get_by_role_and_label(Role::SpinButton, "Pitch").rect();
     assert!((pitch_of(&mut screen, "5 m") - 0.2).abs() < 1e-9);
-    // It is said for some seconds, and as long as the pointer asks.
+    // The message stays for some seconds, and longer under the pointer.
     screen.hover_at(before.center());
     screen.run_steps(2);
     assert!(screen.query_by_label("Set to the largest value here: 200 mm").is_some());
@@ -175,11 +175,11 @@ fn numbers_are_read_as_people_type_them_and_what_is_none_is_explained() {
     );
     screen.hover_at(Pos2::ZERO);
     screen.run_steps(400);
-    assert!(screen.query_by_label_contains("largest value").is_none(), "the word goes by itself");
+    assert!(screen.query_by_label_contains("largest value").is_none(), "the message disappears");
 }
 
 #[test]
-fn letters_that_the_font_lacks_are_named_while_they_are_typed() {
+fn missing_glyphs_are_named_during_typing() {
     let mut screen = open();
     clear(&mut screen);
     key(&mut screen, Key::T);
@@ -196,7 +196,7 @@ fn letters_that_the_font_lacks_are_named_while_they_are_typed() {
 }
 
 #[test]
-fn every_command_is_found_by_its_name_and_the_help_names_its_keys() {
+fn commands_are_found_by_name_and_listed_with_their_keys() {
     let mut screen = open();
     press(&mut screen, Modifiers::COMMAND, Key::P);
     screen.event(Event::Text("all sel".to_owned()));
@@ -217,8 +217,8 @@ fn every_command_is_found_by_its_name_and_the_help_names_its_keys() {
 }
 
 #[test]
-fn everything_is_within_reach_in_a_small_window_and_at_twice_the_scale() {
-    // The second is 1280 x 800 at 200 %.
+fn everything_is_reachable_in_a_small_window_and_at_twice_the_scale() {
+    // The second size is 1280 x 800 at 200 %.
     for size in [vec2(640.0, 480.0), vec2(640.0, 400.0)] {
         let mut screen = open();
         screen.set_size(size);
@@ -226,15 +226,15 @@ fn everything_is_within_reach_in_a_small_window_and_at_twice_the_scale() {
         let window = Rect::from_min_size(Pos2::ZERO, size);
         let map = lens(&screen).rect;
         assert!(map.width() >= 300.0 && map.height() >= 180.0, "{map:?} of {window:?}");
-        for tool in Tool::ALL {
-            let rect = screen.get_by_role_and_label(Role::RadioButton, tool.name()).rect();
+        for tool in Tool::VARIANTS {
+            let rect = screen.get_by_role_and_label(Role::RadioButton, tool.into_str()).rect();
             assert!(window.contains_rect(rect), "{tool:?}: {rect:?}");
         }
         assert!(screen.query_by_label("Targets").is_none());
         key(&mut screen, Key::F9);
         let panel = screen.get_by_label("Device").rect();
         assert!(window.contains_rect(panel), "{panel:?}");
-        assert_eq!(lens(&screen).rect, map, "the panel lies over the map");
+        assert_eq!(lens(&screen).rect, map, "the panel covers the map");
         screen.get_by_label("Solver").click();
         rest(&mut screen);
         screen.get_by_label("Panel").click();
@@ -244,7 +244,7 @@ fn everything_is_within_reach_in_a_small_window_and_at_twice_the_scale() {
 }
 
 #[test]
-fn a_long_text_leaves_the_panel_as_wide_as_it_is() {
+fn a_long_text_does_not_widen_the_panel() {
     let mut screen = open();
     let before = screen.state().editor().layout.panel;
     let text = "M".repeat(300);
@@ -274,7 +274,7 @@ fn presenting_shows_the_map_alone_and_escape_ends_it() {
     let before = lens(&screen).rect;
     key(&mut screen, Key::F11);
     assert!(screen.query_by_label("File").is_none());
-    assert_eq!(screen.ctx.zoom_factor(), 1.5, "texts are large");
+    assert_eq!(screen.ctx.zoom_factor(), 1.5, "texts are enlarged");
     assert!(lens(&screen).rect.area() * 1.5 * 1.5 > 1.2 * before.area());
     key(&mut screen, Key::Escape);
     assert_eq!((lens(&screen).rect, screen.ctx.zoom_factor()), (before, 1.0));
@@ -299,7 +299,7 @@ fn a_scene_goes_through_a_link() {
 }
 
 #[test]
-fn what_is_cut_is_told_once() {
+fn a_cut_is_reported_once() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
     press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::S);
@@ -310,7 +310,7 @@ fn what_is_cut_is_told_once() {
         .query_all_by_label_contains("longlonglong")
         .max_by(|a, b| a.rect().center().y.total_cmp(&b.rect().center().y));
     let notice = notice.unwrap().rect().center();
-    assert!(notice.y > 700.0, "it stands in the line at the bottom: {notice}");
+    assert!(notice.y > 700.0, "in the status line: {notice}");
     screen.hover_at(notice);
     screen.run_steps(60);
     assert_eq!(told(&screen), before + 1);

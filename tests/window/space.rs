@@ -1,4 +1,4 @@
-//! The 3D view: looking around, choosing and dragging targets in space, slices and the clipped box.
+//! The 3D view: camera, selecting and dragging targets in space, slices and the clipped box.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ fn open_in_space() -> Screen {
 }
 
 fn stage(screen: &Screen) -> Stage {
-    screen.state().shown().space.as_ref().expect("there is a picture").stage.clone()
+    screen.state().shown().space.as_ref().expect("the view has a picture").stage.clone()
 }
 
 fn place(screen: &Screen, point: DVec3) -> Pos2 {
@@ -35,19 +35,22 @@ fn centre(screen: &Screen) -> DVec3 {
     outline::centre(&scene(screen).targets[0].shape)
 }
 
-/// Nothing was edited since the view was opened.
+/// Asserts that the scene was not edited since the view was opened.
 fn undo_leads_to_the_example(screen: &mut Screen) {
     press(screen, Modifiers::COMMAND, Key::Z);
-    assert!(matches!(scene(screen).targets[0].shape, Shape::Text { .. }), "looking around is no edit");
+    assert!(
+        matches!(scene(screen).targets[0].shape, Shape::Text { .. }),
+        "the camera is not part of the scene"
+    );
 }
 
-/// A place beside everything: the upper left corner, below the words.
+/// A place without scenery: the upper left corner, below the texts.
 fn beside(screen: &Screen) -> Pos2 {
     screen.get_by_label(CANVAS).rect().left_top() + vec2(30.0, 60.0)
 }
 
 #[test]
-fn the_view_is_fine_once_it_rests_and_goes_with_the_button() {
+fn the_view_is_fine_at_rest_and_closes_with_the_button() {
     let mut screen = open_in_space();
     let picture = screen.state().shown().space.as_ref().unwrap();
     assert!(!picture.is_coarse && picture.peak > 100.0, "{picture:?}");
@@ -59,7 +62,7 @@ fn the_view_is_fine_once_it_rests_and_goes_with_the_button() {
 }
 
 #[test]
-fn what_moves_is_drawn_coarsely_and_at_rest_nothing_is_drawn_anew() {
+fn a_moving_view_is_coarse_and_a_resting_one_is_not_redrawn() {
     let mut screen = open_in_space();
     let from = beside(&screen);
     screen.hover_at(from);
@@ -79,12 +82,15 @@ fn what_moves_is_drawn_coarsely_and_at_rest_nothing_is_drawn_anew() {
         heard.fetch_max(info.current_cumulative_pass_nr + 1, Ordering::Relaxed);
     });
     screen.step();
-    assert!(asked.load(Ordering::Relaxed) < screen.ctx.cumulative_pass_nr(), "an idle view wants no frame");
+    assert!(
+        asked.load(Ordering::Relaxed) < screen.ctx.cumulative_pass_nr(),
+        "an idle view requests no frames"
+    );
     assert!(!screen.state().is_busy());
 }
 
 #[test]
-fn dragging_turns_shift_and_the_middle_button_pan_the_wheel_zooms_and_home_brings_all_back() {
+fn the_camera_turns_pans_zooms_and_returns_home() {
     let mut screen = open_in_space();
     let home = stage(&screen).camera;
     let before = scene(&screen).clone();
@@ -124,14 +130,14 @@ fn dragging_turns_shift_and_the_middle_button_pan_the_wheel_zooms_and_home_bring
 }
 
 #[test]
-fn a_target_is_chosen_by_a_click_and_dragged_along_an_axis_or_a_plane_in_one_step() {
+fn a_target_is_selected_by_a_click_and_dragged_along_an_axis_or_a_plane() {
     let mut screen = open_in_space();
     let at = place(&screen, AT);
     click(&mut screen, at);
     assert_eq!(screen.state().editor().selection, BTreeSet::from([0]));
     assert_eq!(centre(&screen), AT);
 
-    // The arrow upwards, by 30 mm.
+    // The upward arrow, by 30 mm.
     let grip = |screen: &Screen, up: f64| {
         let from = place(screen, centre(screen));
         let tip = place(screen, centre(screen) + DVec3::Z * 0.01);
@@ -146,9 +152,9 @@ fn a_target_is_chosen_by_a_click_and_dragged_along_an_axis_or_a_plane_in_one_ste
     let peak = screen.state().shown().space.as_ref().unwrap().peak;
     assert!(peak > 100.0 && screen.state().shown().problem.is_none());
     press(&mut screen, Modifiers::COMMAND, Key::Z);
-    assert_eq!(centre(&screen), AT, "a drag is one step");
+    assert_eq!(centre(&screen), AT, "a drag is one undo step");
 
-    // The target itself stays at its height.
+    // Dragged itself, the target stays at its height.
     let (from, to) = (place(&screen, AT), place(&screen, AT + DVec3::new(0.02, 0.01, 0.0)));
     drag(&mut screen, from, to);
     let moved = centre(&screen);
@@ -158,11 +164,11 @@ fn a_target_is_chosen_by_a_click_and_dragged_along_an_axis_or_a_plane_in_one_ste
 }
 
 #[test]
-fn who_takes_a_tool_to_draw_gets_to_the_map() {
+fn a_drawing_tool_switches_to_the_map() {
     let mut screen = open();
     key(&mut screen, Key::C);
     key(&mut screen, Key::F3);
-    assert_eq!(screen.state().editor().tool, Tool::Select, "nothing is drawn in space");
+    assert_eq!(screen.state().editor().tool, Tool::Select, "no drawing in space");
     assert!(screen.state().shown().space.is_some());
     key(&mut screen, Key::C);
     assert!(!screen.state().editor().space.is_on && screen.state().shown().map.is_some());
@@ -170,7 +176,7 @@ fn who_takes_a_tool_to_draw_gets_to_the_map() {
 }
 
 #[test]
-fn escape_takes_a_drag_in_space_back() {
+fn escape_cancels_a_drag_in_space() {
     let mut screen = open_in_space();
     let (from, to) = (place(&screen, AT), place(&screen, AT + DVec3::X * 0.03));
     drag_and_hold(&mut screen, from, to);

@@ -1,5 +1,4 @@
-//! What the window shows, without a screen: contour lines, the pressure at a moment, a shaded depression and a free plane, against the
-//! field that they are of.
+//! Views of the map: contours, instantaneous pressure, colour scales, a shaded depression and an oblique plane.
 
 use std::f64::consts::SQRT_2;
 
@@ -23,7 +22,7 @@ fn focused(foci: &[DVec3]) -> Scene {
 }
 
 fn open(scene: Scene) -> Screen {
-    // A step that is no round part of a period.
+    // A time step that is no simple fraction of a period.
     let harness = Harness::builder().with_size(vec2(1280.0, 800.0)).with_step_dt(0.0171);
     let mut screen = harness.build_eframe(move |context| {
         Window::new(&context.egui_ctx, Document::new(scene, "test"), Evaluator::Cpu)
@@ -37,13 +36,13 @@ fn click(screen: &mut Screen, label: &str) {
     rest(screen);
 }
 
-/// Clicks on what the colour scale opens.
+/// Chooses an item of the colour scale's menu.
 fn choose(screen: &mut Screen, label: &str) {
     click(screen, "Colour scale");
     click(screen, label);
     screen.key_press(Key::Escape);
     rest(screen);
-    assert!(screen.query_by_label(label).is_none(), "the choices are closed");
+    assert!(screen.query_by_label(label).is_none(), "the menu is closed");
 }
 
 fn map(screen: &Screen) -> &Map {
@@ -54,7 +53,7 @@ fn numbers(screen: &mut Screen) -> Vec<f32> {
     screen.state_mut().numbers().unwrap().1
 }
 
-/// m on the cut, from pixels.
+/// m on the plane, from pixels.
 fn place(map: &Map, [x, y]: [f32; 2]) -> DVec2 {
     let lens = Lens { rect: map.rect, window: map.window };
     let part = vec2(x / map.width as f32, y / map.height as f32);
@@ -68,7 +67,7 @@ fn rms(screen: &Screen, point: DVec3) -> f64 {
     sound.aperture.transfer(&[point]).pressure(&drive)[0].norm() / SQRT_2
 }
 
-/// How often a closed line runs round a place.
+/// Winding number of a closed line around a place.
 fn winding(map: &Map, line: &Line, centre: DVec2) -> i32 {
     let at = |&pixel: &[f32; 2]| place(map, pixel) - centre;
     let turned: f64 = line.windows(2).map(|pair| at(&pair[0]).angle_to(at(&pair[1]))).sum();
@@ -76,10 +75,14 @@ fn winding(map: &Map, line: &Line, centre: DVec2) -> i32 {
 }
 
 #[test]
-fn a_contour_runs_round_the_focus_where_the_field_has_its_level() {
+fn a_contour_surrounds_the_focus_at_its_level() {
     let focus = DVec3::new(0.02, -0.01, 0.1);
     let mut screen = open(focused(&[focus]));
-    assert_eq!((screen.state().work().contours, map(&screen).contours.len()), (0, 0), "nobody asked");
+    assert_eq!(
+        (screen.state().work().contours, map(&screen).contours.len()),
+        (0, 0),
+        "no contours by default"
+    );
     choose(&mut screen, "Contours");
     for (level, largest_error) in [(-6.0f64, 0.01), (-3.0, 0.01), (-20.0, 0.03)] {
         screen.state_mut().editor_mut().view.contour_level = level;
@@ -108,7 +111,7 @@ fn a_contour_runs_round_the_focus_where_the_field_has_its_level() {
     let before = screen.state().work();
     screen.state_mut().editor_mut().document.scene.targets[0].shape = Shape::Point { at: DVec3::Z * 0.1 };
     rest(&mut screen);
-    assert_eq!(screen.state().work().since(before).contours, 0, "what is not shown is not looked for");
+    assert_eq!(screen.state().work().since(before).contours, 0, "hidden contours are not computed");
 }
 
 #[test]
@@ -136,13 +139,10 @@ fn one_convention_holds_for_the_whole_window() {
     }
     choose(&mut screen, "Lock");
     let full = screen.state().editor().view.full.unwrap();
-    assert!(
-        (full / map(&screen).largest - 1.0).abs() < 1e-9,
-        "the range is that of the map, not of what is said of it"
-    );
+    assert!((full / map(&screen).largest - 1.0).abs() < 1e-9, "the range does not depend on the convention");
 }
 
-/// The map as it is exported, a row of pixels after the other from the smallest y.
+/// The exported map, row by row from the smallest y.
 fn picture(screen: &mut Screen) -> Vec<[u8; 4]> {
     let folder = tempfile::tempdir().unwrap();
     click(screen, "Export");
@@ -159,7 +159,7 @@ fn picture(screen: &mut Screen) -> Vec<[u8; 4]> {
 }
 
 #[test]
-fn both_ends_of_the_colours_are_typed_and_kept() {
+fn both_ends_of_the_colour_scale_can_be_typed() {
     let mut screen = open(focused(&[DVec3::new(0.0, 0.0, 0.1)]));
     click(&mut screen, "Colour scale");
     type_in(&mut screen, "Smallest value that has a colour", "0,2 kPa");
@@ -174,7 +174,7 @@ fn both_ends_of_the_colours_are_typed_and_kept() {
     let mut between = 0;
     for (value, colour) in values.iter().zip(&picture) {
         let place = 255.0 * (value - 200.0) / 200.0;
-        // Next to a step of the table rounding may go either way.
+        // At a step of the colour table rounding may go either way.
         assert!([place.floor(), place.ceil()].map(at).contains(colour), "{value}: {colour:?}");
         between += usize::from((0.0..255.0).contains(&place));
     }
@@ -182,17 +182,17 @@ fn both_ends_of_the_colours_are_typed_and_kept() {
     click(&mut screen, "Colour scale");
     type_in(&mut screen, "Largest value that has a colour", "1");
     let full = screen.state().editor().view.full.unwrap();
-    assert!((200.0..201.0).contains(&full), "not below the smallest: {full}");
+    assert!((200.0..201.0).contains(&full), "not below the lower end: {full}");
     click(&mut screen, "Lock");
     let view = &screen.state().editor().view;
-    assert_eq!((view.low, view.full), (None, None), "both follow the map again");
+    assert_eq!((view.low, view.full), (None, None), "both ends follow the map again");
     click(&mut screen, "dB");
     type_in(&mut screen, "Lowest level that has a colour", "-40");
     assert!((screen.state().editor().view.floor - 0.01).abs() < 1e-9);
 }
 
 #[test]
-fn the_brightness_of_a_phase_follows_its_amplitude_on_either_ground() {
+fn the_brightness_of_a_phase_follows_its_amplitude_on_both_grounds() {
     let mut screen = open(focused(&[DVec3::new(0.02, 0.0, 0.1)]));
     let values = numbers(&mut screen);
     let largest = values.iter().copied().fold(0.0, f32::max);
@@ -219,7 +219,7 @@ fn the_brightness_of_a_phase_follows_its_amplitude_on_either_ground() {
 }
 
 #[test]
-fn the_ground_of_a_map_is_that_of_the_theme_unless_it_is_chosen() {
+fn the_ground_of_a_map_follows_the_theme_unless_chosen() {
     let mut screen = open(focused(&[DVec3::new(0.0, 0.0, 0.1)]));
     let faintest = |screen: &mut Screen| {
         let (values, picture) = (numbers(screen), picture(screen));
@@ -238,7 +238,7 @@ fn the_ground_of_a_map_is_that_of_the_theme_unless_it_is_chosen() {
 }
 
 #[test]
-fn a_moment_is_the_negative_of_the_one_half_a_period_on_and_all_have_the_rms_that_is_shown() {
+fn instantaneous_pressures_have_half_period_symmetry_and_the_shown_rms() {
     let mut screen = open(focused(&[DVec3::new(0.02, 0.0, 0.1), DVec3::new(-0.02, 0.01, 0.1)]));
     let shown_rms = numbers(&mut screen);
     screen.state_mut().editor_mut().oscillation.playing = false;
@@ -263,7 +263,7 @@ fn a_moment_is_the_negative_of_the_one_half_a_period_on_and_all_have_the_rms_tha
     assert_eq!(
         work,
         Work { forming: picture, picture, ..Work::default() },
-        "another moment is formed and coloured, and nothing else"
+        "another moment needs only forming and colouring"
     );
     let largest = map(&screen).largest as f32;
     assert!((largest / shown_rms.iter().copied().fold(0.0, f32::max) - SQRT_2 as f32).abs() < 1e-3);
@@ -275,11 +275,11 @@ fn a_moment_is_the_negative_of_the_one_half_a_period_on_and_all_have_the_rms_tha
 }
 
 #[test]
-fn waves_run_only_while_they_are_looked_at() {
+fn oscillation_runs_only_while_shown() {
     let mut screen = open(focused(&[DVec3::Z * 0.1]));
     let part = |screen: &Screen| screen.state().editor().oscillation.part;
     screen.run_steps(10);
-    assert_eq!(part(&screen), 0.0, "nobody looks");
+    assert_eq!(part(&screen), 0.0, "not shown");
     screen.key_press_modifiers(Modifiers::NONE, Key::Num5);
     screen.run_steps(30);
     let (running, work) = (part(&screen), screen.state().work());
@@ -293,18 +293,18 @@ fn waves_run_only_while_they_are_looked_at() {
     let stopped = part(&screen);
     screen.run_steps(10);
     assert_eq!(part(&screen), stopped);
-    assert!(screen.run() <= 2, "a moment that stands asks for no frames");
+    assert!(screen.run() <= 2, "a paused oscillation requests no frames");
 }
 
 #[test]
-fn a_shaded_depression_is_where_the_focus_is_and_takes_no_edits() {
+fn a_shaded_depression_is_at_the_focus_and_cannot_be_edited() {
     let at = |x: f64| Shape::Point { at: DVec3::new(x, 0.0, 0.1) };
     let mut screen = open(focused(&[DVec3::new(-0.04, 0.0, 0.1)]));
     screen.key_press_modifiers(Modifiers::NONE, Key::Num4);
     rest(&mut screen);
     click(&mut screen, "Shaded");
     let rect = map(&screen).rect;
-    // The column that differs most from the one at the side, which is level.
+    // The column that differs most from a level one at the side.
     let roughest = |screen: &mut Screen| {
         rest(screen);
         let picture = screen.state_mut().picture().unwrap();
@@ -334,7 +334,7 @@ fn a_shaded_depression_is_where_the_focus_is_and_takes_no_edits() {
     screen.drop_at(rect.center() + vec2(100.0, 0.0));
     rest(&mut screen);
     assert_eq!(screen.state().editor().document.scene, before);
-    // A view that is moved can be let go.
+    // A drag that turns the view can end.
     screen.event(egui::Event::PointerButton {
         pos: rect.center(),
         button: egui::PointerButton::Secondary,
@@ -358,7 +358,7 @@ fn a_shaded_depression_is_where_the_focus_is_and_takes_no_edits() {
 }
 
 #[test]
-fn a_free_plane_shows_a_focus_where_it_is() {
+fn an_oblique_plane_shows_a_focus_in_its_place() {
     let plane = FreePlane { centre: DVec3::new(0.01, -0.01, 0.11), tilt: 0.6, turn: 0.4 };
     let on_plane = DVec2::new(-0.012, 0.018);
     let mut screen = open(focused(&[plane.axes().world(on_plane)]));
@@ -379,13 +379,13 @@ fn a_free_plane_shows_a_focus_where_it_is() {
 }
 
 #[test]
-fn while_a_motion_is_solved_it_is_said_that_the_scene_at_rest_is_shown() {
+fn during_the_solution_of_a_motion_the_scene_at_rest_is_shown_with_a_note() {
     let mut scene = focused(&[DVec3::Z * 0.1]);
     (scene.motion.path, scene.motion.frames) = (MotionPath::Circle, 256);
     let mut screen = open(scene);
-    assert_eq!(screen.state().shown().pending, None, "a map of the scene at rest waits for nothing");
+    assert_eq!(screen.state().shown().pending, None, "a map of the scene at rest is not pending");
     screen.state_mut().editor_mut().view.quantity = Quantity::Depression;
-    // What is asked for in this frame is there in the next at the earliest.
+    // Results of this frame's request arrive in the next frame at the earliest.
     screen.step();
     let shown = screen.state().shown();
     assert!(shown.round.is_none() && shown.pending.as_ref().unwrap().contains("scene at rest"));
@@ -395,7 +395,7 @@ fn while_a_motion_is_solved_it_is_said_that_the_scene_at_rest_is_shown() {
 }
 
 #[test]
-fn what_presses_on_the_scenes_plane_does_not_depend_on_the_zoom() {
+fn force_and_volume_do_not_depend_on_the_zoom() {
     let mut screen = open(focused(&[DVec3::new(0.01, 0.0, 0.1)]));
     screen.state_mut().editor_mut().view.quantity = Quantity::Depression;
     rest(&mut screen);
@@ -408,7 +408,7 @@ fn what_presses_on_the_scenes_plane_does_not_depend_on_the_zoom() {
     screen.state_mut().editor_mut().view.window = Some(lens.zoomed(lens.rect.center(), 8.0));
     rest(&mut screen);
     assert_eq!(figures(&screen), whole);
-    // As the command line has them.
+    // As on the command line.
     let scene = scene(&screen).clone();
     let drive = screen.state().shown().sound.as_ref().unwrap().drive().clone();
     let request = Request::new(&scene, vec![drive], Quantity::Depression, (64, 64));

@@ -1,4 +1,4 @@
-// The field of a scene file without the window; with `?jobs` the page does what the server asks for and hands the numbers back.
+// The field of a scene file without the window; with `?jobs` the page runs the server's jobs and returns their numbers.
 import init, { Field } from "./sonoglyph.js";
 
 const SIZE = 512;
@@ -6,7 +6,7 @@ const PROGRAM = "sonoglyph_bg.wasm";
 const element = name => document.getElementById(name);
 const fields = new Map();
 
-// A scene's field by one evaluator; what does not change from map to map is kept.
+// A scene's field by one evaluator; everything unchanged from map to map is kept.
 async function field(evaluator) {
   if (!fields.has(evaluator)) fields.set(evaluator, await Field.open(evaluator));
   return fields.get(evaluator);
@@ -41,7 +41,7 @@ async function draw(event) {
   }
 }
 
-// What one job asks for: the map of a drive that is given, or the times of a drag from scene to scene.
+// Runs a job: the map of a given drive, or the times of a drag from scene to scene.
 async function done(job) {
   const own = await field(job.evaluator);
   if (job.drag) {

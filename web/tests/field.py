@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""The field of the page against the command line's, in headless browsers, and how long a drag takes there.
+"""The field of the page against the command line's, in headless browsers, and the times of a drag there.
 
     web/tests/field.py FOLDER SONOGLYPH [--browser chromium|firefox]... [--evaluator cpu|any-gpu]... [--no-times]
 
-FOLDER is the page as `web/build` makes it. What is compared is the map of one drive: that of the command line by the same kind of
-evaluator, in the scene's own tolerance, and that of the f64 reference, without one. Exit 0 if no map is off by more than 2e-5 of
-its peak.
+FOLDER is the page built by `web/build`. The map of one drive is compared with that of the command line by the same kind
+of evaluator, in the scene's own tolerance, and exactly with the f64 reference. Exit 0 if no map is off by more than
+2e-5 of its peak.
 """
 
 import argparse
@@ -23,11 +23,11 @@ from pathlib import Path
 import numpy as np
 
 SCENES = Path(__file__).parent.parent.parent / "assets" / "scenes"
-#: Scenes, what is shown of them, and what is within a map's own tolerance of f64 only: the liquid's cells.
+#: Scenes and quantities. The liquid is within the map's own tolerance of f64 only, because of its cells.
 MAPS = [("hit", "rms"), ("five-points", "rms"), ("heart", "rms"), ("water-heart", "depression"), ("two-boards", "rms")]
 DRAGS = [("focus-centre", "rms"), ("five-points", "rms"), ("five-points", "phase"), ("hit", "rms"), ("water-circle", "depression"),
          ("two-boards", "rms")]
-#: Parts of the peak.
+#: Relative to the peak.
 TOLERANCE = 2e-5
 SIZE, EXACT_SIZE = 512, 96
 FRAMES = 40
@@ -49,7 +49,7 @@ def with_tolerance(text, tolerance):
 
 
 def moved(text, metres):
-    """The scene with its first target so far along x."""
+    """The scene with its first target moved along x."""
     place = re.search(r"(?m)^at *= *\[([^,]*),", text[text.index("[[target]]"):])
     at = text.index("[[target]]") + place.start(1)
     return text[:at] + repr(float(place[1]) + metres) + text[at + len(place[1]):]
@@ -69,7 +69,7 @@ def rendered(program, path, quantity, size, backend, folder):
 
 
 class Server(http.server.ThreadingHTTPServer):
-    """Hands out the page and the jobs, and takes what comes of them."""
+    """Serves the page and the jobs, and collects the results."""
 
     def __init__(self, page, jobs):
         super().__init__(("127.0.0.1", 0), Handler)
@@ -137,11 +137,11 @@ def run(browser, server):
         process.kill()
     shutil.rmtree(profile, ignore_errors=True)
     if not is_done:
-        sys.exit(f"{browser}: no answer in {PATIENCE} s; there are {len(server.answers)} of {len(server.jobs)}")
+        sys.exit(f"{browser}: no answer in {PATIENCE} s; {len(server.answers)} of {len(server.jobs)} jobs are done")
 
 
 def prepared(program, evaluators, folder):
-    """The jobs, and what their values are compared with."""
+    """The jobs, and their expected values."""
     jobs, expected = [], {}
     for scene, quantity in MAPS:
         text = (SCENES / f"{scene}.toml").read_text()

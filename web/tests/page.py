@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Uses the page as its users do: in headless Chromium, by pointer and keys; what it shows is compared with the command line."""
+"""Operates the page in headless Chromium by pointer and keys, and compares its output with the command line's."""
 
 import base64
 import contextlib
@@ -22,12 +22,12 @@ from selenium.webdriver.chrome.service import Service
 SERVER, FOLDER, PROGRAM = sys.argv[1:4]
 SCENES = Path("assets/scenes")
 SIZE = (1280, 800)
-#: Parts of the largest value.
+#: Relative to the largest value.
 TOLERANCE = 2e-5
-#: Of a scene for the sum below: m/s.
+#: Sound speed (m/s) of the scene summed below.
 SPEED = 343.0
 CHECKED = []
-#: On the Device page: buttons, in points from the upper left corner. The second moves down for the port that was chosen.
+#: On the Device page: buttons, in points from the upper left corner. Choosing a port moves the second one down.
 CHOOSE, CONNECT = (1110, 219), (970, 339)
 
 
@@ -56,7 +56,7 @@ def server():
 
 
 class Page:
-    """A headless browser and the page in it."""
+    """A headless browser with the page."""
 
     def __init__(self, address, downloads, profile, flags=()):
         self.address, self.downloads = address, Path(downloads)
@@ -71,7 +71,7 @@ class Page:
         self.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(downloads)})
 
     def open(self, fragment="", forget=True):
-        """Loads the page anew, without what was unsaved; seconds until its first picture."""
+        """Reloads the page without unsaved changes; returns the seconds until its first picture."""
         if forget and self.script("return !!window.sonoglyph"):
             self.script("Object.keys(localStorage).filter(key => key.includes('recovery')).forEach(key => localStorage.removeItem(key))")
         self.driver.get("about:blank")
@@ -91,23 +91,23 @@ class Page:
         return self.script("return window.sonoglyph.frames()")
 
     def rest(self, seconds=60):
-        """Waits until nothing is made and nothing is drawn any more."""
+        """Waits until the page neither computes nor draws."""
         def still():
             before = self.frames()
             if self.shown()["busy"]:
                 return False
             time.sleep(0.4)
-            # A cursor that blinks where text is asked for is no unrest.
+            # The blinking cursor of a text field may draw a frame.
             return self.frames() - before <= 1
         until(still, "rest", seconds)
 
     def place(self, across, up):
-        """A point of the map, in parts of its sides from its lower left corner."""
+        """A point of the map, in fractions of its sides from its lower left corner."""
         left, top, width, height = self.shown()["rect"]
         return left + across * width, top + (1 - up) * height
 
     def point(self, *places, press=False, settle=True):
-        """Goes from place to place; held down on the way, or with a click at the end."""
+        """Moves the pointer from place to place, pressed, or with a click at the end."""
         pointer = ActionChains(self.driver, duration=60)
         for index, (x, y) in enumerate(places):
             pointer.w3c_actions.pointer_action.move_to_location(round(x), round(y))
@@ -139,11 +139,11 @@ class Page:
             self.rest()
 
     def run(self, action):
-        """Runs an action by its name."""
+        """Runs a command by its name."""
         self.type((Keys.CONTROL, "p"), action, Keys.ENTER)
 
     def download(self, act):
-        """The file that something downloads."""
+        """The file downloaded by an action."""
         before = set(self.downloads.iterdir())
         act()
         def whole():
@@ -154,7 +154,7 @@ class Page:
         return found[0]
 
     def numbers(self):
-        """The values of the map, as the page exports them."""
+        """The exported values of the map."""
         def export():
             self.run("numbers as npy")
             self.type(Keys.ENTER)
@@ -171,12 +171,12 @@ class Page:
 
 
 def rendered(page, folder):
-    """What the command line makes of what the page shows."""
+    """The command line's map of the page's scene."""
     shown = page.shown()
     scene, data = Path(folder) / "shown.toml", Path(folder) / "shown.npy"
     scene.write_text(shown["scene"])
     width, height = shown["size"]
-    # The two choose their samples each in its way, within the tolerance of the map.
+    # Page and command line choose their samples differently, within the map's tolerance.
     backend = "gpu" if shown["evaluator"] == "WebGPU" else "cpu"
     subprocess.run([PROGRAM, "render", scene, "--quantity", shown["quantity"], "--size", f"{width}x{height}", "--data", data,
                     "-o", Path(folder) / "shown.png", "--backend", backend], check=True, capture_output=True)
@@ -201,7 +201,7 @@ def bessel(x):
 
 
 def summed(page, folder):
-    """The error of some of the map's values against a plain sum over the elements, as a part of the largest."""
+    """The error of some of the map's values against a direct sum over the elements, relative to the largest."""
     def export():
         page.run("drive as csv")
         page.type(Keys.ENTER)
@@ -225,7 +225,7 @@ def summed(page, folder):
 
 
 def link(scene):
-    """The fragment of an address that holds a scene."""
+    """The fragment of an address with a scene."""
     packer = zlib.compressobj(9, zlib.DEFLATED, -15)
     packed = packer.compress(scene.encode()) + packer.flush()
     return "#" + base64.urlsafe_b64encode(packed).decode().rstrip("=")
@@ -240,30 +240,30 @@ def targets(page):
 
 
 def picture_is_the_maps(page, folder):
-    """How alike what is on the screen and the command line's picture are, 0 to 1."""
+    """The correlation of the screen with the command line's picture."""
     left, top, width, height = (round(side) for side in page.shown()["rect"])
     rendered(page, folder)
     wanted = np.asarray(Image.open(Path(folder) / "shown.png").convert("RGB")).astype(float)
     seen = page.screenshot()[top:top + height, left:left + width]
     assert seen.shape == wanted.shape, (seen.shape, wanted.shape)
-    # Hints of the first start stand below.
+    # The lower half may show hints of the first start.
     upper = slice(0, height // 2)
     return np.corrcoef(seen[upper].ravel(), wanted[upper].ravel())[0, 1]
 
 
-def somebody_uses_it(page, folder):
+def by_pointer_and_keys(page, folder):
     seconds = page.open()
     checked(f"loads: the first picture after {seconds:.2f} s")
     assert [target["text"] for target in targets(page)] == ["HIT"]
-    # Where a search ends, rounding leads it elsewhere than on the command line; so the page's own drive is summed.
+    # Rounding may lead the search to another result than on the command line, so the page's own drive is summed.
     page.open(link((SCENES / "hit.toml").read_text() + f"tolerance = 1e-5\n[medium]\nsound_speed = {SPEED}\nabsorption = 0.0\n"))
     error = summed(page, folder)
-    checked(f"HIT: {error:.1e} of the peak from a plain sum over the elements")
+    checked(f"HIT: {error:.1e} of the peak from a direct sum over the elements")
     assert error < TOLERANCE, error
     page.open()
     page.run("light or dark")
     likeness = picture_is_the_maps(page, folder)
-    checked(f"HIT on the screen: {likeness:.3f} alike the command line's picture")
+    checked(f"HIT on the screen: {likeness:.3f} correlation with the command line's picture")
     assert likeness > 0.9
 
     before = page.frames()
@@ -301,7 +301,7 @@ def somebody_uses_it(page, folder):
     page.type((Keys.CONTROL, "o"))
     page.type(saved.name, Keys.ENTER)
     assert targets(page) == wanted, (targets(page), wanted)
-    checked("saved as a download, and opened again after the page was loaded anew")
+    checked("saved as a download, and opened again after a reload")
 
     page.point(page.place(0.2, 0.8))
     page.type("p")
@@ -312,13 +312,13 @@ def somebody_uses_it(page, folder):
     page.open(forget=False)
     page.type(Keys.ENTER)
     assert targets(page) == wanted, (targets(page), wanted)
-    checked("a page that was closed offers what was unsaved")
+    checked("a reopened page offers the unsaved scene")
     page.open()
 
     page.script("location.hash = arguments[0]", of_file("five-points"))
     until(lambda: len(targets(page)) == 5, "the scene of a link")
     page.rest()
-    checked("a link opens in the page that is there")
+    checked("a link opens in the same page")
     assert not page.log(), page.log()
 
     frames_beside_work(page)
@@ -327,7 +327,7 @@ def somebody_uses_it(page, folder):
 
 
 def frames_beside_work(page):
-    """The page goes on drawing while its worker solves."""
+    """The page draws frames while its worker solves."""
     page.driver.get("about:blank")
     page.driver.get(page.address + of_file("heart-and-hit"))
     until(lambda: page.shown()["busy"], "work")
@@ -336,11 +336,11 @@ def frames_beside_work(page):
         ActionChains(page.driver, duration=20).move_by_offset(3, 0).move_by_offset(-3, 0).perform()
     drawn = page.frames() - before
     assert drawn > 5, drawn
-    checked(f"{drawn} frames drawn while a heart around HIT was solved")
+    checked(f"{drawn} frames drawn during the solution of a heart around HIT")
 
 
 def streams_to_a_board(page):
-    """The Device page: a port by the browser's chooser, for which a stand-in answers as a native board would; then live."""
+    """The Device page: a port from the browser's chooser, a stand-in with an emulated native board; then a drag."""
     stand_in = Path(__file__).with_name("stand-in.js").read_text().replace("export class", "class")
     source = {"source": f"{{ {stand_in}\n window.standIn = new StandIn().install(); }}"}
     page.driver.execute_cdp_cmd("Page.addScriptToEvaluateOnNewDocument", source)
@@ -354,7 +354,7 @@ def streams_to_a_board(page):
         page.point(place, settle=False)
         time.sleep(1.5)
     page.type((Keys.CONTROL, "p"), "send to the board", Keys.ENTER, Keys.ENTER, settle=False)
-    # Amplitude and phase in turn; the envelope lets it sound half of the time.
+    # Amplitude and phase alternate; with the envelope it sounds half of the time.
     sounding = "return board.playing().filter((value, n) => n % 2 === 0 && value > 0).length"
     until(lambda: page.script(sounding) == 256, "256 elements that sound")
     time.sleep(0.5)
@@ -363,11 +363,11 @@ def streams_to_a_board(page):
     moved = until(lambda: page.script("return board.frames()"), "frames of a drag")
     page.type((Keys.CONTROL, "p"), "stop the board", Keys.ENTER, settle=False)
     until(lambda: all(page.script(sounding) == 0 for _ in range(20)), "silence")
-    checked(f"a board at a port sounds with 256 elements, follows a drag and falls silent ({moved} frames at least)")
+    checked(f"a board at a port sounds with 256 elements, follows a drag and falls silent (at least {moved} frames)")
 
 
 def by_its_gpu(page, folder):
-    """What WebGPU computes, here by a program that plays GPU, which the page takes only when it is asked to."""
+    """Maps by WebGPU, here on a software adapter, which the page uses only on request."""
     page.open(of_file("five-points"))
     assert page.shown()["evaluator"].startswith("CPU, SIMD128"), page.shown()["evaluator"]
     page.address += "?gpu=any"
@@ -385,13 +385,13 @@ def main():
     with server() as address, tempfile.TemporaryDirectory() as folder:
         downloads = Path(folder) / "downloads"
         downloads.mkdir()
-        for number, (use, flags) in enumerate([(somebody_uses_it, []), (by_its_gpu, ["enable-unsafe-webgpu"])]):
+        for number, (use, flags) in enumerate([(by_pointer_and_keys, []), (by_its_gpu, ["enable-unsafe-webgpu"])]):
             page = Page(address, downloads, Path(folder) / f"profile-{number}", flags)
             try:
                 use(page, folder)
             except BaseException:
                 page.driver.save_screenshot("target/web/failed.png")
-                print("the page when it failed: target/web/failed.png", *page.log(), sep="\n", file=sys.stderr)
+                print("screenshot of the failure: target/web/failed.png", *page.log(), sep="\n", file=sys.stderr)
                 raise
             finally:
                 page.driver.quit()

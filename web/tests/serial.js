@@ -1,5 +1,5 @@
-// The test of Web Serial in a browser; serial.py serves it and judges what it finds. The page with a link stands in a frame, so
-// that it can be left; this page around it has the board and the stand-in for the port, and what was written to it.
+// The test of Web Serial in a browser; serial.py serves it and judges its results. The page with a link is in a frame,
+// so that it can be left; this outer page holds the board, the stand-in for the port, and the written bytes.
 
 import init, * as program from "./sonoglyph.js";
 import { StandIn } from "./stand-in.js";
@@ -8,11 +8,11 @@ const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 async function until(what, condition) {
   for (let begun = performance.now(); !condition(); await wait(2)) {
-    if (performance.now() - begun > 30000) throw new Error(`${what} did not come`);
+    if (performance.now() - begun > 30000) throw new Error(`timed out waiting for ${what}`);
   }
 }
 
-// A page with a stand-in for its ports, which the program finds there.
+// A page with a stand-in for its serial ports.
 async function pageWith(board) {
   const frame = document.createElement("iframe");
   frame.src = `${location.pathname}?inside`;
@@ -25,10 +25,10 @@ async function pageWith(board) {
 const hex = (bytes) => Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
 const hexOf = (written) => written.map(({ bytes }) => hex(bytes)).join("");
 
-// Whether a board plays what was wanted of it: the same elements sound, at the same phases but for one offset. Their amplitudes follow
-// the envelope.
+// Whether a board plays the expected drive: the same elements sound, with the same phases up to a common offset.
+// Amplitudes follow the envelope.
 function plays(board, wanted) {
-  const STEP = 1 / 64; // turns: what both rounding to a board's steps may make
+  const STEP = 1 / 64; // turns: both are rounded to a board's steps
   const playing = board.playing();
   const sounds = wanted.flatMap((value, n) => (n % 2 === 0 && value > 0 ? [n] : []));
   if (!playing.every((value, n) => n % 2 === 1 || value > 0 === sounds.includes(n))) return false;
@@ -37,7 +37,7 @@ function plays(board, wanted) {
   return sounds.length > 0 && off.every((turn) => turn < STEP);
 }
 
-// The same, once the envelope lets it sound.
+// Waits for the same, as the envelope may be in its pause.
 async function comesToPlay(board, wanted) {
   for (let looks = 0; looks < 200; looks += 1) {
     if (plays(board, wanted)) return true;
@@ -48,7 +48,7 @@ async function comesToPlay(board, wanted) {
 
 const is_silent = (board) => board.playing().every((value, n) => n % 2 === 1 || value === 0);
 
-// Makes a link through the browser's chooser, and waits until its board is ready.
+// Opens a link through the browser's chooser, and waits until its board is ready.
 async function connect(page, profile, scene, baud) {
   const { Sender, choose, ports } = page.program;
   const steps = {};
@@ -67,7 +67,7 @@ async function connect(page, profile, scene, baud) {
   return { sender, told, hear, steps };
 }
 
-// The longest time (ms) that the page in the frame could do nothing else.
+// Measures the longest time (ms) that blocks the page in the frame.
 function watch(page) {
   let longest = 0;
   let last = performance.now();
@@ -98,7 +98,7 @@ async function still({ profile, scene, baud }) {
   return { steps, told, is_played, is_silent: is_silent(board), figures, held, events: page.port.events, bytes: hexOf(page.port.written) };
 }
 
-// A drag: as many wishes as the screen has frames. What it leaves is the last of them.
+// A drag: one request per frame of the screen. The board ends with the last of them.
 async function drag({ profile, scene, baud }) {
   const board = new program.Board(profile);
   const page = await pageWith(board);
@@ -126,7 +126,7 @@ async function drag({ profile, scene, baud }) {
   return { wishes, frames, seconds, is_last, figures, held };
 }
 
-// The plug is pulled and put back; then the page is left in each of three ways, or its program fails.
+// The board is unplugged and plugged in; then the page is left in each of three ways, or its program fails.
 async function loss({ profile, scene, baud }) {
   const board = new program.Board(profile);
   const page = await pageWith(board);
@@ -177,7 +177,7 @@ async function left({ profile, scene, baud }, how) {
   return { is_silent: is_silent(board), last: hexOf(after) };
 }
 
-// Bit rates that a board or an adapter does not have.
+// Bit rates that a board or an adapter does not support.
 async function rates({ scene }) {
   const page = await pageWith(new program.Board("native"));
   page.port.impossible = [3000000];
@@ -195,7 +195,7 @@ async function rates({ scene }) {
   return found;
 }
 
-// Sound and darkness in turn, as often as asked for.
+// Sound and darkness alternate at the requested rate.
 async function swaps({ scene }) {
   const board = new program.Board("sonicsurface");
   const page = await pageWith(board);
@@ -213,7 +213,7 @@ async function swaps({ scene }) {
   return { told, figures, frames, held };
 }
 
-// What a board and its line can do: each rate is tried on a port that is closed and opened for it.
+// The survey of board and line: each rate is tried on a port closed and opened for it.
 async function survey() {
   const board = new program.Board("native");
   const page = await pageWith(board);

@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""The link over Web Serial, in a real browser: web/tests/serial.py FOLDER SONOGLYPH
+"""The link over Web Serial in a real browser: web/tests/serial.py FOLDER SONOGLYPH
 
-FOLDER is the page as `web/build` makes it. web/tests/serial.js runs in a headless Chromium with
-web/tests/stand-in.js in the place of `navigator.serial`, and compares what the page writes to the port with what `sonoglyph send` writes to a
-virtual board for the same scene. Compared are, for a stock board, all bytes; frames that are sent again while nothing changes, how often
-is a matter of time, count once. For a native board, all packets in order, decoded by gateware/doc/client.py, which was written from
-protocol.md alone: type, address, arguments and payload. Left out are the packets' numbers, MUTE before there is any sound, and the questions INFO and STATUS, which keep
-the line alive as often as time passes. It ends with 0 if everything holds, and says what was compared.
+FOLDER is the page built by `web/build`. web/tests/serial.js runs in a headless Chromium with web/tests/stand-in.js in
+place of `navigator.serial`, and compares the bytes written by the page with those that `sonoglyph send` writes to a
+virtual board for the same scene. For a stock board all bytes are compared, but repeated frames count once, since their
+number depends on timing. For a native board all packets are compared in order, decoded by gateware/doc/client.py, which
+was written from protocol.md alone: type, address, arguments and payload; without sequence numbers, MUTE before the
+first sound, and the keep-alive questions INFO and STATUS. Exits with 0 if everything agrees, and prints the
+comparisons.
 """
 
 import http.server
@@ -42,7 +43,7 @@ SWAP = b"\xfd"
 
 
 def scene(profile):
-    # A stock board is switched on and off from here, which is a matter of time, too; its still sound is not.
+    # A stock board is modulated by the host, whose timing varies; its still sound does not.
     return SCENE.format(shape="sine" if profile == "native" else "off")
 
 
@@ -54,14 +55,14 @@ def client():
 
 
 def make(site, folder):
-    """Everything that the browser loads, in one folder."""
+    """Collects the files that the browser loads in one folder."""
     shutil.copytree(site, folder, dirs_exist_ok=True)
     for name in ["serial.html", "serial.js", "stand-in.js"]:
         shutil.copy(ROOT / "web" / "tests" / name, folder)
 
 
 def in_browser(folder, tasks):
-    """What the page finds."""
+    """The page's results."""
     found, done = {}, threading.Event()
 
     class Handler(http.server.SimpleHTTPRequestHandler):
@@ -101,12 +102,12 @@ def in_browser(folder, tasks):
             browser.wait()
             server.shutdown()
     if not in_time:
-        sys.exit(f"the browser has found nothing in {PATIENCE} s: {(folder / 'browser.log').read_text()[-2000:]}")
+        sys.exit(f"no results from the browser in {PATIENCE} s: {(folder / 'browser.log').read_text()[-2000:]}")
     return found
 
 
 def by_command(sonoglyph, profile, folder):
-    """The bytes that `sonoglyph send` writes to a virtual board, heard on the way, and what it wrote them for."""
+    """The bytes that `sonoglyph send` writes to a virtual board, recorded between the two."""
     path = folder / f"{profile}.toml"
     path.write_text(scene(profile))
     board = subprocess.Popen([sonoglyph, "board", "--profile", profile], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
@@ -139,7 +140,7 @@ def by_command(sonoglyph, profile, folder):
 
 
 def packets(data, decode):
-    """(type, address, arguments and payload) of every packet but questions, and how many of these there were."""
+    """(type, address, arguments and payload) of every packet except questions, and the number of questions."""
     found, questions = [], 0
     for part in data.split(b"\0"):
         if not part:
@@ -153,7 +154,7 @@ def packets(data, decode):
 
 
 def without_mutes(found):
-    """Packets but for MUTE before the first frame: how often a link that has a wish without sound yet says so is a matter of time."""
+    """The packets without those MUTE before the first frame, whose number depends on timing."""
     first = next((n for n, (kind, *_) in enumerate(found) if kind == PHASES), len(found))
     return [packet for n, packet in enumerate(found) if packet[0] != MUTE or n > first]
 
@@ -165,7 +166,7 @@ def frames(data):
 
 
 def once(parts):
-    """Every row of the same frame, or of the same pair of frames, as one: what is sent again while nothing changes."""
+    """The frames without repetitions of a frame or of a pair of frames."""
     kept = []
     for part in parts:
         kept.append(part)
@@ -193,10 +194,10 @@ def milliseconds(figures):
 def judge_still(report, profile, page, command, decode):
     own = bytes.fromhex(page["bytes"])
     report.state(page["is_played"], f"{profile}: the board behind the page's port plays the scene")
-    report.state(page["is_silent"], f"{profile}: it is silent after the link")
+    report.state(page["is_silent"], f"{profile}: silent after the link")
     steps = page["steps"]
     report.state(steps["before"] == [] and steps["declined"] is None and steps["after"] == [steps["chosen"]],
-                 f"{profile}: the port that the user chooses is listed, and none before: {steps['chosen']}")
+                 f"{profile}: only the chosen port is listed: {steps['chosen']}")
     if profile == "native":
         (ours, asked), (theirs, asked_too) = packets(own, decode), packets(command, decode)
         ours, theirs = without_mutes(ours), without_mutes(theirs)
@@ -227,39 +228,39 @@ def judge(found, commands, decode):
         if f"still {profile}" in sound:
             judge_still(report, profile, sound[f"still {profile}"], commands[profile], decode)
         if part := sound.get(f"drag {profile}"):
-            report.state(part["is_last"], f"{profile}: after {part['wishes']} wishes in {part['seconds']:.1f} s the board plays the last")
+            report.state(part["is_last"], f"{profile}: after {part['wishes']} requests in {part['seconds']:.1f} s the board plays the last")
             print(f"       {part['frames']} frames shown, {part['figures'][1]:.0f} sent again; {milliseconds(part['figures'])}; the page was "
                   f"held for {part['held']:.0f} ms at most")
         if part := sound.get(f"loss {profile}"):
             lost = [event for event in part["told"] if event.startswith("lost")]
-            report.state(part["is_played"] and any("takes no bytes" in event for event in lost), f"{profile}: unplugged and plugged in it plays on; told: {lost}")
-            report.state(part["again"].startswith("ready"), f"{profile}: a link follows on another without a loss: {part['again']}")
+            report.state(part["is_played"] and any("takes no bytes" in event for event in lost), f"{profile}: replugged, it continues; reported: {lost}")
+            report.state(part["again"].startswith("ready"), f"{profile}: a second link opens without a loss: {part['again']}")
         for how in ["address", "removed", "failed"]:
             if part := sound.get(f"left {profile} {how}"):
                 report.state(part["is_silent"], f"{profile}: silent when the page is left ({how}), by {len(part['last']) // 2} bytes")
     if part := sound.get("rates"):
-        report.state("more than the board's" in part["native 4000000"], f"a rate that is too fast: {part['native 4000000']}")
-        report.state("Failed to open" in part["native 3000000"], f"one that the adapter has not: {part['native 3000000']}")
-        report.state("Failed to open" in part["sonicsurface 3000000"], f"the same at once: {part['sonicsurface 3000000']}")
+        report.state("more than the board's" in part["native 4000000"], f"a rate beyond the board's: {part['native 4000000']}")
+        report.state("Failed to open" in part["native 3000000"], f"a rate beyond the adapter's: {part['native 3000000']}")
+        report.state("Failed to open" in part["sonicsurface 3000000"], f"the same at the start: {part['sonicsurface 3000000']}")
     if part := sound.get("survey"):
         opened = [event for event in part["events"] if event.startswith("open")]
         rates = [line.split(":")[0] for line in part["found"] if line.endswith(", clean")]
         report.state("115200" in rates and "2000000" in rates and "230400" not in rates and part["events"][-1] == "close",
-                     f"the line's survey, by {len(opened)} openings of the port, but for one rate that it has not; clean: {', '.join(rates)}")
+                     f"the line's survey, by {len(opened)} openings of the port, with one unsupported rate; clean: {', '.join(rates)}")
         print("       " + "\n       ".join(part["found"]))
     if part := sound.get("swaps"):
-        report.state(any("timers of this page" in event for event in part["told"]), "the page says that its timers keep the rhythm")
+        report.state(any("timers of this page" in event for event in part["told"]), "the page reports that swaps are as even as its timers")
         print(f"       {milliseconds(part['figures'])} (2.5 ms asked); {part['frames']} swaps in 2 s; the page was held for {part['held']:.0f} ms at most")
     return report
 
 
 def check(site, sonoglyph):
-    """Whether everything holds."""
+    """Judges the results; whether all checks hold."""
     tasks = []
     for profile in PROFILES:
         task = {"profile": profile, "scene": scene(profile)}
         tasks += [{**task, "name": f"{part} {profile}", "part": part} for part in ["still", "loss"]]
-        # A native board's rate is changed once it has answered.
+        # A native board's rate is changed after its first answer.
         tasks.append({**task, "name": f"drag {profile}", "part": "drag", "baud": 3000000 if profile == "native" else None})
         tasks += [{**task, "name": f"left {profile} {how}", "part": "left", "how": how} for how in ["address", "removed", "failed"]]
     tasks.append({"name": "rates", "part": "rates", "scene": scene("native")})

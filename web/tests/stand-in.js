@@ -1,24 +1,25 @@
-// A stand-in for `navigator.serial`: one port, which keeps all that is written to it and answers as the board behind it does.
+// A stand-in for `navigator.serial`: one port, which records all bytes written to it and answers like the board behind
+// it.
 //
-// A board has `write(bytes)`, `read()` (what it has answered since, a Uint8Array) and `set_baud(baudRate)`. Without one the port is
-// a line that nobody answers on.
+// A board has `write(bytes)`, `read()` (its answers since the last call, a Uint8Array) and `set_baud(baudRate)`.
+// Without a board the line does not answer.
 
 const BITS = 10; // of a byte on the line
-const TICK = 1; // ms between looks at the board's answers
+const TICK = 1; // ms between reads of the board's answers
 
 const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 const refused = (name, message) => new DOMException(message, name);
 
 class Port extends EventTarget {
-  // `usb`: what the browser says of the adapter.
+  // `usb`: the browser's description of the adapter.
   constructor(board, usb = { usbVendorId: 0x0403, usbProductId: 0x6010 }) {
     super();
     Object.assign(this, { board, usb, connected: true, readable: null, writable: null });
-    // All that was written: { at (ms), baudRate, bytes }.
+    // All written data: { at (ms), baudRate, bytes }.
     this.written = [];
-    // What happened to it, in order: "open 921600", "close".
+    // The port's events in order: "open 921600", "close".
     this.events = [];
-    // Rates that it does not have; a port that is stuck takes no bytes.
+    // Unsupported rates; a stuck port accepts no bytes.
     this.impossible = [];
     this.is_stuck = false;
   }
@@ -34,7 +35,7 @@ class Port extends EventTarget {
     await wait(1);
     this.events.push(`open ${baudRate}`);
     this.board?.set_baud(baudRate);
-    // When the line will have carried what was written.
+    // The time at which the line will have carried all bytes.
     let free = performance.now();
     const carry = async (bytes) => {
       while (this.is_stuck) await wait(5);
@@ -72,7 +73,7 @@ class Port extends EventTarget {
     this.events.push("close");
   }
 
-  // Pulls the plug.
+  // Unplugs the port.
   unplug() {
     this.connected = false;
     const reading = this.reading;
@@ -92,7 +93,7 @@ export class StandIn extends EventTarget {
   constructor(board) {
     super();
     this.port = new Port(board);
-    // The user chooses the port, or closes the browser's window without choosing.
+    // The user chooses the port, or dismisses the browser's dialog.
     this.chooses = true;
     this.granted = [];
   }
@@ -107,7 +108,7 @@ export class StandIn extends EventTarget {
     return this.port;
   }
 
-  // Takes the place of the browser's own in a page.
+  // Replaces the browser's own in a page.
   install(page = globalThis) {
     Object.defineProperty(page.navigator, "serial", { value: this, configurable: true });
     return this;

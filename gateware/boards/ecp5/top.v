@@ -1,4 +1,5 @@
-// The device on an ULX3S (LFE5U, 25 MHz oscillator), with the outputs on its headers J1 and J2. ../clock.py finds the PLL's settings.
+// The device on a ULX3S (LFE5U, 25 MHz oscillator), with outputs on headers J1 and J2. ../clock.py finds the PLL
+// settings.
 `default_nettype none
 
 module top #(
@@ -20,11 +21,11 @@ module top #(
     output wire        oe_n,
     output wire        sync,
     output wire [2:0]  led,
-    output wire        wifi_gpio0   // low, the ESP32 takes over the board
+    output wire        wifi_gpio0   // if low, the ESP32 takes over the board
 );
     assign wifi_gpio0 = 1'b1;
 
-    // CLKOS is the feedback: VCO = oscillator / PLL_DIVIDE * MULTIPLY, of which CLKOP is 1 / OUT_DIVIDE.
+    // CLKOS is the feedback: VCO = oscillator / PLL_DIVIDE * MULTIPLY, and CLKOP = VCO / OUT_DIVIDE.
     wire clk, feedback, locked, pll_reset;
     EHXPLLL #(
         .CLKI_DIV(PLL_DIVIDE), .CLKFB_DIV(1), .FEEDBK_PATH("CLKOS"), .PLLRST_ENA("ENABLED"),
@@ -48,7 +49,7 @@ module top #(
         .led_on(led[0]), .led_tripped(led[1]), .led_packet(led[2])
     );
 
-    // All go out through the same kind of register, so that they stay as far apart as they are.
+    // All outputs pass the same kind of register, which keeps their delays equal.
     genvar i;
     generate
         for (i = 0; i < 32; i = i + 1) begin : each_data

@@ -1,5 +1,5 @@
-// The device on a Sipeed Tang Nano 9K (GW1NR-9) or 20K (GW2AR-18), both with an oscillator of 27 MHz. They differ in COPIES, the pins
-// that carry SCLK and RCLK and in their pins. ../clock.py finds the PLL's settings.
+// The device on a Sipeed Tang Nano 9K (GW1NR-9) or 20K (GW2AR-18), both with an oscillator of 27 MHz. They differ in
+// COPIES, the number of pins with SCLK and RCLK, and in their pins. ../clock.py finds the PLL settings.
 `default_nettype none
 
 module top #(
@@ -25,7 +25,8 @@ module top #(
     output wire              sync,
     output wire [2:0]        led_n
 );
-    // CLKOUT = oscillator / PLL_DIVIDE * MULTIPLY, and CLKOUTD = CLKOUT / OUT_DIVIDE: CLKOUT alone comes no nearer than 1.1 %.
+    // CLKOUT = oscillator / PLL_DIVIDE * MULTIPLY, and CLKOUTD = CLKOUT / OUT_DIVIDE: CLKOUT alone would be off by 1.1
+    // % or more.
     wire clk, locked, pll_reset;
     rPLL #(
         .DEVICE(DEVICE), .FCLKIN("27"), .IDIV_SEL(PLL_DIVIDE - 1), .FBDIV_SEL(MULTIPLY - 1), .ODIV_SEL(VCO_DIVIDE),
@@ -49,7 +50,7 @@ module top #(
     );
     assign led_n = ~{packet, tripped, on};
 
-    // All go out through the same kind of register, so that they stay as far apart as they are.
+    // All outputs pass the same kind of register, which keeps their delays equal.
     genvar i;
     generate
         for (i = 0; i < 32; i = i + 1) begin : each_data

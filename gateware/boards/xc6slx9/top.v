@@ -1,5 +1,6 @@
-// The device on a Papilio Pro (XC6SLX9-2TQG144C, 32 MHz oscillator). ../clock.py finds the settings of the DCM_CLKGEN, which makes 40.96 MHz
-// of 32 MHz exactly; no PLL of this family does. Synthesised with Yosys; not placed, not tried on hardware.
+// The device on a Papilio Pro (XC6SLX9-2TQG144C, 32 MHz oscillator). ../clock.py finds the settings of the DCM_CLKGEN,
+// which makes exactly 40.96 MHz from 32 MHz; no PLL of this family does. Synthesised with Yosys; not placed, not tried
+// on hardware.
 `default_nettype none
 
 module top #(
@@ -45,7 +46,7 @@ module top #(
         .led_on(led[0]), .led_tripped(led[1]), .led_packet(packet)
     );
 
-    // All go out through the same kind of register, so that they stay as far apart as they are.
+    // All outputs pass the same kind of register, which keeps their delays equal.
     wire [40:0] first = {{4{rclk_inside}}, {4{sclk_inside[0]}}, sync_inside, data_inside};
     wire [40:0] second = {{4{rclk_inside}}, {4{sclk_inside[1]}}, sync_inside, data_inside};
     wire [40:0] pins;

@@ -1,18 +1,18 @@
-//! The lines of an input that never ends, in little memory, whatever they hold.
+//! Lines of a possibly endless input, in bounded memory and with an error for each invalid line.
 
 use std::io::{BufRead, Read};
 
-/// Bytes that a line may have: the largest scene has fewer, and some lines are always on their way.
+/// Limit of a line in bytes; many lines are in memory at a time.
 const LONGEST: u64 = 1 << 20;
 
-/// A line of the input, counted from 1, or why it is invalid.
+/// A line of the input, counted from 1, or its error.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Line {
     pub number: u64,
     pub text: Result<String, String>,
 }
 
-/// All lines, up to one that cannot be read.
+/// All lines, up to a read error.
 pub fn lines(mut input: impl BufRead) -> impl Iterator<Item = Line> {
     let mut number = 0;
     let mut is_readable = true;
@@ -26,7 +26,7 @@ pub fn lines(mut input: impl BufRead) -> impl Iterator<Item = Line> {
     std::iter::from_fn(next)
 }
 
-/// A line, or what is wrong with it; `None` at the end.
+/// A line, or its error; `None` at the end.
 fn read(input: &mut impl BufRead) -> std::io::Result<Option<Result<String, String>>> {
     let mut bytes = Vec::new();
     input.by_ref().take(LONGEST).read_until(b'\n', &mut bytes)?;
@@ -37,7 +37,7 @@ fn read(input: &mut impl BufRead) -> std::io::Result<Option<Result<String, Strin
         input.skip_until(b'\n')?;
         return Ok(Some(Err(format!("a line of more than {} MiB", LONGEST >> 20))));
     }
-    Ok(Some(String::from_utf8(bytes).map_err(|error| format!("no text: {error}"))))
+    Ok(Some(String::from_utf8(bytes).map_err(|error| format!("not UTF-8: {error}"))))
 }
 
 #[cfg(test)]
@@ -47,14 +47,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_that_are_no_text_and_endless_lines_are_survived() {
+    fn binary_and_overlong_lines_are_errors_of_their_own() {
         let mut bytes = b"\xff\xfe\n\n \r\n".to_vec();
         bytes.extend(vec![b'x'; LONGEST as usize + 100]);
         bytes.extend(b"\n{}\n");
         bytes.extend(vec![b'y'; LONGEST as usize - 1]);
         bytes.extend(b"\n{}");
         let lines: Vec<_> = lines(Cursor::new(bytes)).collect();
-        assert!(lines[0].text.as_ref().unwrap_err().starts_with("no text"));
+        assert!(lines[0].text.as_ref().unwrap_err().starts_with("not UTF-8"));
         assert_eq!([&lines[1], &lines[2]].map(|line| line.text.as_deref()), [Ok("\n"), Ok(" \r\n")]);
         assert!(lines[3].text.as_ref().unwrap_err().contains("1 MiB"));
         assert_eq!((lines[4].number, lines[4].text.as_deref()), (5, Ok("{}\n")));
@@ -62,18 +62,17 @@ mod tests {
         assert_eq!((lines[6].number, lines[6].text.as_deref(), lines.len()), (7, Ok("{}"), 7));
     }
 
-    /// Ends in an error.
-    struct Torn;
+    struct Unreadable;
 
-    impl Read for Torn {
+    impl Read for Unreadable {
         fn read(&mut self, _: &mut [u8]) -> std::io::Result<usize> {
             Err(std::io::Error::other("the disk is gone"))
         }
     }
 
     #[test]
-    fn what_cannot_be_read_is_said_once_and_ends_the_input() {
-        let lines: Vec<_> = lines(BufReader::new(Cursor::new(b"{}\n").chain(Torn))).collect();
+    fn a_read_error_is_reported_once_and_ends_the_input() {
+        let lines: Vec<_> = lines(BufReader::new(Cursor::new(b"{}\n").chain(Unreadable))).collect();
         assert_eq!(lines[0].text.as_deref(), Ok("{}\n"));
         assert_eq!(lines[1].text.as_deref().unwrap_err(), "cannot read: the disk is gone");
         assert_eq!((lines[1].number, lines.len()), (2, 2));

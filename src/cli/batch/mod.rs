@@ -1,4 +1,4 @@
-//! `sonoglyph batch`: scenes as JSON lines in, results as JSON lines out, in order, on all cores, in constant memory.
+//! `sonoglyph batch`: solves scenes from JSON lines to JSON lines, in order, on all cores, in constant memory.
 
 pub mod lines;
 pub mod task;
@@ -17,8 +17,8 @@ use crate::cli::batch::task::Task;
 use crate::cli::interrupt::{self, Interrupted};
 use crate::studio::output::{self, Files};
 
-/// How often a waiting thread looks for an interrupt.
-const LOOK: Duration = Duration::from_millis(50);
+/// Interval of checks for an interrupt.
+const POLL: Duration = Duration::from_millis(50);
 
 pub(super) fn run(args: &BatchArgs) -> anyhow::Result<()> {
     if let Some(folder) = &args.data {
@@ -41,7 +41,7 @@ pub(super) fn run(args: &BatchArgs) -> anyhow::Result<()> {
         worker.answer(line, stages)
     })?;
     let written = write(&answers, output::standard()?, &interrupted);
-    // The program ends now. A file that is being written is finished, and none is begun any more.
+    // Until the program exits: waits for the file being written, and lets no worker begin another.
     std::mem::forget(task.writing.write());
     written
 }
@@ -69,7 +69,7 @@ fn write(
     Ok(())
 }
 
-/// What comes next, or nothing where nothing comes any more. What is written is shown before it is waited for.
+/// The next value; `None` at the end or on an interrupt. Flushes `out` before it waits.
 fn next<T>(from: &Receiver<T>, out: &mut impl Write, interrupted: &Interrupted) -> anyhow::Result<Option<T>> {
     match from.try_recv() {
         Ok(value) => return Ok(Some(value)),
@@ -77,7 +77,7 @@ fn next<T>(from: &Receiver<T>, out: &mut impl Write, interrupted: &Interrupted) 
         Err(TryRecvError::Empty) => out.flush().map_err(output::unsaid)?,
     }
     while !interrupted.is_set() {
-        match from.recv_timeout(LOOK) {
+        match from.recv_timeout(POLL) {
             Ok(value) => return Ok(Some(value)),
             Err(RecvTimeoutError::Disconnected) => break,
             Err(RecvTimeoutError::Timeout) => {}

@@ -1,4 +1,4 @@
-//! What is done with one line of a batch: its scene solved, and the field of that.
+//! One line of a batch: solves its scene, computes limits and field, and forms the answer as JSON.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError, RwLock};
@@ -17,30 +17,30 @@ use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::output::Files;
 use crate::studio::{json, opening, output};
 
-/// Pixels that a field may have along y.
+/// Limit of a field's pixels along y.
 const MOST_ROWS: usize = 1 << 14;
 
-/// What is done with every scene.
+/// Options of a batch.
 #[derive(Debug)]
 pub struct Task {
     /// Instead of the scene's.
     pub method: Option<Method>,
-    /// Whether the limits of foci and array are wanted.
+    /// Whether answers have the limits of foci and array.
     pub limits: bool,
-    /// Whether the pressure on the scene's plane is wanted.
+    /// Whether answers have statistics of the pressure on the scene's plane.
     pub field: bool,
-    /// The folder of the field's numbers, if they are wanted.
+    /// Folder for the values of fields.
     pub data: Option<PathBuf>,
     /// Pixels of a field along x.
     pub size: usize,
-    /// Pictures that lines have named, and the input.
+    /// Standard input and output, and the files named by lines so far.
     pub(super) files: Mutex<Files>,
-    /// Read while a file is written.
+    /// Held as a reader while a file is written.
     pub(super) writing: RwLock<()>,
 }
 
 impl Default for Task {
-    /// The scene is solved, and its limits are found.
+    /// Drives and limits, without fields.
     fn default() -> Self {
         let (files, writing) = (Mutex::default(), RwLock::default());
         Self { method: None, limits: true, field: false, data: None, size: 256, files, writing }
@@ -48,8 +48,7 @@ impl Default for Task {
 }
 
 impl Task {
-    /// The answer to a line: the solution as [`json::solution`] has it, or an `error`; with the line's number and what it
-    /// calls itself, its `id`.
+    /// The answer to a line: [`json::solution`] or an `error`, with the line's number and `id`.
     pub fn answer(&self, line: &Line, stages: &mut Stages) -> Value {
         let mut id = None;
         let mut answer = self.result(line, &mut id, stages).unwrap_or_else(
@@ -66,15 +65,15 @@ impl Task {
         self.files.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// The result for a line; `id` is what the line calls itself.
+    /// Also sets `id`, even if the scene is invalid.
     fn result(&self, line: &Line, id: &mut Option<Value>, stages: &mut Stages) -> anyhow::Result<Value> {
         let text = line.text.as_ref().map_err(|error| anyhow!(error.clone()))?;
         if text.trim().is_empty() {
             bail!("the line is blank: a scene is an object, {{…}}");
         }
-        // The input's lines are counted, not those of its JSON, which has one.
+        // The line number is that of the input, not of its JSON, which has a single line.
         let misplaced = |error: serde_json::Error| {
-            anyhow!(format!("no JSON: {error}").replace("line 1 column", "column"))
+            anyhow!(format!("invalid JSON: {error}").replace("line 1 column", "column"))
         };
         let mut tables: Value = serde_json::from_str(text.trim_end()).map_err(misplaced)?;
         let Some(keys) = tables.as_object_mut() else { bail!("a scene is an object, {{…}}") };
@@ -98,7 +97,7 @@ impl Task {
         Ok(answer)
     }
 
-    /// Statistics of the RMS pressure on the scene's plane, and where its numbers are.
+    /// Statistics of the RMS pressure on the scene's plane, and the file of its values.
     fn field(
         &self,
         number: u64,
@@ -129,7 +128,7 @@ impl Task {
     }
 }
 
-/// The limits of foci and array, and what is known of the solution beside them.
+/// The limits of foci and array. Also completes the solution's figures.
 fn limits(scene: &Scene, solution: &mut Solution) -> Result<Limits, SolveError> {
     let _room = room::of_limits(scene, solution.foci.len())?;
     let aperture = Aperture::new(scene);
@@ -150,13 +149,13 @@ mod tests {
     }
 
     #[test]
-    fn a_line_that_is_no_scene_gets_an_error_that_names_it() {
+    fn an_invalid_line_is_answered_with_its_number_and_error() {
         for (text, part) in [
             (r#"{"target": [{"kind": "point", "at": [0, 0, -1]}]}"#, "target[1]: the focal point"),
             (r#"{"colour": 3}"#, "unknown field `colour`"),
-            ("[1, 2\n", "no JSON: EOF while parsing a list at column 5"),
+            ("[1, 2\n", "invalid JSON: EOF while parsing a list at column 5"),
             ("[]", "a scene is an object"),
-            (r#"{"array": {"pitch": 1e999}}"#, "no JSON"),
+            (r#"{"array": {"pitch": 1e999}}"#, "invalid JSON"),
             (r#"{"format": 2}"#, "format: this program reads format 1"),
             (r#"{"format": 1}"#, "target: the scene has no target"),
         ] {
@@ -165,13 +164,13 @@ mod tests {
             assert!(error.starts_with("line 7: ") && error.contains(part), "{error}: {part}");
             assert_eq!((answer["line"].as_u64(), answer.get("id")), (Some(7), None));
         }
-        let unread = Line { number: 2, text: Err("no text".to_owned()) };
+        let unread = Line { number: 2, text: Err("not UTF-8".to_owned()) };
         let answer = Task::default().answer(&unread, &mut Stages::new(Evaluator::Cpu));
-        assert_eq!(answer, json!({ "line": 2, "error": "line 2: no text" }));
+        assert_eq!(answer, json!({ "line": 2, "error": "line 2: not UTF-8" }));
     }
 
     #[test]
-    fn a_line_gets_its_own_name_back_whatever_that_is() {
+    fn an_id_of_any_type_is_returned() {
         for id in ["7", "\"left\"", "null", "[1,{\"a\":2.5}]"] {
             for scene in ["\"target\": [{}]", "\"target\": []", "\"colour\": 3"] {
                 let answer = answer(&Task::default(), 1, &format!("{{\"id\": {id}, {scene}}}"));
@@ -182,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_read_and_written_to_the_last_digit() {
+    fn numbers_round_trip_exactly() {
         for z in [0.10188148857674413, 0.16794522192953779, 0.11442885696676837] {
             let answer = answer(&Task::default(), 1, &format!("{{\"target\": [{{\"at\": [0, 0, {z:?}]}}]}}"));
             let again: Value = serde_json::from_str(&answer.to_string()).unwrap();
@@ -191,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn the_field_of_one_focus_peaks_there() {
+    fn the_field_of_a_single_focus_peaks_at_it() {
         let folder = tempfile::tempdir().unwrap();
         let task = Task { data: Some(folder.path().to_owned()), size: 101, ..Task::default() };
         let text =
@@ -208,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_that_cannot_be_written_are_an_error_of_their_line() {
+    fn an_unwritable_file_is_an_error_of_its_line() {
         let folder = tempfile::tempdir().unwrap();
         let task = Task { data: Some(folder.path().join("gone")), size: 8, ..Task::default() };
         let error = answer(&task, 3, r#"{"target": [{}]}"#)["error"].to_string();

@@ -1,4 +1,4 @@
-//! Lines answered on all cores, and the answers handed out in the order of the lines, in constant memory.
+//! Threads that answer the lines of a batch in parallel, with answers in input order and bounded memory.
 
 use std::io::BufRead;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -11,17 +11,17 @@ use serde_json::{Value, json};
 use crate::cli::batch::lines::{Line, lines};
 use crate::field::{Evaluator, Stages};
 
-/// Lines on their way per thread: enough that none waits for a slow one in front, few enough for little memory.
+/// Lines in progress per thread: enough to pass a slow line, few enough for little memory.
 const LINES_PER_THREAD: usize = 32;
 
-/// A line, and where its answer is waited for.
+/// A line, and the channel for its answer.
 type Job = (Line, SyncSender<String>);
 
-/// Reads and answers on threads of their own and returns at once. What comes are the answers, as JSON, in the order of
-/// the lines: each is promised before it is there.
+/// Reads and answers on its own threads. The receiver yields one receiver per line, in input order, for its answer as
+/// JSON.
 ///
 /// # Errors
-/// A system that starts no more threads.
+/// Threads that cannot be started.
 pub fn start(
     input: impl BufRead + Send + 'static,
     threads: usize,
@@ -38,7 +38,7 @@ pub fn start(
     thread::Builder::new().name("lines".to_owned()).spawn(move || {
         for line in lines(input) {
             let (sender, receiver) = sync_channel(1);
-            // The reader of the answers may be gone.
+            // Fails once the reader of the answers has gone.
             if promise.send(receiver).is_err() || hand_out.send((line, sender)).is_err() {
                 break;
             }
@@ -47,20 +47,20 @@ pub fn start(
     Ok(promises)
 }
 
-/// Answers lines until none comes any more.
+/// Answers lines until the end of the input.
 fn work(jobs: &Mutex<Receiver<Job>>, answer: &impl Fn(&Line, &mut Stages) -> Value) {
     let mut stages = Stages::new(Evaluator::Cpu);
     loop {
         let job = jobs.lock().unwrap_or_else(PoisonError::into_inner).recv();
         let Ok((line, sender)) = job else { break };
-        // A fault in one scene must not take the others with it.
+        // A panic in one scene must not end the others.
         let answer = catch_unwind(AssertUnwindSafe(|| answer(&line, &mut stages)));
         let answer = answer.unwrap_or_else(|_| {
             stages = Stages::new(Evaluator::Cpu);
             let number = line.number;
             json!({ "line": number, "error": format!("line {number}: an internal error; please report the scene") })
         });
-        // Made into text here, on all cores. If its reader is gone, no lines are handed out.
+        // Serialised here, in parallel. Fails once the reader of the answers has gone.
         if sender.send(answer.to_string()).is_err() {
             break;
         }
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn answers_keep_the_order_of_their_lines_though_they_come_in_another() {
+    fn answers_keep_the_order_of_their_lines() {
         // The first line is answered after the second, the third after the fourth, and so on.
         let gates: Arc<Vec<Barrier>> = Arc::new((0..50).map(|_| Barrier::new(2)).collect());
         let order = Arc::new(Mutex::new(Vec::new()));
@@ -107,11 +107,11 @@ mod tests {
         };
         let answers = all(&start(numbered(100), 2, answer).unwrap());
         assert_eq!(answers, (0..100).map(|i| format!("\"{i}\"")).collect::<Vec<_>>());
-        assert!(!order.lock().unwrap().is_sorted(), "nothing came in another order");
+        assert!(!order.lock().unwrap().is_sorted(), "the answers were found in order");
     }
 
     #[test]
-    fn a_panic_answers_its_own_line() {
+    fn a_panic_is_an_error_of_its_own_line() {
         let answer = |line: &Line, _: &mut Stages| {
             assert!(!line.number.is_multiple_of(3), "the third");
             echo(line)
@@ -129,7 +129,7 @@ mod tests {
         }
     }
 
-    /// Lines without end, which counts those that were taken.
+    /// An endless input that counts the lines read from it.
     struct Endless(Arc<AtomicU64>);
 
     impl std::io::Read for Endless {
@@ -142,12 +142,12 @@ mod tests {
     }
 
     #[test]
-    fn no_more_lines_are_taken_than_are_on_their_way() {
+    fn the_number_of_lines_in_progress_is_bounded() {
         const THREADS: usize = 2;
         let taken = Arc::new(AtomicU64::new(0));
         let input = std::io::BufReader::with_capacity(2, Endless(Arc::clone(&taken)));
         let promises = start(input, THREADS, |line: &Line, _: &mut Stages| echo(line)).unwrap();
-        // Promised, waiting to be answered, being answered, and in the hands of the one who reads.
+        // Queues of answers and of lines, one line per worker, and one in the reading thread.
         let most = (2 * THREADS * LINES_PER_THREAD + THREADS + 1) as u64;
         for read in 1..=3 {
             promises.recv().unwrap().recv().unwrap();
@@ -156,7 +156,7 @@ mod tests {
                 before = taken.load(Ordering::Relaxed);
                 thread::sleep(Duration::from_millis(50));
             }
-            assert!(before <= most + read, "{before} lines are taken for {read} answers");
+            assert!(before <= most + read, "{before} lines are read for {read} answers");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! `sonoglyph board`: a virtual board on a pseudo-terminal, and the field that it would make.
+//! `sonoglyph board`: a virtual board on a pseudo-terminal, with the field of its current frame.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,16 +13,16 @@ use crate::device::board::{Board, Report, Setup};
 use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::field::{Evaluator, Quantity, Request, Samples, Stages};
-use crate::picture::sheet::pascals;
 use crate::picture::{ColourMap, export};
+use crate::rounding::pascals;
 use crate::scene::Scene;
 use crate::studio::map;
 use crate::studio::output::{self, Files, note, say};
 
-/// How often the board says how it fares.
+/// Interval of status lines.
 const REPORT: Duration = Duration::from_secs(1);
-/// After its first frame a board shows the faults that happen once.
-const ONCE_AFTER: Duration = Duration::from_secs(2);
+/// Time from the first frame to the faults that happen once.
+const FAULTS_AFTER: Duration = Duration::from_secs(2);
 /// Pixels per side of the field.
 const SIDE: usize = 256;
 
@@ -52,8 +52,8 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
     ));
 
     let begun = Instant::now();
-    let mut watched = Watched::new(scene, args.output.clone());
-    let mut faults = Once { first_frame: None, setup };
+    let mut monitor = Monitor::new(scene, args.output.clone());
+    let mut faults = SingleFaults { first_frame: None, setup };
     let mut next_report = begun + REPORT;
     while !interrupted.is_set() && args.seconds.is_none_or(|seconds| begun.elapsed().as_secs_f64() < seconds)
     {
@@ -61,11 +61,11 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
         faults.act(&board);
         if Instant::now() >= next_report {
             next_report += REPORT;
-            watched.look(&board.report())?;
+            monitor.update(&board.report())?;
         }
     }
     let report = board.report();
-    watched.look(&report)?;
+    monitor.update(&report)?;
     say!(
         "{} bytes, {} frames, {} spoiled, {} at another bit rate",
         report.bytes,
@@ -76,7 +76,7 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// The scene whose array and plane are meant; without one, a default array of the board's size.
+/// The scene with array and plane of the field; by default an array of the board's size.
 fn scene(args: &BoardArgs, files: &mut Files) -> anyhow::Result<Scene> {
     let Some(path) = &args.scene else {
         let mut scene = Scene::default();
@@ -89,10 +89,10 @@ fn scene(args: &BoardArgs, files: &mut Files) -> anyhow::Result<Scene> {
     Ok(scene)
 }
 
-/// Within the gateware's folder: makes the simulated device.
+/// Script in the gateware's folder that builds the simulated device.
 const SIMULATION: &str = "sim/build";
 
-/// The gateware's folder: the one that is given, or else one beside the program or in the current folder.
+/// The gateware's folder: as given, or else beside the program or in the current folder.
 fn gateware(given: Option<&Path>) -> anyhow::Result<PathBuf> {
     let beside = || std::env::current_exe().ok()?.parent().map(|folder| folder.join("gateware"));
     let folders = match given {
@@ -110,43 +110,44 @@ fn gateware(given: Option<&Path>) -> anyhow::Result<PathBuf> {
     })
 }
 
-/// The simulated device, made by Verilator if it is not there yet.
+/// The simulated device, built by Verilator if missing.
 fn build(gateware: &Path, phase_bits: u8) -> anyhow::Result<PathBuf> {
     let folder = gateware.join(format!("../target/gateware/{phase_bits}"));
     let script = gateware.join(SIMULATION);
     note("building the simulated gateware, which takes a minute the first time");
-    let made = Command::new(&script).arg(phase_bits.to_string()).arg(&folder).status();
-    if !made.with_context(|| script.display().to_string())?.success() {
+    let status = Command::new(&script).arg(phase_bits.to_string()).arg(&folder).status();
+    if !status.with_context(|| script.display().to_string())?.success() {
         bail!(
-            "the gateware was not built in {}; on Debian, `apt-get install verilator make g++` brings what it needs",
+            "the gateware was not built in {}; on Debian, `apt-get install verilator make g++` installs the tools",
             folder.display()
         );
     }
     Ok(folder.join("device"))
 }
 
-/// Faults that happen once.
-struct Once {
+/// Triggers the faults that happen once.
+struct SingleFaults {
     first_frame: Option<Instant>,
     setup: Setup,
 }
 
-impl Once {
+impl SingleFaults {
     fn act(&mut self, board: &Board) {
         if self.first_frame.is_none() && board.report().frames > 0 {
             self.first_frame = Some(Instant::now());
         }
         let Some(first) = self.first_frame else { return };
-        let now =
-            |lasts: Duration| !lasts.is_zero() && (ONCE_AFTER..ONCE_AFTER + lasts).contains(&first.elapsed());
+        let now = |lasts: Duration| {
+            !lasts.is_zero() && (FAULTS_AFTER..FAULTS_AFTER + lasts).contains(&first.elapsed())
+        };
         board.stall(now(self.setup.faults.stall));
         board.unplug(now(self.setup.faults.unplug));
         board.press(now(self.setup.faults.press));
     }
 }
 
-/// What was seen of a board, and what is made of it.
-struct Watched {
+/// Prints the events and the field of a board as they change.
+struct Monitor {
     scene: Scene,
     output: Option<PathBuf>,
     stages: Stages,
@@ -155,14 +156,14 @@ struct Watched {
     events: usize,
 }
 
-impl Watched {
+impl Monitor {
     fn new(scene: Scene, output: Option<PathBuf>) -> Self {
         let stages = Stages::new(Evaluator::Cpu);
         Self { scene, output, stages, drive: Drive::default(), frames: 0, events: 0 }
     }
 
-    /// Says what is new, with the field where the board plays something else.
-    fn look(&mut self, report: &Report) -> anyhow::Result<()> {
+    /// Prints news since the last report, with the field if drive or frame count have changed.
+    fn update(&mut self, report: &Report) -> anyhow::Result<()> {
         for event in &report.events[self.events..] {
             say!("{event}")?;
         }
@@ -181,7 +182,7 @@ impl Watched {
         Ok(())
     }
 
-    /// The loudest place on the plane; the picture goes to the file that was asked for.
+    /// The largest pressure on the plane, as text. Also writes the picture, if requested.
     fn field(&mut self, drive: &Drive) -> anyhow::Result<String> {
         let request = Request::new(&self.scene, vec![drive.clone()], Quantity::Rms, (SIDE, SIDE));
         let drawn = map::draw(&request, ColourMap::Inferno, &mut self.stages, false)?;

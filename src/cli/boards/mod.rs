@@ -1,4 +1,4 @@
-//! Boards on the command line: `ports`, `check`, `send`, `serve` and `board`, and what a program without serial links says instead.
+//! Commands for boards: `ports`, `check`, `send`, `serve` and `board`, and their errors without serial links.
 
 #[cfg(all(unix, feature = "serial"))]
 mod board;
@@ -36,7 +36,7 @@ use crate::scene::Method;
 pub struct SendArgs {
     /// Scene file
     scene: PathBuf,
-    /// Serial port that the board is at; `sonoglyph ports` lists them
+    /// Serial port of the board; `sonoglyph ports` lists them
     #[arg(long)]
     port: PathBuf,
     /// Kind of board; `sonoglyph ports` lists them
@@ -48,38 +48,38 @@ pub struct SendArgs {
     /// Solver method, instead of the scene's
     #[arg(long, value_enum)]
     method: Option<Method>,
-    /// Go on until Ctrl-C
+    /// Play until Ctrl-C
     #[arg(long = "loop")]
     repeat: bool,
-    /// Go on for so long
+    /// Playing time (s)
     #[arg(long, value_name = "S", value_parser = seconds(1e9))]
     seconds: Option<f64>,
-    /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), a row for every element
+    /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), and a row per element
     #[arg(long, value_name = "FILE.csv")]
     calibration: Option<PathBuf>,
-    /// Play one of the scene's boards alone, counted from 1: of boards that have a port each
+    /// Play a single board of the scene, counted from 1, for boards with their own ports
     #[arg(long, value_name = "NUMBER")]
     board: Option<usize>,
 }
 
 #[derive(Debug, Args)]
 pub struct CheckArgs {
-    /// Serial port that the board is at; `sonoglyph ports` lists them
+    /// Serial port of the board; `sonoglyph ports` lists them
     #[arg(long)]
     port: PathBuf,
     /// Kind of board; `sonoglyph ports` lists them
     #[arg(long, value_parser = parse_profile, default_value = "native")]
     profile: Profile,
-    /// Bits per second to play at, instead of the fastest without loss
+    /// Bits per second, instead of the fastest rate without loss
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
-    /// Ask, element by element, what is heard or seen; answers come from standard input
+    /// Ask after each element whether it is audible; answers are read from standard input
     #[arg(long)]
     listen: bool,
-    /// Calibration to begin with, if there is one, and to write silent elements into
+    /// Calibration: read if it exists, and written with the silent elements
     #[arg(long, value_name = "FILE.csv")]
     calibration: Option<PathBuf>,
-    /// Write the report, too
+    /// Also write the report
     #[arg(short, long, value_name = "REPORT.txt")]
     output: Option<PathBuf>,
 }
@@ -89,28 +89,28 @@ pub struct BoardArgs {
     /// Kind of board; `sonoglyph ports` lists them
     #[arg(long, value_parser = parse_profile, default_value = "native")]
     profile: Profile,
-    /// Bits per second that the board listens at, instead of its default
+    /// Bits per second of the board, instead of its default
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
-    /// Run the gateware itself in a simulation by Verilator, instead of the model
+    /// Run the gateware itself, simulated by Verilator, instead of the model
     #[arg(long)]
     rtl: bool,
-    /// Folder of the gateware that --rtl runs; else `gateware` beside the program, then in the current folder
+    /// Folder of the gateware for --rtl [default: `gateware` beside the program or in the current folder]
     #[arg(long, value_name = "FOLDER", requires = "rtl")]
     gateware: Option<PathBuf>,
     /// Phase bits of the native device
     #[arg(long, default_value_t = 7, value_parser = clap::value_parser!(u8).range(5..=8))]
     phase_bits: u8,
-    /// What goes wrong: drop, flip, insert, burst (each =probability per byte), garbage, stall=S, unplug=S, press=S
+    /// Injected faults: drop, flip, insert, burst (each =probability per byte), garbage, stall=S, unplug=S, press=S
     #[arg(long, value_name = "LIST", value_parser = parse_faults)]
     faults: Option<Faults>,
-    /// End after so long
+    /// Running time (s)
     #[arg(long, value_name = "S", value_parser = seconds(1e9))]
     seconds: Option<f64>,
-    /// Write the field that was played last as PNG
+    /// Write the last played field as PNG
     #[arg(short, long, value_name = "FIELD.png")]
     output: Option<PathBuf>,
-    /// Scene whose array and plane the field is shown for
+    /// Scene with array and plane of the field
     #[arg(long)]
     scene: Option<PathBuf>,
 }
@@ -125,7 +125,7 @@ fn parse_faults(text: &str) -> Result<Faults, String> {
     Faults::parse(text)
 }
 
-/// Faults where no board could have them.
+/// Unused without virtual boards.
 #[cfg(not(all(unix, feature = "serial")))]
 type Faults = String;
 
@@ -134,7 +134,7 @@ fn parse_faults(text: &str) -> Result<Faults, String> {
     Ok(text.to_owned())
 }
 
-/// What is known of a board's elements.
+/// The calibration of a board, by default without corrections.
 #[cfg(feature = "serial")]
 fn calibration(path: Option<&Path>, profile: Profile) -> anyhow::Result<Calibration> {
     let Some(path) = path else { return Ok(Calibration::default()) };
@@ -146,7 +146,7 @@ pub fn ports() -> anyhow::Result<()> {
     anyhow::bail!("this program was built without serial links; `cargo build --features serial` has them")
 }
 
-/// What is done with a port where there are none.
+/// Stands in for commands that need a port.
 #[cfg(not(feature = "serial"))]
 pub fn without_ports<T>(_: &T) -> anyhow::Result<()> {
     ports()

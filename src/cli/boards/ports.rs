@@ -1,4 +1,4 @@
-//! `sonoglyph ports`: the serial ports there are, and the boards that can be driven over them.
+//! `sonoglyph ports`: lists serial ports and supported boards.
 
 use comfy_table::Table;
 
@@ -34,7 +34,7 @@ pub fn run() -> anyhow::Result<()> {
     }
     say!("{table}")?;
     let natives: Vec<_> = Profile::choices().skip(Profile::ALL.len()).map(Profile::name).collect();
-    say!("{}: so many native boards on one line, in step", natives.join(", "))?;
+    say!("{}: as many native boards on one line, synchronised", natives.join(", "))?;
     for profile in Profile::ALL {
         if let Some(remark) = profile.remark() {
             say!("{}: {remark}", profile.name())?;

@@ -1,4 +1,4 @@
-//! `sonoglyph send`: a scene to a board.
+//! `sonoglyph send`: solves a scene and plays it on a board.
 
 use std::ops::Range;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
@@ -14,18 +14,19 @@ use crate::device::health::{Found, Health, State};
 use crate::device::levels::{self, Levels};
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::drive::Drive;
+use crate::rounding;
 use crate::scene::{Scene, motion};
 use crate::solver;
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{Files, mention, note, say, warn};
 
-/// How long a static scene is played by default.
-const GLANCE: Duration = Duration::from_secs(1);
-/// A board that stays lost for so long is not waited for, unless it is played without end.
-const PATIENCE: Duration = Duration::from_secs(10);
-/// A board begins to play within this, or its time begins without it.
-const BEGIN: Duration = Duration::from_millis(300);
-/// How often a link that runs says how it fares.
+/// Default playing time of a scene at rest.
+const AT_REST: Duration = Duration::from_secs(1);
+/// Limit of the wait for a lost board, unless it plays endlessly.
+const LOST_TIMEOUT: Duration = Duration::from_secs(10);
+/// Limit of the wait for the first frame; then the time of --seconds starts anyway.
+const START_TIMEOUT: Duration = Duration::from_millis(300);
+/// Interval of status lines.
 const REPORT: Duration = Duration::from_secs(1);
 
 pub fn run(args: &SendArgs) -> anyhow::Result<()> {
@@ -56,14 +57,14 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     };
     follow_carrier(&mut scene, found);
     let modulation = scene.modulation.clone();
-    // Solving takes as long as it takes, and an interrupt does not wait for it.
-    let (sender, made) = sync_channel(1);
-    let make = move || sender.send(content((&scene, part), &name, &settings, &calibration));
-    std::thread::Builder::new().name("solve".to_owned()).spawn(make)?;
+    // On its own thread, so that an interrupt need not wait for the solver.
+    let (sender, solved) = sync_channel(1);
+    let solve = move || sender.send(content((&scene, part), &name, &settings, &calibration));
+    std::thread::Builder::new().name("solve".to_owned()).spawn(solve)?;
     let (content, lasts) = loop {
-        match made.recv_timeout(Duration::from_millis(20)) {
+        match solved.recv_timeout(Duration::from_millis(20)) {
             Ok(content) => break content?,
-            Err(RecvTimeoutError::Disconnected) => bail!("solving has ended without an answer"),
+            Err(RecvTimeoutError::Disconnected) => bail!("the solver ended without a solution"),
             Err(RecvTimeoutError::Timeout) if interrupted.is_set() => return Ok(()),
             Err(RecvTimeoutError::Timeout) => {}
         }
@@ -81,7 +82,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let mut next_report = Instant::now() + REPORT;
     let mut lost: Option<Instant> = None;
     let given_up =
-        |lost: Option<Instant>| lost.is_some_and(|lost| lasts.is_some() && lost.elapsed() > PATIENCE);
+        |lost: Option<Instant>| lost.is_some_and(|lost| lasts.is_some() && lost.elapsed() > LOST_TIMEOUT);
     while !interrupted.is_set() && !over(begun, lasts) && !given_up(lost) {
         match link.event_within(Duration::from_millis(5)) {
             Some(Event::Lost(why)) => {
@@ -97,9 +98,9 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
             begun.get_or_insert_with(Instant::now);
             lost = None;
         }
-        // A limit that the user has set holds whatever the board does.
-        if args.seconds.is_some() && shown.elapsed() >= BEGIN {
-            begun.get_or_insert(shown + BEGIN);
+        // --seconds limits the time even if the board never plays.
+        if args.seconds.is_some() && shown.elapsed() >= START_TIMEOUT {
+            begun.get_or_insert(shown + START_TIMEOUT);
         }
         if Instant::now() >= next_report {
             next_report += REPORT;
@@ -110,7 +111,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let health = link.close();
     say!("{}", line(&last))?;
     match health.state {
-        State::Lost(why) => bail!("{why}: the board was lost, and what it plays is not known"),
+        State::Lost(why) => bail!("{why}: the board was lost, in an unknown state"),
         State::Connecting | State::Ready if !health.silenced => {
             bail!("{}: the board could not be silenced: its port takes no bytes", args.port.display())
         }
@@ -128,12 +129,12 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     }
 }
 
-/// Whether a wish that began to sound then has been heard for long enough.
+/// Whether the playing time is over.
 fn over(begun: Option<Instant>, lasts: Option<Duration>) -> bool {
     begun.zip(lasts).is_some_and(|(begun, lasts)| begun.elapsed() >= lasts)
 }
 
-/// The elements that are played, of all boards or of one, counted from 1.
+/// The played elements: of all boards, or of one, counted from 1.
 fn part(scene: &Scene, board: Option<usize>) -> anyhow::Result<Range<usize>> {
     let (each, boards) = (scene.array.elements(), scene.boards.len().max(1));
     match board {
@@ -143,7 +144,7 @@ fn part(scene: &Scene, board: Option<usize>) -> anyhow::Result<Range<usize>> {
     }
 }
 
-/// The scene is made for what the board plays.
+/// Gives the scene the board's carrier frequency.
 fn follow_carrier(scene: &mut Scene, found: Found) {
     let Some(carrier) = found.carrier else { return };
     if let Some(notice) = levels::carrier_notice(carrier, scene.array.frequency) {
@@ -152,7 +153,7 @@ fn follow_carrier(scene: &mut Scene, found: Found) {
     }
 }
 
-/// What the board is to play, and how long its cycle takes.
+/// The content for the board, and the duration of its cycle.
 fn content(
     (scene, part): (&Scene, Range<usize>),
     name: &str,
@@ -161,31 +162,32 @@ fn content(
 ) -> anyhow::Result<(Content, Duration)> {
     let profile = settings.profile;
     let levels = |drive: &Drive| Levels::new(profile, &drive.part(part.clone()), calibration);
-    let tell = |drive: &Drive| {
+    let warn_of = |drive: &Drive| {
         let drive = &drive.part(part.clone());
-        // A native board has said its carrier by now, and the scene follows it.
+        // The scene already has the carrier of a native board.
         let frequency = if profile.answers() { profile.carrier() } else { scene.array.frequency };
         levels::notices(profile, drive, calibration, frequency).iter().for_each(|notice| warn(notice));
     };
     let Some(cycle) = motion::cycle(scene) else {
         let solution = solver::solve(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
         solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
-        tell(&solution.drive);
+        warn_of(&solution.drive);
         let frames = solution.drives().iter().map(levels).collect::<Result<_, _>>()?;
-        return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), GLANCE));
+        return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), AT_REST));
     };
     let sequence = follow(scene, name, &progress::begin(SOLVING))?;
     let loudness = |drive: &&Drive| drive.amplitudes.iter().sum::<f64>();
     let softest = sequence.frames.iter().map(|frame| &frame.drive);
-    softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| tell(drive));
+    softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| warn_of(drive));
     let frames = sequence.frames.iter().map(|frame| levels(&frame.drive)).collect::<Result<_, _>>()?;
     let content = Content::Motion { frames, rate: cycle.frames_per_second() };
     Ok((content, Duration::from_secs_f64(1.0 / cycle.rate)))
 }
 
-/// How a link fares, in a line.
+/// The status line of a link.
 fn line(health: &Health) -> String {
-    let milliseconds = |duration: Duration| duration.as_secs_f64() * 1e3;
+    let milliseconds =
+        |duration: Duration, decimals| rounding::milliseconds(duration.as_secs_f64(), decimals);
     let mut line = format!(
         "{} frames, {:.1} frames/s on the line, {:.1} kB/s, {} retransmissions",
         health.frames,
@@ -198,16 +200,16 @@ fn line(health: &Health) -> String {
     }
     if let Some(spread) = health.round_trip {
         line += &format!(
-            ", answers after {:.2} ms (jitter {:.2} ms)",
-            milliseconds(spread.median),
-            milliseconds(spread.jitter)
+            ", answers after {} (jitter {})",
+            milliseconds(spread.median, 2),
+            milliseconds(spread.jitter, 2)
         );
     }
     if let Some(spread) = health.swaps {
         line += &format!(
-            ", modulated at {:.2} Hz (jitter {:.3} ms)",
+            ", modulated at {:.2} Hz (jitter {})",
             0.5 / spread.median.as_secs_f64(),
-            milliseconds(spread.jitter)
+            milliseconds(spread.jitter, 3)
         );
     }
     line

@@ -1,4 +1,4 @@
-//! `sonoglyph serve`: a scene that other programs edit, and a board that plays it.
+//! `sonoglyph serve`: lets other programs edit a scene over the network, and plays it on a board.
 
 use std::net::IpAddr;
 use std::path::PathBuf;
@@ -20,24 +20,24 @@ use crate::studio::output::{Files, note, say};
 
 #[derive(Debug, Args)]
 pub struct ServeArgs {
-    /// Scene file; without one an empty scene, to which others add targets
+    /// Scene file [default: an empty scene]
     scene: Option<PathBuf>,
-    /// UDP port for OSC; 0 takes a free one [default, if none of the three is given: 9000]
+    /// UDP port for OSC; 0: any free port [default without the three port options: 9000]
     #[arg(long, value_name = "PORT")]
     osc: Option<u16>,
-    /// TCP port for WebSocket; 0 takes a free one [default, if none of the three is given: 9001]
+    /// TCP port for WebSocket; 0: any free port [default without the three port options: 9001]
     #[arg(long, value_name = "PORT")]
     websocket: Option<u16>,
-    /// UDP port for the words of Ultraino, which listens at 8085; 0 takes a free one
+    /// UDP port for commands of Ultraino, whose own port is 8085; 0: any free port
     #[arg(long, value_name = "PORT")]
     ultraino: Option<u16>,
-    /// Address to listen on; other machines than this one need the token
+    /// Address to listen on; other machines need the token
     #[arg(long, value_name = "ADDRESS", default_value = "127.0.0.1")]
     listen: IpAddr,
-    /// What other machines and pages from elsewhere have to say first [default: random, where it is needed]
+    /// Password of other machines and of foreign web pages [default: random, if other machines can connect]
     #[arg(long, value_name = "TOKEN")]
     token: Option<String>,
-    /// Serial port of a board that plays the scene; `sonoglyph ports` lists them
+    /// Serial port of a board; `sonoglyph ports` lists them
     #[arg(long, requires = "profile")]
     port: Option<PathBuf>,
     /// Kind of board; `sonoglyph ports` lists them
@@ -46,7 +46,7 @@ pub struct ServeArgs {
     /// Bits per second, instead of the board's default
     #[arg(long, requires = "port", value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
-    /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), a row for every element
+    /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), and a row per element
     #[arg(long, value_name = "FILE.csv", requires = "port")]
     calibration: Option<PathBuf>,
 }
@@ -72,7 +72,7 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<()> {
         say!("token {token}")?;
     }
     if !args.listen.is_loopback() {
-        note("what is sent over the network is not encrypted: who listens there reads the token, too");
+        note("connections are not encrypted: anyone on the network can read the token");
     }
     note(if plays {
         "the board is silent until a program says send"
@@ -86,7 +86,7 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<()> {
     say!("{}", desk.counts.tally())?;
     let Some(health) = live.close() else { return Ok(()) };
     match health.state {
-        State::Lost(why) => anyhow::bail!("{why}: the board was lost, and what it plays is not known"),
+        State::Lost(why) => anyhow::bail!("{why}: the board was lost, in an unknown state"),
         State::Connecting | State::Ready if !health.silenced => {
             anyhow::bail!("the board could not be silenced: its port takes no bytes")
         }
@@ -96,14 +96,16 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<()> {
 
 fn settings(args: &ServeArgs) -> Settings {
     let ServeArgs { osc, websocket, ultraino, listen, .. } = *args;
-    let usual = Settings { listen, token: args.token.clone(), ..Settings::default() };
+    let default = Settings { listen, token: args.token.clone(), ..Settings::default() };
     match (osc, websocket, ultraino) {
-        (None, None, None) => usual,
-        (Some(_), _, _) | (_, Some(_), _) | (_, _, Some(_)) => Settings { osc, websocket, ultraino, ..usual },
+        (None, None, None) => default,
+        (Some(_), _, _) | (_, Some(_), _) | (_, _, Some(_)) => {
+            Settings { osc, websocket, ultraino, ..default }
+        }
     }
 }
 
-/// The board at the port that is given, once it is there.
+/// Opens the link to the board, if one is given.
 #[cfg(feature = "serial")]
 fn board(args: &ServeArgs, scene: &Scene, interrupted: &Interrupted) -> anyhow::Result<Option<Board>> {
     use anyhow::Context;

@@ -1,5 +1,6 @@
 //! Fault injection for virtual boards: line errors, unplugging, emergency stop.
 
+use fastrand::Rng;
 use web_time::Duration;
 
 /// Per byte on its way to the board, 0 to 1.
@@ -57,70 +58,48 @@ impl Faults {
     }
 }
 
-/// Numbers that look random and are the same for the same seed (xorshift64*).
-#[derive(Clone, Debug)]
-pub struct Chance(u64);
-
-impl Chance {
-    pub fn new(seed: u64) -> Self {
-        Self(seed | 1)
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        self.0.wrapping_mul(0x2545_F491_4F6C_DD1D)
-    }
-
-    pub fn byte(&mut self) -> u8 {
-        let [.., byte] = self.next().to_le_bytes();
-        byte
-    }
-
-    /// Happens with this probability.
-    pub fn of(&mut self, probability: f64) -> bool {
-        probability > 0.0 && (self.next() >> 11) as f64 / (1u64 << 53) as f64 <= probability
-    }
-}
-
 /// The way of bytes to the board.
 #[derive(Clone, Debug)]
 pub struct Damage {
     pub faults: Faults,
-    chance: Chance,
+    chance: Rng,
     /// Remaining bytes of a burst.
     noisy: usize,
 }
 
 impl Damage {
     pub fn new(faults: Faults, seed: u64) -> Self {
-        Self { faults, chance: Chance::new(seed), noisy: 0 }
+        Self { faults, chance: Rng::with_seed(seed), noisy: 0 }
     }
 
     /// The bytes that arrive in place of a byte.
     pub fn pass(&mut self, byte: u8, arrived: &mut Vec<u8>) {
         const BURST: usize = 24;
-        if self.chance.of(self.faults.burst) {
+        if self.happens(self.faults.burst) {
             self.noisy = BURST;
         }
         if self.noisy > 0 {
             self.noisy -= 1;
-            arrived.push(self.chance.byte());
+            arrived.push(self.chance.u8(..));
             return;
         }
-        if self.chance.of(self.faults.insert) {
-            arrived.push(self.chance.byte());
+        if self.happens(self.faults.insert) {
+            arrived.push(self.chance.u8(..));
         }
-        let flipped = if self.chance.of(self.faults.flip) { 1 << (self.chance.byte() & 7) } else { 0 };
-        if !self.chance.of(self.faults.drop) {
+        let flipped = if self.happens(self.faults.flip) { 1 << self.chance.u8(..8) } else { 0 };
+        if !self.happens(self.faults.drop) {
             arrived.push(byte ^ flipped);
         }
     }
 
+    /// With a probability.
+    fn happens(&mut self, probability: f64) -> bool {
+        self.chance.f64() < probability
+    }
+
     /// The byte that arrives at different bit rates: noise.
     pub fn garble(&mut self, arrived: &mut Vec<u8>) {
-        arrived.push(self.chance.byte());
+        arrived.push(self.chance.u8(..));
     }
 }
 

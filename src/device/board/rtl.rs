@@ -135,9 +135,7 @@ impl Rtl {
         let is_it = |packet: &Packet| packet.code == record.code && packet.seq == record.seq;
         let Some(place) = self.coming.iter().position(is_it).filter(|_| record.applied) else { return };
         let packet = self.coming.drain(..=place).next_back();
-        let Some(outcome) = Outcome::ALL.into_iter().find(|outcome| outcome.code() == record.result) else {
-            return;
-        };
+        let Some(outcome) = Outcome::from_repr(record.result) else { return };
         let reply = Reply {
             code: record.code.wrapping_add(REPLY),
             address: 0,

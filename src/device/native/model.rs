@@ -263,12 +263,12 @@ impl Model {
     pub fn apply(&mut self, packet: &Packet) -> Reply {
         self.good = self.good.wrapping_add(1);
         self.quiet = 0;
-        let outcome = match Kind::of_code(packet.code) {
+        let outcome = match Kind::from_repr(packet.code) {
             None => Outcome::Unknown,
             Some(kind) if packet.payload.len() != kind.payload() => Outcome::Length,
             Some(kind) => self.effect(kind, packet),
         };
-        let body = match Kind::of_code(packet.code) {
+        let body = match Kind::from_repr(packet.code) {
             Some(Kind::Info) => Body::Info(self.info()),
             Some(Kind::Digest) if outcome == Outcome::Ok => Body::Digest(self.digest(packet)),
             _ => Body::Status(self.status()),

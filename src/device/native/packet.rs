@@ -161,7 +161,7 @@ impl Packet {
     pub fn in_step(mut self) -> Self {
         if self.is_frame() {
             self.arguments[2] |= COMMIT | IN_STEP;
-        } else if let (Some(Kind::Play), Some(when)) = (Kind::of_code(self.code), self.payload.last_mut()) {
+        } else if let (Some(Kind::Play), Some(when)) = (Kind::from_repr(self.code), self.payload.last_mut()) {
             *when = WHEN_IN_STEP;
         }
         self
@@ -173,7 +173,7 @@ impl Packet {
     }
 
     fn is_frame(&self) -> bool {
-        matches!(Kind::of_code(self.code), Some(Kind::Phases | Kind::Frame))
+        matches!(Kind::from_repr(self.code), Some(Kind::Phases | Kind::Frame))
     }
 
     /// The same packet to another device, or to all of them ([`BROADCAST`]).
@@ -211,6 +211,8 @@ impl Packet {
 
 #[cfg(test)]
 mod tests {
+    use strum::VariantArray;
+
     use super::*;
 
     fn body_of(line: &[u8]) -> &[u8] {
@@ -240,8 +242,13 @@ mod tests {
             Packet::widths(&[1; 256]),
             Packet::calibration(&pairs),
         ];
-        for (kind, packet) in Kind::ALL.into_iter().zip(packets) {
-            assert_eq!((packet.code, packet.payload.len()), (kind.code(), kind.payload()), "{}", kind.name());
+        for (kind, packet) in Kind::VARIANTS.iter().zip(packets) {
+            assert_eq!(
+                (packet.code, packet.payload.len()),
+                (kind.code(), kind.payload()),
+                "{}",
+                kind.into_str()
+            );
             let packet = packet.to(5).numbered(200);
             let line = packet.to_line();
             assert!(!body_of(&line).contains(&0));

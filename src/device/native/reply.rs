@@ -150,7 +150,7 @@ impl Reply {
     pub fn of_line(bytes: &[u8]) -> Result<Self, Spoiled> {
         let body: [u8; BODY] = line::checked(bytes)?.try_into().map_err(|_| Spoiled)?;
         let [code, address, seq, result, flags, b5, b6, b7, b8, b9, b10, b11, b12, b13, b14, _] = body;
-        let outcome = Outcome::ALL.into_iter().find(|outcome| outcome.code() == result).ok_or(Spoiled)?;
+        let outcome = Outcome::from_repr(result).ok_or(Spoiled)?;
         if code < REPLY {
             return Err(Spoiled);
         }

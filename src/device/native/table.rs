@@ -2,6 +2,8 @@
 //!
 //! `gateware/rtl/packets.vh` has the same numbers; a test compares the two.
 
+use strum::{FromRepr, IntoStaticStr, VariantArray};
+
 /// Added to a packet's type in its reply. Packet types are below it.
 pub const REPLY: u8 = 0x80;
 /// The address that all devices heed and no device answers.
@@ -9,8 +11,9 @@ pub const BROADCAST: u8 = 0xFF;
 /// Devices have addresses from 0 to this.
 pub const LARGEST_ADDRESS: u8 = 7;
 
-/// The type of a packet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// The type of a packet, named as in `packets.vh` and the protocol's document.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, FromRepr, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "UPPERCASE", const_into_str)]
 #[repr(u8)]
 pub enum Kind {
     Info = 0x01,
@@ -32,53 +35,8 @@ pub enum Kind {
 }
 
 impl Kind {
-    pub const ALL: [Self; 16] = [
-        Self::Info,
-        Self::Status,
-        Self::Enable,
-        Self::Mute,
-        Self::Baud,
-        Self::Reset,
-        Self::Digest,
-        Self::Phases,
-        Self::Frame,
-        Self::Play,
-        Self::Stop,
-        Self::Envelope,
-        Self::Rate,
-        Self::Silencer,
-        Self::Widths,
-        Self::Calibration,
-    ];
-
     pub fn code(self) -> u8 {
         self as u8
-    }
-
-    pub fn of_code(code: u8) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.code() == code)
-    }
-
-    /// As `packets.vh` and the protocol's document spell it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Info => "INFO",
-            Self::Status => "STATUS",
-            Self::Enable => "ENABLE",
-            Self::Mute => "MUTE",
-            Self::Baud => "BAUD",
-            Self::Reset => "RESET",
-            Self::Digest => "DIGEST",
-            Self::Phases => "PHASES",
-            Self::Frame => "FRAME",
-            Self::Play => "PLAY",
-            Self::Stop => "STOP",
-            Self::Envelope => "ENVELOPE",
-            Self::Rate => "RATE",
-            Self::Silencer => "SILENCER",
-            Self::Widths => "WIDTHS",
-            Self::Calibration => "CALIBRATION",
-        }
     }
 
     /// Bytes that follow the four arguments.
@@ -101,8 +59,9 @@ impl Kind {
     }
 }
 
-/// The result of a packet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+/// The result of a packet, named as there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, FromRepr, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "UPPERCASE", const_into_str)]
 #[repr(u8)]
 pub enum Outcome {
     Ok = 0,
@@ -115,23 +74,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    pub const ALL: [Self; 7] =
-        [Self::Ok, Self::Crc, Self::Length, Self::Busy, Self::Unknown, Self::Argument, Self::State];
-
     pub fn code(self) -> u8 {
         self as u8
-    }
-
-    /// As `packets.vh` and the protocol's document spell it.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Ok => "OK",
-            Self::Crc => "CRC",
-            Self::Length => "LENGTH",
-            Self::Busy => "BUSY",
-            Self::Unknown => "UNKNOWN",
-            Self::Argument => "ARGUMENT",
-            Self::State => "STATE",
-        }
     }
 }

@@ -1,6 +1,7 @@
 //! The WGSL programs: their source files, constants written by Rust, and shared structs.
 
 use bytemuck::{Pod, Zeroable};
+use strum::VariantArray;
 
 use crate::acoustics::element::NEAREST;
 use crate::field::colouring::{SMALLEST, Scale};
@@ -128,7 +129,7 @@ pub enum Seen {
 }
 
 /// The element model of a field program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, VariantArray)]
 pub enum Waves {
     /// The far field of elements on a flat board.
     Piston,
@@ -139,8 +140,6 @@ pub enum Waves {
 }
 
 impl Waves {
-    const ALL: [Self; 3] = [Self::Piston, Self::ExactPiston, Self::Curved];
-
     /// Vectors that describe an element.
     pub fn vectors(self) -> usize {
         match self {
@@ -165,7 +164,7 @@ impl FieldProgram {
     pub fn all() -> impl Iterator<Item = Self> {
         let of_form =
             |form: u32, waves| Self { waves, many_elements: form & 1 != 0, many_terms: form & 2 != 0 };
-        (0..4).flat_map(move |form| Waves::ALL.map(|waves| of_form(form, waves)))
+        (0..4).flat_map(move |form| Waves::VARIANTS.iter().map(move |&waves| of_form(form, waves)))
     }
 
     fn source(self, tuning: &Tuning) -> String {
@@ -282,7 +281,8 @@ fn places(parts: u8) -> String {
         Some(place) => format!("{place}u"),
         None => "NOWHERE".to_owned(),
     };
-    let [pressure, along_x, along_y, normal] = Part::ALL.map(place);
+    let [pressure, along_x, along_y, normal] =
+        [Part::Pressure, Part::AlongX, Part::AlongY, Part::Normal].map(place);
     format!(
         "const NOWHERE: u32 = 0xffffffffu;\n\
          const PRESSURE: u32 = {pressure};\n\

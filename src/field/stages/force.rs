@@ -29,6 +29,7 @@ pub(super) struct OfBead {
     /// The force (N) at its cells, for a request without size; 0 in unused rows.
     components: Kept<Request, [Vec<f32>; 3]>,
     between: Between,
+    pub(super) work: Work,
 }
 
 /// The cells of the force, far enough from the array.
@@ -80,7 +81,6 @@ impl OfBead {
         request: &Request,
         exact: bool,
         progress: &Gauge,
-        work: &mut Work,
     ) -> Result<Map, FieldError> {
         let (x, y) = request.plane.axes().ok_or(FieldError::NoPlane)?;
         let Request { aperture, air, bead, drives, .. } = request;
@@ -89,7 +89,7 @@ impl OfBead {
         let tolerance = if exact { 0.0 } else { request.plane.tolerance };
         let setting = Setting::new(aperture, Plane { tolerance, ..request.plane.clone() });
         let site = self.site.try_update(&setting, |site| {
-            work.plan += 1;
+            self.work.plan += 1;
             Plan::new(aperture, &setting.plane, Costs::CPU).ok_or(FieldError::NoPlane)?;
             *site = Site::new(&setting);
             Ok::<_, FieldError>(())
@@ -97,21 +97,21 @@ impl OfBead {
         if let Some(site) = site {
             let key = Request { size: (0, 0), part: 1.0, ..request.clone() };
             let components = self.components.update(&key, |components| {
-                work.forming += 1;
+                self.work.forming += 1;
                 *components = scenery.components(site, progress);
             });
-            work.interpolation += 1;
+            self.work.interpolation += 1;
             let map = scenery.interpolated(site, components, &mut self.between);
             if map.error <= promised(tolerance) {
                 return Ok(map);
             }
         }
-        work.forming += 1;
+        self.work.forming += 1;
         Ok(scenery.direct(progress))
     }
 
     pub(super) fn forget(&mut self) {
-        *self = Self::default();
+        *self = Self { work: self.work, ..Self::default() };
     }
 }
 

@@ -73,6 +73,7 @@ pub struct Stages {
     declined: Option<Request>,
     colours: Kept<(Request, Colouring), Vec<[u8; 4]>>,
     contours: Kept<(Request, f32), Vec<Line>>,
+    /// Of the last two stages; the others count their own.
     work: Work,
 }
 
@@ -86,6 +87,7 @@ struct Ground {
     frame: Kept<FrameKey, Option<(Frame, Probes)>>,
     /// Of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
+    work: Work,
 }
 
 /// Drives and driven elements.
@@ -100,16 +102,10 @@ struct FrameKey {
 }
 
 impl Ground {
-    fn job<'a>(
-        &'a mut self,
-        request: &'a Request,
-        exact: bool,
-        costs: Costs,
-        work: &mut Work,
-    ) -> Result<Job<'a>, FieldError> {
+    fn job<'a>(&'a mut self, request: &'a Request, exact: bool, costs: Costs) -> Result<Job<'a>, FieldError> {
         let of_liquid = request.quantity.declaration().of_liquid;
         let wanted = SiteKey::new(request, exact);
-        let Self { site, refined, frame, excitations } = self;
+        let Self { site, refined, frame, excitations, work } = self;
         if refined.take_if(|refined| refined != request).is_some() {
             site.key = None;
         }
@@ -142,7 +138,7 @@ impl Ground {
 impl Ground {
     /// Switches to finer samples, or to every pixel, after this relative error of cells; `false` if not needed, or
     /// impossible.
-    fn refine(&mut self, request: &Request, exact: bool, costs: Costs, error: f64, work: &mut Work) -> bool {
+    fn refine(&mut self, request: &Request, exact: bool, costs: Costs, error: f64) -> bool {
         let times = error / promised(request.plane.tolerance);
         let Some((key, site)) = &self.site.value else { return false };
         if times <= 1.0 || site.cells.is_none() {
@@ -158,7 +154,7 @@ impl Ground {
         else {
             return false;
         };
-        work.plan += 1;
+        self.work.plan += 1;
         self.site.value = Some((key, made));
         self.refined = Some(request.clone());
         true
@@ -188,7 +184,7 @@ impl Stages {
 
     /// Drops every result, keeping memory and counters.
     pub fn forget(&mut self) {
-        self.ground = Ground::default();
+        self.ground = Ground { work: self.ground.work, ..Ground::default() };
         self.map.key = None;
         self.declined = None;
         self.colours.key = None;
@@ -202,8 +198,8 @@ impl Stages {
 
     /// The run counts of all stages.
     pub fn work(&self) -> Work {
-        let of_gpu = self.gpu.as_ref().map(|gpu| gpu.gpu().traffic()).unwrap_or_default();
-        Work { read_back: of_gpu.read_back, allocations: of_gpu.allocations, ..self.work }
+        let of_gpu = self.gpu.as_ref().map(OnGpu::work).unwrap_or_default();
+        self.work + self.ground.work + self.cpu.work() + self.of_bead.work + of_gpu
     }
 
     /// The GPU, if any.
@@ -247,19 +243,19 @@ impl Stages {
     /// Whether the map of a relevant request is available.
     fn advance(&mut self, request: &Request, wait: bool) -> Result<bool, FieldError> {
         let costs = self.costs();
-        let Self { gpu, cpu, of_bead, ground, map, declined, work, exact, .. } = self;
+        let Self { gpu, cpu, of_bead, ground, map, declined, exact, .. } = self;
         if map.is_of(request) {
             return Ok(true);
         }
         if request.quantity.declaration().is_vector {
             map.key = None;
-            map.value = of_bead.map(request, *exact, &cpu.progress, work)?;
+            map.value = of_bead.map(request, *exact, &cpu.progress)?;
             map.key = Some(request.clone());
             return Ok(true);
         }
-        let job = ground.job(request, *exact, costs, work)?;
+        let job = ground.job(request, *exact, costs)?;
         let progress = match gpu {
-            Some(gpu) if declined.as_ref() != Some(request) => gpu.map(&job, wait, work)?,
+            Some(gpu) if declined.as_ref() != Some(request) => gpu.map(&job, wait)?,
             Some(_) | None => Progress::Declined,
         };
         map.value = match progress {
@@ -269,10 +265,10 @@ impl Stages {
             Progress::Declined => {
                 map.key = None;
                 let values = std::mem::take(&mut map.value.values);
-                let mut made = job.by_cpu(cpu, *exact, values, work)?;
-                while ground.refine(request, *exact, costs, made.error, work) {
-                    let job = ground.job(request, *exact, costs, work)?;
-                    made = job.by_cpu(cpu, *exact, made.values, work)?;
+                let mut made = job.by_cpu(cpu, *exact, values)?;
+                while ground.refine(request, *exact, costs, made.error) {
+                    let job = ground.job(request, *exact, costs)?;
+                    made = job.by_cpu(cpu, *exact, made.values)?;
                 }
                 made
             }
@@ -289,13 +285,13 @@ impl Stages {
     pub fn picture(&mut self, request: &Request, colouring: &Colouring) -> Result<Picture<'_>, FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
-        let Self { gpu, ground, declined, work, exact, .. } = self;
+        let Self { gpu, ground, declined, exact, .. } = self;
         if let Some(gpu) = gpu
             && declined.as_ref() != Some(&request)
             && !request.quantity.declaration().is_vector
         {
-            let job = ground.job(&request, *exact, costs, work)?;
-            if let Some(texture) = gpu.picture(&job, colouring, work)? {
+            let job = ground.job(&request, *exact, costs)?;
+            if let Some(texture) = gpu.picture(&job, colouring)? {
                 return Ok(Picture::OnGpu(texture));
             }
             *declined = Some(request.clone());
@@ -311,15 +307,15 @@ impl Stages {
     pub fn figures(&mut self, request: &Request) -> Result<Option<(Map, Option<f64>)>, FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
-        let Self { gpu, ground, map, declined, work, exact, .. } = self;
+        let Self { gpu, ground, map, declined, exact, .. } = self;
         if map.is_of(&request) {
             return Ok(Some((map.value.without_values(), None)));
         }
         let is_vector = request.quantity.declaration().is_vector;
         let declines = is_vector || declined.as_ref() == Some(&request);
         let Some(gpu) = gpu.as_mut().filter(|_| !declines) else { return Ok(None) };
-        let job = ground.job(&request, *exact, costs, work)?;
-        let figures = gpu.figures(&job, work)?;
+        let job = ground.job(&request, *exact, costs)?;
+        let figures = gpu.figures(&job)?;
         // The next picture is computed on the CPU.
         if figures.as_ref().is_some_and(|(map, _)| job.is_too_far_off(map.error)) {
             *declined = Some(request);
@@ -374,9 +370,9 @@ impl Stages {
         self.advance(&request, true)?;
         let by = self.map.value.by;
         let costs = self.costs();
-        let Self { cpu, ground, map, work, exact, .. } = self;
-        let job = ground.job(&request, *exact, costs, work)?;
-        Ok(cpu.pressed(&job, &map.value.values, is_double(by), work))
+        let Self { cpu, ground, map, exact, .. } = self;
+        let job = ground.job(&request, *exact, costs)?;
+        Ok(cpu.pressed(&job, &map.value.values, is_double(by)))
     }
 
     /// The cells of a liquid, and its surface at rest under steady sound, ignoring the envelope.
@@ -386,10 +382,10 @@ impl Stages {
     pub fn surface(&mut self, request: &Request) -> Result<(&Tank, &Dent), FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
-        let Self { cpu, ground, work, exact, .. } = self;
-        let job = ground.job(&request, *exact, costs, work)?;
+        let Self { cpu, ground, exact, .. } = self;
+        let job = ground.job(&request, *exact, costs)?;
         let double = *exact || job.site.plan.double;
-        cpu.surface(&job, double, work).ok_or(FieldError::NotLevel)
+        cpu.surface(&job, double).ok_or(FieldError::NotLevel)
     }
 }
 
@@ -403,15 +399,9 @@ fn is_double(by: By) -> bool {
 
 impl Job<'_> {
     /// On the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
-    fn by_cpu(
-        &self,
-        cpu: &mut OnCpu,
-        exact: bool,
-        mut values: Vec<f32>,
-        work: &mut Work,
-    ) -> Result<Map, FieldError> {
+    fn by_cpu(&self, cpu: &mut OnCpu, exact: bool, mut values: Vec<f32>) -> Result<Map, FieldError> {
         let mut make = |job: &Job<'_>, by: By, values: &mut Vec<f32>| {
-            let made = cpu.values(job, is_double(by), values, work);
+            let made = cpu.values(job, is_double(by), values);
             (job.probes.error((job.request, job.excitations), &made.at_probes, made.relative_to), made, by)
         };
         let all_of_it = |job: &Job<'_>, made: (f64, Made, By), values| {

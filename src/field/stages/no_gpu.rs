@@ -20,6 +20,10 @@ impl OnGpu {
         match gpu {}
     }
 
+    pub(super) fn work(&self) -> Work {
+        match self.0 {}
+    }
+
     pub(super) fn gpu(&self) -> &Gpu {
         match self.0 {}
     }
@@ -28,24 +32,15 @@ impl OnGpu {
         match self.0 {}
     }
 
-    pub(super) fn map(&mut self, _: &Job<'_>, _: bool, _: &mut Work) -> Result<Progress, GpuError> {
+    pub(super) fn map(&mut self, _: &Job<'_>, _: bool) -> Result<Progress, GpuError> {
         match self.0 {}
     }
 
-    pub(super) fn picture(
-        &mut self,
-        _: &Job<'_>,
-        _: &Colouring,
-        _: &mut Work,
-    ) -> Result<Option<Texture>, GpuError> {
+    pub(super) fn picture(&mut self, _: &Job<'_>, _: &Colouring) -> Result<Option<Texture>, GpuError> {
         match self.0 {}
     }
 
-    pub(super) fn figures(
-        &mut self,
-        _: &Job<'_>,
-        _: &mut Work,
-    ) -> Result<Option<(Map, Option<f64>)>, GpuError> {
+    pub(super) fn figures(&mut self, _: &Job<'_>) -> Result<Option<(Map, Option<f64>)>, GpuError> {
         match self.0 {}
     }
 }

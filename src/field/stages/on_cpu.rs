@@ -48,6 +48,7 @@ pub(super) struct OnCpu {
     response: Kept<(FormedKey, Liquid), Dent>,
     caustic: Caustic,
     between: Between,
+    work: Work,
     /// Progress over the samples of all drives.
     pub(super) progress: Gauge,
 }
@@ -138,30 +139,29 @@ pub(super) struct Made {
 impl OnCpu {
     pub(super) fn forget(&mut self) {
         let old = std::mem::take(self);
-        let Self { mut superposition, mut samples, mut at_pixels, shares, between, .. } = old;
+        let Self { mut superposition, mut samples, mut at_pixels, shares, between, work, .. } = old;
         superposition.forget();
         (samples.key, at_pixels.key) = (None, None);
-        *self = Self { superposition, samples, at_pixels, shares, between, ..Self::default() };
+        *self = Self { superposition, samples, at_pixels, shares, between, work, ..Self::default() };
+    }
+
+    pub(super) fn work(&self) -> Work {
+        self.work + self.superposition.work
     }
 
     /// Computes the values of all pixels.
-    pub(super) fn values(
-        &mut self,
-        job: &Job<'_>,
-        double: bool,
-        values: &mut Vec<f32>,
-        work: &mut Work,
-    ) -> Made {
+    pub(super) fn values(&mut self, job: &Job<'_>, double: bool, values: &mut Vec<f32>) -> Made {
         let (width, height) = job.request.size;
         values.resize(width * height, 0.0);
         match job.frame {
             Frame::Pixels { raster, weights: None } if double && has_differences(job) => {
-                in_f64(job, raster, values, work)
+                self.work += Work { superposition: 1, forming: 1, ..Work::default() };
+                in_f64(job, raster, values)
             }
             Frame::Pixels { raster, weights } => {
-                self.by_pixels(job, (raster, weights.as_ref()), double, values, work)
+                self.by_pixels(job, (raster, weights.as_ref()), double, values)
             }
-            Frame::Cells { to_pixels } => self.by_cells(job, to_pixels, double, values, work),
+            Frame::Cells { to_pixels } => self.by_cells(job, to_pixels, double, values),
         }
     }
 
@@ -172,7 +172,6 @@ impl OnCpu {
         (raster, weights): (&Raster, Option<&Weights>),
         double: bool,
         values: &mut [f32],
-        work: &mut Work,
     ) -> Made {
         let request = job.request;
         let (parts, constants) = (job.key.parts, request.constants().narrow());
@@ -196,12 +195,12 @@ impl OnCpu {
                 if rows != (0..raster.height) || !self.at_pixels.is_of(&lattice_key) {
                     self.at_pixels.key = None;
                     of_drive.lead(|| {
-                        self.fill_pixels(job, drive, &key, (raster, weights), rows.clone(), work);
+                        self.fill_pixels(job, drive, &key, (raster, weights), rows.clone());
                     });
                     self.at_pixels.key = (rows == (0..raster.height)).then_some(lattice_key);
                 }
                 let lattice = &self.at_pixels.value;
-                work.forming += 1;
+                self.work.forming += 1;
                 let of_run = |(run, values): (usize, &mut [f32])| {
                     let places = run * RUN..run * RUN + values.len();
                     let sounds = lattice.sounds(parts, places);
@@ -249,10 +248,9 @@ impl OnCpu {
         key: &SampledKey,
         (raster, weights): (&Raster, Option<&Weights>),
         rows: Range<usize>,
-        work: &mut Work,
     ) {
         let parts = job.key.parts;
-        let Self { superposition, samples, at_pixels, between, .. } = self;
+        let Self { superposition, samples, at_pixels, between, work, .. } = self;
         let width = raster.width;
         let within = |some: Range<usize>| some.start.max(rows.start)..some.end.min(rows.end);
         at_pixels.value.resize(parts, rows.len() * width);
@@ -279,7 +277,7 @@ impl OnCpu {
             return;
         }
         let samples = samples.update(key, |samples| {
-            *samples = sampled(superposition, job, grid, drive..drive + 1, key.double, work).swap_remove(0);
+            *samples = sampled(superposition, job, grid, drive..drive + 1, key.double).swap_remove(0);
         });
         work.interpolation += 1;
         let first = raster.interpolated.start;
@@ -304,22 +302,21 @@ impl OnCpu {
         [across, up]: &[Resampling; 2],
         double: bool,
         values: &mut [f32],
-        work: &mut Work,
     ) -> Made {
         let Some(filled) = &job.site.cells else { unreachable!("pixels of cells without cells") };
         let key = FormedKey::new(job, double);
-        self.fill_cells(job, filled, &key, work);
+        self.fill_cells(job, filled, &key);
         let part = job.request.part;
         let declaration = job.request.quantity.declaration();
-        let is_pressed = self.response(job, filled, &key, work).is_some();
+        let is_pressed = self.response(job, filled, &key).is_some();
         let (shown, part) = match &job.request.depth {
             Some(depth) if is_pressed => (&depth[..], 1.0),
             None if is_pressed => (&self.response.value.depth[..], part),
             Some(_) | None => (&self.cells.value[..], part),
         };
-        work.interpolation += 1;
+        self.work.interpolation += 1;
         if declaration.of_light {
-            work.caustic += 1;
+            self.work.caustic += 1;
             self.caustic.cast(job, &filled.cells, (shown, part), values);
         } else {
             let cells: Vec<_> = shown.iter().map(|&value| (value * part) as f32).collect();
@@ -339,9 +336,9 @@ impl OnCpu {
     }
 
     /// The mean of the formula over the drives, at every cell.
-    fn fill_cells(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey, work: &mut Work) {
+    fn fill_cells(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey) {
         let Some(grid) = &job.site.plan.grid else { return };
-        let Self { superposition, shares, cells, progress, .. } = self;
+        let Self { superposition, shares, cells, progress, work, .. } = self;
         cells.update(key, |cells| {
             cells.clear();
             cells.resize(filled.cells.len(), 0.0);
@@ -351,7 +348,7 @@ impl OnCpu {
                 let drives = first..count.min(first + TOGETHER);
                 let of_these = progress.part(drives.clone(), count);
                 of_these.tell(0, 1);
-                let samples = of_these.lead(|| sampled(superposition, job, grid, drives, key.double, work));
+                let samples = of_these.lead(|| sampled(superposition, job, grid, drives, key.double));
                 work.forming += samples.len() as u64;
                 let of_share = samples.len().div_ceil(most);
                 shares.resize_with(samples.len().div_ceil(of_share), Share::default);
@@ -368,17 +365,11 @@ impl OnCpu {
     }
 
     /// The liquid's response to a steady pressure, for quantities that show it.
-    fn response(
-        &mut self,
-        job: &Job<'_>,
-        filled: &Filled,
-        key: &FormedKey,
-        work: &mut Work,
-    ) -> Option<&Dent> {
+    fn response(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey) -> Option<&Dent> {
         if !job.request.quantity.declaration().of_liquid {
             return None;
         }
-        let Self { tank, response, cells, .. } = self;
+        let Self { tank, response, cells, work, .. } = self;
         let tank = tank.update(job.key, |tank| *tank = Some(filled.cells.tank())).as_ref()?;
         let liquid = job.request.liquid.in_the_dark();
         Some(response.update(&(key.clone(), liquid.clone()), |dent| {
@@ -388,22 +379,16 @@ impl OnCpu {
     }
 
     /// The cells of a liquid, and the surface at rest under the steady sound.
-    pub(super) fn surface(&mut self, job: &Job<'_>, double: bool, work: &mut Work) -> Option<(&Tank, &Dent)> {
+    pub(super) fn surface(&mut self, job: &Job<'_>, double: bool) -> Option<(&Tank, &Dent)> {
         let filled = job.site.cells.as_ref()?;
         let key = FormedKey::new(job, double);
-        self.fill_cells(job, filled, &key, work);
-        self.response(job, filled, &key, work)?;
+        self.fill_cells(job, filled, &key);
+        self.response(job, filled, &key)?;
         Some((self.tank.value.as_ref()?, &self.response.value))
     }
 
     /// The radiation pressure on the plane, from the cells or, without cells, from the pixels.
-    pub(super) fn pressed(
-        &mut self,
-        job: &Job<'_>,
-        values: &[f32],
-        double: bool,
-        work: &mut Work,
-    ) -> Pressed {
+    pub(super) fn pressed(&mut self, job: &Job<'_>, values: &[f32], double: bool) -> Pressed {
         let (size, part) = (job.request.plane.size, job.request.part);
         let Some(filled) = &job.site.cells else {
             let area = size.x * size.y / values.len() as f64;
@@ -411,9 +396,9 @@ impl OnCpu {
             return Pressed { size, force: sum * area, depression: None, light: None };
         };
         let key = FormedKey::new(job, double);
-        self.fill_cells(job, filled, &key, work);
+        self.fill_cells(job, filled, &key);
         let force = part * filled.cells.integral(size, self.cells.value.iter().copied());
-        let depression = self.response(job, filled, &key, work).map(|dent| match &job.request.depth {
+        let depression = self.response(job, filled, &key).map(|dent| match &job.request.depth {
             Some(depth) => Depression::new(&filled.cells, size, depth),
             None => Depression::new(&filled.cells, size, &dent.depth).times(part),
         });
@@ -428,15 +413,13 @@ fn has_differences(job: &Job<'_>) -> bool {
 }
 
 /// Every pixel in f64, up to its value.
-fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], work: &mut Work) -> Made {
+fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32]) -> Made {
     /// Pixels processed together.
     const TOGETHER: usize = 32;
     let (quantity, constants) = (job.request.quantity, job.request.constants());
     let aperture = &job.key.setting.aperture;
     let around = Around::new(job.key.parts, job.site.axes, aperture);
     let pixels = raster.pixels();
-    work.superposition += 1;
-    work.forming += 1;
     values.par_chunks_mut(TOGETHER).enumerate().for_each(|(run, values)| {
         let points: Vec<_> = (0..values.len()).map(|i| pixels.point(run * TOGETHER + i)).collect();
         let transfer = aperture.transfer(&around.points(&points));

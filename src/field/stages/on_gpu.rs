@@ -17,6 +17,7 @@ pub(super) struct OnGpu {
     chain: Kept<ChainKey, Option<Chain>>,
     /// The state on the GPU.
     formed: Option<Formed>,
+    work: Work,
 }
 
 /// The inputs of the passes.
@@ -45,7 +46,12 @@ pub(super) enum Progress {
 
 impl OnGpu {
     pub(super) fn new(gpu: Gpu) -> Self {
-        Self { gpu, chain: Kept::default(), formed: None }
+        Self { gpu, chain: Kept::default(), formed: None, work: Work::default() }
+    }
+
+    pub(super) fn work(&self) -> Work {
+        let traffic = self.gpu.traffic();
+        Work { read_back: traffic.read_back, allocations: traffic.allocations, ..self.work }
     }
 
     pub(super) fn gpu(&self) -> &Gpu {
@@ -58,7 +64,7 @@ impl OnGpu {
     }
 
     /// Updates the values on the GPU; `false` if it declines.
-    fn form(&mut self, job: &Job<'_>, work: &mut Work) -> Result<bool, GpuError> {
+    fn form(&mut self, job: &Job<'_>) -> Result<bool, GpuError> {
         let [drive] = &job.request.counted()[..] else { return Ok(false) };
         let Frame::Pixels { raster, weights } = job.frame else { return Ok(false) };
         if job.site.plan.double {
@@ -66,7 +72,7 @@ impl OnGpu {
         }
         let request = job.request;
         let key = ChainKey { site: job.key.clone(), quantity: request.quantity, size: request.size };
-        let Self { gpu, chain, formed } = self;
+        let Self { gpu, chain, formed, work } = self;
         if !chain.is_of(&key) {
             *formed = None;
         }
@@ -111,8 +117,8 @@ impl OnGpu {
     }
 
     /// Starts a map's values, or checks for them, and may `wait`.
-    pub(super) fn map(&mut self, job: &Job<'_>, wait: bool, work: &mut Work) -> Result<Progress, GpuError> {
-        if !self.form(job, work)? {
+    pub(super) fn map(&mut self, job: &Job<'_>, wait: bool) -> Result<Progress, GpuError> {
+        if !self.form(job)? {
             return Ok(Progress::Declined);
         }
         let Self { gpu, chain, .. } = self;
@@ -130,14 +136,13 @@ impl OnGpu {
         &mut self,
         job: &Job<'_>,
         colouring: &Colouring,
-        work: &mut Work,
     ) -> Result<Option<Texture>, GpuError> {
         let most = self.gpu.device().limits().max_texture_dimension_2d as usize;
         let (width, height) = job.request.size;
-        if width.max(height) > most || !self.form(job, work)? {
+        if width.max(height) > most || !self.form(job)? {
             return Ok(None);
         }
-        let Self { gpu, chain, .. } = self;
+        let Self { gpu, chain, work, .. } = self;
         let Some(chain) = &mut chain.value else { return Ok(None) };
         let (texture, is_new) = chain.paint(gpu, colouring);
         work.picture += u64::from(is_new);
@@ -146,12 +151,8 @@ impl OnGpu {
     }
 
     /// A map without its values, once its figures have been read back; never blocks.
-    pub(super) fn figures(
-        &mut self,
-        job: &Job<'_>,
-        work: &mut Work,
-    ) -> Result<Option<(Map, Option<f64>)>, GpuError> {
-        if !self.form(job, work)? {
+    pub(super) fn figures(&mut self, job: &Job<'_>) -> Result<Option<(Map, Option<f64>)>, GpuError> {
+        if !self.form(job)? {
             return Ok(None);
         }
         let Self { gpu, chain, .. } = self;

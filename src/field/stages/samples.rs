@@ -38,10 +38,11 @@ impl Samples {
 pub(super) struct Superposition {
     pressure: Kept<Setting, Vec<Transfer>>,
     normal: Kept<Setting, Vec<Transfer>>,
+    pub(super) work: Work,
 }
 
 impl Superposition {
-    /// Drops everything except the memory of its tables.
+    /// Drops everything except the memory of its tables and the counters.
     pub(super) fn forget(&mut self) {
         (self.pressure.key, self.normal.key) = (None, None);
     }
@@ -54,9 +55,8 @@ impl Superposition {
         drives: Range<usize>,
         part: Part,
         double: bool,
-        work: &mut Work,
     ) -> Vec<Vec<Complex32>> {
-        work.superposition += 1;
+        self.work.superposition += 1;
         let aperture = &job.request.aperture;
         let played = &job.request.counted()[drives.clone()];
         let gauge = Gauge::current();
@@ -75,7 +75,7 @@ impl Superposition {
         let tables = kept.update(setting, |tables| {
             let old = std::mem::take(tables);
             if fit(&setting.aperture, grid) {
-                work.transfer += 1;
+                self.work.transfer += 1;
                 *tables = made(&setting.aperture, grid, direction, old);
             }
         });
@@ -119,12 +119,11 @@ pub(super) fn sampled(
     grid: &Grid,
     drives: Range<usize>,
     double: bool,
-    work: &mut Work,
 ) -> Vec<Samples> {
     let mut needs = |normal: bool| {
         let part = Part::of(job.key.parts).find(|&part| (part == Part::Normal) == normal);
         let half = usize::from(normal);
-        let mut at = |part| superposition.at(job, grid, drives.clone(), part, double, work);
+        let mut at = |part| superposition.at(job, grid, drives.clone(), part, double);
         match part {
             Some(part) => Gauge::current().part(half..half + 1, 2).lead(|| at(part)),
             None => vec![Vec::new(); drives.len()],

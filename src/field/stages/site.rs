@@ -177,8 +177,9 @@ impl Site {
         let finest = if key.parts & both == both { FINEST_OF_POTENTIALS } else { FINEST_IN_F32 };
         plan.double |= key.parts & NORMAL != 0 && cells.plane.tolerance < finest;
         let grid = plan.grid.as_ref().ok_or(FieldError::TooNear)?;
-        let half = cells.plane.size.y / 2.0;
-        if grid.covered.start > cells.step - half || grid.covered.end < half - cells.step {
+        // The outermost cells have their centres half a step inside.
+        let (half, half_step) = (cells.plane.size.y / 2.0, cells.step / 2.0);
+        if grid.covered.start > half_step - half || grid.covered.end < half - half_step {
             return Err(FieldError::TooNear);
         }
         let weights = Weights::new(grid, key.parts, [&mut cells.places(0), &mut cells.places(1)]);

@@ -1,5 +1,7 @@
 //! Counters of stage runs, which show that no work is repeated.
 
+use std::ops::{Add, AddAssign};
+
 /// How often each stage ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
@@ -27,18 +29,36 @@ pub struct Work {
 impl Work {
     /// The work done since `before`.
     pub fn since(self, before: Self) -> Self {
+        self.with(before, |own, other| own - other)
+    }
+
+    fn with(self, other: Self, each: fn(u64, u64) -> u64) -> Self {
         Self {
-            plan: self.plan - before.plan,
-            transfer: self.transfer - before.transfer,
-            superposition: self.superposition - before.superposition,
-            interpolation: self.interpolation - before.interpolation,
-            forming: self.forming - before.forming,
-            response: self.response - before.response,
-            caustic: self.caustic - before.caustic,
-            picture: self.picture - before.picture,
-            contours: self.contours - before.contours,
-            read_back: self.read_back - before.read_back,
-            allocations: self.allocations - before.allocations,
+            plan: each(self.plan, other.plan),
+            transfer: each(self.transfer, other.transfer),
+            superposition: each(self.superposition, other.superposition),
+            interpolation: each(self.interpolation, other.interpolation),
+            forming: each(self.forming, other.forming),
+            response: each(self.response, other.response),
+            caustic: each(self.caustic, other.caustic),
+            picture: each(self.picture, other.picture),
+            contours: each(self.contours, other.contours),
+            read_back: each(self.read_back, other.read_back),
+            allocations: each(self.allocations, other.allocations),
         }
+    }
+}
+
+impl Add for Work {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        self.with(other, |own, other| own + other)
+    }
+}
+
+impl AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
     }
 }

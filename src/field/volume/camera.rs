@@ -3,6 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
+use strum::{EnumString, VariantArray};
 
 use crate::field::volume::Block;
 
@@ -18,7 +19,8 @@ const NEAREST: f64 = 1e-4;
 const FAR_OFF: f64 = 40.0;
 
 /// Views that have a name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, VariantArray)]
+#[strum(serialize_all = "lowercase")]
 pub enum Standard {
     Iso,
     Top,
@@ -27,17 +29,6 @@ pub enum Standard {
 }
 
 impl Standard {
-    pub const ALL: [Self; 4] = [Self::Iso, Self::Top, Self::Front, Self::Side];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Iso => "iso",
-            Self::Top => "top",
-            Self::Front => "front",
-            Self::Side => "side",
-        }
-    }
-
     /// Azimuth and elevation, rad.
     pub fn direction(self) -> [f64; 2] {
         match self {
@@ -201,7 +192,7 @@ mod tests {
     #[test]
     fn rays_pass_through_what_is_seen_there_and_the_whole_box_is_on_the_picture() {
         for is_perspective in [false, true] {
-            for standard in Standard::ALL {
+            for standard in Standard::VARIANTS {
                 let camera = Camera::of(&block(), standard.direction(), 1.5, is_perspective);
                 let projection = camera.projection(DVec2::new(600.0, 400.0));
                 for corner in [block().low(), block().high(), dvec3(-0.09, 0.03, 0.175)] {

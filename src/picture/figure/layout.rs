@@ -1,5 +1,7 @@
 //! Layout of the parts of a figure.
 
+use strum::{EnumString, IntoStaticStr, VariantArray};
+
 use crate::field::contour::Line;
 use crate::picture::Picture;
 use crate::picture::figure::axes::{round_step, steps};
@@ -32,26 +34,14 @@ pub const TALLEST: f64 = 2.0;
 /// The least width of a map, mm.
 const LEAST: f64 = 10.0;
 
-/// The kinds of file that a figure is written as.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The kinds of file that a figure is written as, by their endings.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub enum Format {
     #[default]
     Png,
     Svg,
     Pdf,
-}
-
-impl Format {
-    pub const ALL: [Self; 3] = [Self::Png, Self::Svg, Self::Pdf];
-
-    /// Of a file's name, and on buttons in capitals.
-    pub fn ending(self) -> &'static str {
-        match self {
-            Self::Png => "png",
-            Self::Svg => "svg",
-            Self::Pdf => "pdf",
-        }
-    }
 }
 
 /// The size of a figure.

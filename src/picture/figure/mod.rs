@@ -12,6 +12,8 @@ mod raster;
 pub mod surface;
 mod svg;
 
+use strum::IntoStaticStr;
+
 use crate::picture::Picture;
 use crate::picture::PictureError;
 
@@ -25,7 +27,8 @@ type Ink = [u8; 3];
 const BLACK: Ink = [20, 20, 22];
 
 /// Anchor of a text relative to its position.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr)]
+#[strum(serialize_all = "lowercase", const_into_str)]
 pub(in crate::picture) enum Anchor {
     Start,
     Middle,

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::picture::figure::{Anchor, Figure, Ink, Mark};
+use crate::picture::figure::{Figure, Ink, Mark};
 use crate::picture::{PictureError, export};
 
 /// The SVG; lengths are in mm.
@@ -60,11 +60,7 @@ pub fn write(figure: &Figure) -> Result<Vec<u8>, PictureError> {
                 ),
             )?,
             Mark::Text { at: [x, y], height, anchor, is_turned, ink, text: words } => {
-                let anchor = match anchor {
-                    Anchor::Start => "start",
-                    Anchor::Middle => "middle",
-                    Anchor::End => "end",
-                };
+                let anchor = anchor.into_str();
                 let turn = if *is_turned {
                     format!(" transform=\"rotate(-90 {x:.3} {y:.3})\"")
                 } else {

@@ -191,7 +191,7 @@ fn defaults_are_those_of_an_empty_scene() {
         empty.insert(table.to_owned(), own.into());
     }
     let bead = Bead::default();
-    let own = [("material", Value::from(bead.material.name())), ("radius", bead.radius.into())];
+    let own = [("material", Value::from(bead.material.into_str())), ("radius", bead.radius.into())];
     empty.insert("bead".to_owned(), Table::from_iter(own.map(|(key, value)| (key.to_owned(), value))).into());
     // And so are these; `kind` is what made it a circle.
     let Solver { quiet, search, frames, .. } = Scene::default().solver;

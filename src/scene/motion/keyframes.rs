@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::run::Vertex;
 
@@ -33,8 +34,10 @@ fn is_unchanged(pressure: &f64) -> bool {
 }
 
 /// The interpolation from a keyframe to the next.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
+)]
+#[strum(serialize_all = "kebab-case", const_into_str)]
 pub enum Easing {
     /// At constant speed.
     #[default]
@@ -46,17 +49,6 @@ pub enum Easing {
 }
 
 impl Easing {
-    pub const ALL: [Self; 3] = [Self::Linear, Self::Smooth, Self::Hold];
-
-    /// The name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Linear => "linear",
-            Self::Smooth => "smooth",
-            Self::Hold => "hold",
-        }
-    }
-
     fn is_linear(&self) -> bool {
         *self == Self::Linear
     }

@@ -13,6 +13,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
+use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::check::{Key, KeyError};
 use crate::scene::run::Vertex;
@@ -135,11 +136,15 @@ impl MotionTable {
 
 /// Paths are parallel to the array and traversed at constant speed, counter-clockwise. All except `points` and
 /// `keyframes` are centred on the targets' positions.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
+)]
+#[strum(serialize_all = "kebab-case", const_into_str)]
 pub enum MotionPath {
     #[default]
     None,
+    /// Foci run along the drawn strokes, in their order and direction: no target moves.
+    Outline,
     /// Along x from the left end to the right and back.
     Line,
     /// From +x.
@@ -148,34 +153,14 @@ pub enum MotionPath {
     Square,
     /// Equilateral, from the corner at largest y.
     Triangle,
+    /// Gerono's: twice as wide as high, from the crossing to the upper right.
+    FigureEight,
     /// The offsets in `points`, one after the other and back to the first.
     Points,
     /// From keyframe to keyframe, at their times.
     Keyframes,
-    /// Gerono's: twice as wide as high, from the crossing to the upper right.
-    FigureEight,
     /// Targets take turns at rest: first those with `step = 0`, then those with `step = 1`, and so on.
     Steps,
-    /// Foci run along the drawn strokes, in their order and direction: no target moves.
-    Outline,
-}
-
-impl MotionPath {
-    /// The name in scene files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Line => "line",
-            Self::Circle => "circle",
-            Self::Square => "square",
-            Self::Triangle => "triangle",
-            Self::Points => "points",
-            Self::Keyframes => "keyframes",
-            Self::FigureEight => "figure-eight",
-            Self::Steps => "steps",
-            Self::Outline => "outline",
-        }
-    }
 }
 
 impl Motion {

@@ -1,5 +1,6 @@
 //! The further search for a shape's drive, from additional starts.
 
+use strum::VariantArray;
 use web_time::{Duration, Instant};
 
 use crate::gauge::Gauge;
@@ -18,7 +19,7 @@ pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Dur
     while let Some(better) = search.advance() {
         best = Some(better);
     }
-    let mut number = Start::ALL.len();
+    let mut number = Start::VARIANTS.len();
     while best.is_some() && gauge.lasts(start.elapsed(), time) {
         search.further(number);
         best = Some(search.give());

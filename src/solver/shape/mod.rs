@@ -27,6 +27,7 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 
 use num_complex::Complex64;
+use strum::VariantArray;
 
 use crate::scene::{Focus, Plane};
 use crate::solver::descent::{Descent, Function};
@@ -247,7 +248,7 @@ impl<'a> Search<'a> {
         if value(&best) <= value(&self.ways[1]) {
             self.ways[1] = best;
         }
-        if start + 2 < Start::ALL.len() {
+        if start + 2 < Start::VARIANTS.len() {
             self.stage = Stage::Other(start + 1);
             return;
         }

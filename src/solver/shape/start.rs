@@ -3,12 +3,13 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec2, DVec3};
+use strum::VariantArray;
 
 use crate::scene::Plane;
 use crate::solver::starts::scatter;
 
-/// Phases of the pressure along the strokes.
-#[derive(Clone, Copy, Debug)]
+/// Phases of the pressure along the strokes, in the order of trials.
+#[derive(Clone, Copy, Debug, VariantArray)]
 pub enum Start {
     /// The same everywhere: hardly any other ends better.
     Equal,
@@ -22,14 +23,11 @@ pub enum Start {
 }
 
 impl Start {
-    /// In the order of trials.
-    pub const ALL: [Self; 5] = [Self::Equal, Self::Vortex, Self::Tilted, Self::Curved, Self::Scattered];
-
     /// rad, of every sample, in the plane's axes; beyond the last start all are scattered, each in another way.
     pub fn phases(number: usize, samples: &[DVec3], plane: &Plane) -> Vec<f64> {
         /// Of the scattered phases.
         const SEED: usize = 17;
-        let start = Self::ALL.get(number).copied().unwrap_or(Self::Scattered);
+        let start = Self::VARIANTS.get(number).copied().unwrap_or(Self::Scattered);
         let seed = SEED + number;
         let count = samples.len() as f64;
         let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));

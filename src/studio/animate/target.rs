@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::picture::animation::Format;
 use crate::studio::output;
@@ -14,21 +15,27 @@ pub const RATES: [f64; 2] = [1.0 / 60.0, 240.0];
 const MOST_OF_PICTURES: f64 = 50.0;
 
 /// Film file formats.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
 pub enum Kind {
     #[default]
+    #[strum(serialize = "GIF")]
     Gif,
+    #[strum(serialize = "Animated PNG")]
     Apng,
+    #[strum(serialize = "MP4 (H.264)")]
     Mp4,
+    #[strum(serialize = "WebM (VP9)")]
     Webm,
 }
 
 impl Kind {
-    pub const ALL: [Self; 4] = [Self::Gif, Self::Apng, Self::Mp4, Self::Webm];
-
     /// Those that can be written here.
     pub fn writable() -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(|kind| video::IS_WRITTEN || matches!(kind, Self::Gif | Self::Apng))
+        Self::VARIANTS
+            .iter()
+            .copied()
+            .filter(|kind| video::IS_WRITTEN || matches!(kind, Self::Gif | Self::Apng))
     }
 
     /// Of a file's name, the usual one first.
@@ -41,18 +48,9 @@ impl Kind {
         }
     }
 
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Gif => "GIF",
-            Self::Apng => "Animated PNG",
-            Self::Mp4 => "MP4 (H.264)",
-            Self::Webm => "WebM (VP9)",
-        }
-    }
-
     fn of(path: &Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        Self::ALL.into_iter().find(|kind| kind.endings().contains(&ending.as_str()))
+        Self::VARIANTS.iter().copied().find(|kind| kind.endings().contains(&ending.as_str()))
     }
 
     pub(super) fn encoding(self) -> Encoding {

@@ -1,6 +1,7 @@
 //! The dialog for exporting a figure of the map or the surface, with a preview.
 
 use egui::{ComboBox, DragValue, Sense, TextEdit, TextureHandle, Ui, vec2};
+use strum::VariantArray;
 
 use crate::picture::figure::{Format, Paper};
 use crate::studio::figure::{DENSITIES, WIDTHS, Wish};
@@ -137,10 +138,10 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     let form = &mut editor.figure;
     egui::Grid::new("figure").num_columns(2).show(ui, |ui| {
         ui.label("Format");
-        let combo = ComboBox::from_id_salt("format").selected_text(form.format.ending().to_uppercase());
+        let combo = ComboBox::from_id_salt("format").selected_text(form.format.into_str().to_uppercase());
         combo.show_ui(ui, |ui| {
-            for format in Format::ALL {
-                ui.selectable_value(&mut form.format, format, format.ending().to_uppercase());
+            for &format in Format::VARIANTS {
+                ui.selectable_value(&mut form.format, format, format.into_str().to_uppercase());
             }
         });
         ui.end_row();

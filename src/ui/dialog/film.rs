@@ -68,10 +68,10 @@ pub(super) fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> bool {
     let form = &mut editor.film;
     egui::Grid::new("film").num_columns(2).show(ui, |ui| {
         ui.label("Format");
-        let combo = ComboBox::from_id_salt("kind").selected_text(form.kind.name());
+        let combo = ComboBox::from_id_salt("kind").selected_text(form.kind.into_str());
         combo.show_ui(ui, |ui| {
             for kind in Kind::writable() {
-                ui.selectable_value(&mut form.kind, kind, kind.name());
+                ui.selectable_value(&mut form.kind, kind, kind.into_str());
             }
         });
         ui.end_row();

@@ -9,6 +9,7 @@ mod palette;
 use std::path::{Path, PathBuf};
 
 use egui::{Context, Id, Key, Modal, Modifiers, RichText, ScrollArea, Ui};
+use strum::VariantArray;
 
 use crate::echo;
 use crate::scene::Scene;
@@ -259,7 +260,7 @@ fn help(ui: &mut Ui) {
     let height = (ui.ctx().content_rect().height() - 180.0).min(540.0);
     ScrollArea::vertical().max_height(height).show(ui, |ui| {
         egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-            for group in Group::ALL {
+            for &group in Group::VARIANTS {
                 for action in Action::all().into_iter().filter(|action| action.group() == group) {
                     let keys = action.shortcut(ui.ctx());
                     if !keys.is_empty() {

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::force::Outcome;
 use crate::scene::{Bead, Material, Shape};
 use crate::studio::levitation;
-use crate::ui::panels::{MM, Unit, choice, fact, form, given, number, still_plot};
+use crate::ui::panels::{MM, Unit, choice, fact, form, given, number, still_plot, variants};
 use crate::ui::{BeadPlace, Editor, Levitated, Shown, measure, section, theme};
 
 /// Points of the screen.
@@ -63,7 +63,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 
 fn material(bead: &mut Bead, ui: &mut Ui) {
     form(ui, "bead", |ui| {
-        let names = Material::ALL.map(|material| (material, material.title()));
+        let names = variants(Material::title);
         choice(ui, ("Material", "Its density and sound speed"), &mut bead.material, &names);
         number(ui, ("Radius", "Of the sphere"), &mut bead.radius, MM, 1e-6..=0.1);
         let density = Unit { per: 1.0, suffix: " kg/m³", decimals: 1, speed: 1.0 };

@@ -76,7 +76,7 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
     let (name, factor) = if largest * convention.of_peak() < 1000.0 { ("Pa", 1.0) } else { ("kPa", 1e-3) };
     let factor = factor * convention.of_peak();
     let times = course.moduli.iter().map(|[time, p]| [time * 1e3, p * factor]).collect::<Vec<_>>();
-    ui.label(format!("|p| / {name} ({}) against time / ms", convention.name()));
+    ui.label(format!("|p| / {name} ({}) against time / ms", convention.into_str()));
     plot("course of time", ui, vec![times]);
     ui.label("Lines of |p|² / % of its mean against frequency / Hz");
     let stem = |line: &time_course::Line| {

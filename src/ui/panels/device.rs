@@ -4,6 +4,7 @@ use egui::{RichText, Ui};
 
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
+use crate::rounding;
 use crate::scene::motion;
 use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
 use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading, others};
@@ -292,7 +293,7 @@ fn trial(
 
 fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
     heading(ui, "Link");
-    let milliseconds = |duration: std::time::Duration| format!("{:.2} ms", duration.as_secs_f64() * 1e3);
+    let milliseconds = |duration: std::time::Duration| rounding::milliseconds(duration.as_secs_f64(), 2);
     form(ui, "line", |ui| {
         let frames = format!("{}, {:.0} per second", health.frames, health.frames_per_second);
         let tip = if profile.answers() { "Confirmed by the board" } else { "Sent" };

@@ -3,11 +3,10 @@
 use egui::Ui;
 
 use crate::field::Quantity;
-use crate::picture::sheet::pascals_at_most;
-use crate::rounding::digits;
+use crate::rounding::{digits, pascals_at_most};
 use crate::scene::{Light, LiquidName};
 use crate::studio::liquid;
-use crate::ui::panels::{MM, Unit, choice, fact, form, given, heading, number};
+use crate::ui::panels::{MM, Unit, choice, fact, form, given, heading, number, variants};
 use crate::ui::view::Cut;
 use crate::ui::{Editor, Shown, theme};
 
@@ -16,7 +15,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     heading(ui, "Liquid");
     let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
     form(ui, "liquid", |ui| {
-        let names = LiquidName::ALL.map(|name| (name, name.name()));
+        let names = variants::<LiquidName>(Into::into);
         choice(ui, ("Liquid", "At 20 °C"), &mut liquid.name, &names);
         let density = Unit { per: 1.0, suffix: " kg/m³", decimals: 1, speed: 1.0 };
         let tip = "With gravity, the restoring force of wide depressions";
@@ -54,7 +53,7 @@ fn caustic(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let liquid = &mut editor.document.scene.liquid;
     let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
     form(ui, "caustic", |ui| {
-        let ways = Light::ALL.map(|light| (light, light.name()));
+        let ways = variants::<Light>(Into::into);
         let tip =
             "Through the liquid from below, or reflected from above; along the normal of the level surface";
         choice(ui, ("Light", tip), &mut liquid.light, &ways);

@@ -21,6 +21,7 @@ use std::ops::RangeInclusive;
 use egui::{Align, Label, Layout, Response, ScrollArea, Ui, Vec2b};
 use egui_plot::Plot;
 use glam::DVec3;
+use strum::VariantArray;
 
 pub use target::{point, sampling};
 
@@ -46,7 +47,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 1.0;
         ui.spacing_mut().button_padding.x = 6.0;
-        for panel in Panel::ALL {
+        for &panel in Panel::VARIANTS {
             let tip = match panel {
                 Panel::Scene => "Targets, air and array",
                 Panel::Solver => "How the phases are found, and how good they are",
@@ -55,7 +56,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
                 Panel::Motion => "How the targets move",
                 Panel::Device => "The board that plays",
             };
-            ui.selectable_value(&mut editor.panel, panel, panel.name()).on_hover_text(tip);
+            ui.selectable_value(&mut editor.panel, panel, panel.into_str()).on_hover_text(tip);
         }
     });
     ui.separator();
@@ -159,6 +160,11 @@ pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
         }
     });
     ui.end_row();
+}
+
+/// All values of an enum, with their names.
+fn variants<T: Copy + VariantArray>(name: fn(T) -> &'static str) -> Vec<(T, &'static str)> {
+    T::VARIANTS.iter().map(|&value| (value, name(value))).collect()
 }
 
 /// A choice among a few.

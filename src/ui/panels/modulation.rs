@@ -5,7 +5,9 @@ use egui::Ui;
 use crate::echo;
 use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
 use crate::scene::{Envelope, Law, Modulation, Tone};
-use crate::ui::panels::{DEGREES, Unit, bare_number, caption, choice, fact, form, heading, number, value};
+use crate::ui::panels::{
+    DEGREES, Unit, bare_number, caption, choice, fact, form, heading, number, value, variants,
+};
 use crate::ui::{Dialog, Editor, Purpose};
 
 const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 1, speed: 1.0 };
@@ -17,7 +19,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     let mut shape = modulation.shape;
     let mut asks_for_file = false;
     form(ui, "modulation", |ui| {
-        let shapes = Envelope::ALL.map(|shape| (shape, shape.name()));
+        let shapes = variants::<Envelope>(Into::into);
         let tip = "Waveform; skin feels modulated sound, not steady sound";
         choice(ui, ("Amplitude modulation", tip), &mut shape, &shapes);
         if modulation.shape == Envelope::Off {

@@ -2,7 +2,7 @@
 
 use egui::Ui;
 
-use crate::rounding::at_most;
+use crate::rounding::{at_most, milliseconds};
 use crate::scene::motion;
 use crate::scene::{MotionPath, Scene};
 use crate::solver::frames::Frame;
@@ -47,7 +47,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
                 round.steps.rms.to_degrees()
             );
             fact(ui, ("Phase change per frame", "Of the elements; small changes are silent"), step);
-            fact(ui, ("Solved in", "All frames"), format!("{:.0} ms", 1e3 * round.seconds));
+            fact(ui, ("Solved in", "All frames"), milliseconds(round.seconds, 0));
         });
     }
 }

@@ -4,26 +4,14 @@ use std::f64::consts::TAU;
 
 use egui::{ComboBox, Ui};
 use glam::DVec3;
+use strum::VariantArray;
 
 use crate::scene::check::FACTORS;
 use crate::scene::{Easing, Keyframe, Motion, MotionPath, Scene, Tempo, motion};
 use crate::ui::panels::{
-    DEGREES, MM, PLAIN, Unit, bare_number, choice, coordinates, count, fact, form, heading, number,
+    DEGREES, MM, PLAIN, Unit, bare_number, choice, coordinates, count, fact, form, heading, number, variants,
 };
 
-/// Steps are last, since a target's own motion cannot have them.
-const PATHS: [(MotionPath, &str); 10] = [
-    (MotionPath::None, "none"),
-    (MotionPath::Outline, "outline"),
-    (MotionPath::Line, "line"),
-    (MotionPath::Circle, "circle"),
-    (MotionPath::Square, "square"),
-    (MotionPath::Triangle, "triangle"),
-    (MotionPath::FigureEight, "figure-eight"),
-    (MotionPath::Points, "points"),
-    (MotionPath::Keyframes, "keyframes"),
-    (MotionPath::Steps, "steps"),
-];
 /// Of a cycle, between two keyframes.
 const APART: f64 = 1e-4;
 /// Initial points of a path, m.
@@ -72,9 +60,10 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
     form(ui, "motion", |ui| {
         let tip =
             "Of the targets. Outline: foci run along the drawn strokes. Steps: targets are played in turn";
-        let paths = &PATHS[..PATHS.len() - usize::from(is_own)];
+        let mut paths = variants::<MotionPath>(Into::into);
+        paths.retain(|(path, _)| !is_own || *path != MotionPath::Steps);
         let mut path = motion.path;
-        choice(ui, ("Path", tip), &mut path, paths);
+        choice(ui, ("Path", tip), &mut path, &paths);
         choose(motion, path);
         match path {
             MotionPath::None | MotionPath::Points | MotionPath::Keyframes | MotionPath::Steps => {}
@@ -172,10 +161,10 @@ fn keyframes(keyframes: &mut Vec<Keyframe>, ui: &mut Ui) {
             let pressure = bare_number(ui, &mut keyframe.pressure, PLAIN, FACTORS);
             pressure.on_hover_text("Factor of the target's pressure").accessible_name(name("pressure"));
             let combo =
-                ComboBox::from_id_salt(name("easing")).width(76.0).selected_text(keyframe.easing.name());
+                ComboBox::from_id_salt(name("easing")).width(76.0).selected_text(keyframe.easing.into_str());
             let response = combo.show_ui(ui, |ui| {
-                for easing in Easing::ALL {
-                    ui.selectable_value(&mut keyframe.easing, easing, easing.name());
+                for &easing in Easing::VARIANTS {
+                    ui.selectable_value(&mut keyframe.easing, easing, easing.into_str());
                 }
             });
             let tip = "Easing on the way to the next keyframe";

@@ -2,11 +2,11 @@
 
 use egui::Ui;
 
-use crate::rounding::percent_at_least;
+use crate::rounding::{millimetres, milliseconds, percent_at_least};
 use crate::scene::{Aim, Amplitudes, Method, Pressures};
 use crate::solver::{Figures, Quality, Solution};
 use crate::studio::convention::Convention;
-use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile};
+use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile, variants};
 use crate::ui::{Command, Editor, Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -39,7 +39,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     let solver = &mut editor.document.scene.solver;
     heading(ui, "Method");
     form(ui, "solver", |ui| {
-        let names = Method::ALL.map(|method| (method, method.title()));
+        let names = variants(Method::title);
         choice(ui, ("Method", describe(solver.method)), &mut solver.method, &names);
         let tip = "0: the default of the method";
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
@@ -117,8 +117,8 @@ fn shape(figures: Option<&Figures>, ui: &mut Ui) {
     let tip = "Least over mean pressure along the strokes, and the ripple from least to largest";
     fact(ui, ("Evenness", tip), told(&|it| format!("{}, {:.1} dB", percent(it.evenness), it.ripple_db)));
     let place = told(&|it| {
-        let [x, y, z] = (it.side_lobe_position * 1e3).to_array();
-        format!("{x:.0}, {y:.0}, {z:.0} mm")
+        let [x, y, z] = it.side_lobe_position.to_array().map(|place| millimetres(place, 0));
+        format!("{x}, {y}, {z} mm")
     });
     let tip = format!(
         "Largest pressure on the plane more than 8 mm from the drawing, relative to the drawing's mean: at {place}"
@@ -175,7 +175,7 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
                     }
                     ui.label(editor.view.convention.pressure(solution.quality.min_pressure));
                     ui.label(format!("{:.1} %", 100.0 * solution.quality.spread));
-                    ui.label(format!("{:.1} ms", 1e3 * solution.seconds));
+                    ui.label(milliseconds(solution.seconds, 1));
                 }
                 Err(why) => {
                     ui.weak("–").on_hover_text(why);

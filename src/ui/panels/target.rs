@@ -9,7 +9,7 @@ use crate::ui::edit;
 use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{
     DEGREES, MM, PLAIN, Unit, bare_count, bare_number, caption, choice, coordinates, count, form, number,
-    value,
+    value, variants,
 };
 use crate::ui::theme;
 
@@ -138,7 +138,7 @@ fn holding(target: &mut Target, ui: &mut Ui) {
         | Shape::Text { .. }
         | Shape::Picture { .. } => return,
     };
-    let traps = Trap::ALL.map(|trap| (Some(trap), trap.title()));
+    let traps = variants(Trap::title).into_iter().map(|(trap, title)| (Some(trap), title));
     let choices: Vec<_> = std::iter::once((None, "focus only")).chain(traps).collect();
     choice(ui, ("Trap", "The kind of trap that holds a bead"), &mut kind, &choices);
     if kind == Some(Trap::Vortex) {

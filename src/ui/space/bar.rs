@@ -3,6 +3,7 @@
 use std::ops::RangeInclusive;
 
 use egui::{Slider, Ui};
+use strum::VariantArray;
 
 use crate::field::volume::camera::Standard;
 use crate::ui::number::{self, Look};
@@ -15,7 +16,8 @@ pub const LEVELS: RangeInclusive<f64> = -40.0..=-0.5;
 /// The first row: the representation of the field.
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
     let space = &mut editor.space;
-    let choices = Seen::ALL.map(|seen| (seen, seen.name(), seen.tooltip().to_owned()));
+    let choice = |&seen: &Seen| (seen, seen.into_str(), seen.tooltip().to_owned());
+    let choices: Vec<_> = Seen::VARIANTS.iter().map(choice).collect();
     segments::show(ui, "Field in space", &mut space.seen, &choices);
     if space.seen == Seen::Surface {
         let tip = "Level of the surface, in dB of the largest RMS pressure in the box";

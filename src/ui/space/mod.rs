@@ -7,6 +7,7 @@ mod paint;
 
 use egui::Rect;
 use glam::{DVec2, DVec3};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::field::volume::camera::{Projection, Standard};
 use crate::field::volume::scenery::Body;
@@ -22,7 +23,8 @@ pub use bar::{is_settled, places, show as bar};
 pub use paint::paint;
 
 /// The representation of the field in the box, apart from slices.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
 pub enum Seen {
     Surface,
     Projection,
@@ -30,16 +32,6 @@ pub enum Seen {
 }
 
 impl Seen {
-    pub const ALL: [Self; 3] = [Self::Surface, Self::Projection, Self::Slices];
-
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Surface => "Surface",
-            Self::Projection => "Projection",
-            Self::Slices => "Slices",
-        }
-    }
-
     fn tooltip(self) -> &'static str {
         match self {
             Self::Surface => "The isosurface of RMS pressure at this level below its peak",

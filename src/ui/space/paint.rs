@@ -9,7 +9,7 @@ use crate::studio::space as labels;
 use crate::ui::space::act::chosen;
 use crate::ui::space::handle::{self, ARROW, AXES, Handle};
 use crate::ui::space::{Seen, SpaceShown, Stage};
-use crate::ui::{Editor, Shown, canvas, marks, theme};
+use crate::ui::{Editor, Shown, canvas, marks, measure, theme};
 
 const COLOURS: [Color32; 3] =
     [Color32::from_rgb(240, 88, 78), Color32::from_rgb(96, 200, 96), Color32::from_rgb(84, 150, 255)];
@@ -38,7 +38,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, stage: &Stage) {
         outlines(editor, &painter, stage);
         arrows(&painter, stage, point);
         if stage.is_moving {
-            let [x, y, z] = point.to_array().map(|place| format!("{:.1}", place * 1e3));
+            let [x, y, z] = point.to_array().map(measure::mm);
             let at = stage.screen(point).unwrap_or(stage.rect.center()) + vec2(16.0, -16.0);
             let text = format!("x {x}   y {y}   z {z} mm");
             marks::chip(&painter, at, Align2::LEFT_BOTTOM, &text, 12.0, theme::MARK);
@@ -133,7 +133,7 @@ fn knobs(editor: &Editor, painter: &Painter, stage: &Stage) {
                 let diamond = vec![corner(0.0, -1.0), corner(1.0, 0.0), corner(0.0, 1.0), corner(-1.0, 0.0)];
                 painter.add(Shape::convex_polygon(diamond, colour, edge));
                 if let (Some(place), true) = (editor.space.slices[axis], is_over) {
-                    let text = format!("{} {:.1} mm", ["x", "y", "z"][axis], place * 1e3);
+                    let text = format!("{} {} mm", ["x", "y", "z"][axis], measure::mm(place));
                     marks::chip(painter, at + vec2(12.0, 0.0), Align2::LEFT_CENTER, &text, 12.0, theme::MARK);
                 }
             }
@@ -180,7 +180,7 @@ fn bar(editor: &Editor, picture: &SpaceShown, ui: &Ui, stage: &Stage) {
     let full = picture.peak * convention.factor(Quantity::Rms);
     let (factor, unit) = Quantity::Rms.declaration().unit.scaled(full);
     let font = FontId::proportional(12.0);
-    let title = format!("{unit} {}", convention.name());
+    let title = format!("{unit} {}", convention.into_str());
     painter.text(pos2(left, stage.rect.top() - 2.0), Align2::LEFT_TOP, title, font.clone(), ink);
     let table = editor.view.colours.on(editor.view.is_light);
     let mut mesh = Mesh::default();

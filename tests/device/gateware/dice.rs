@@ -1,6 +1,7 @@
-//! Random numbers that are the same in every run, and random packets.
+//! Reproducible random numbers and packets.
 
 use sonoglyph::device::native::packet::{BROADCAST, Kind, Packet, Table};
+use strum::VariantArray;
 
 pub struct Dice(u64);
 
@@ -34,7 +35,7 @@ impl Dice {
         std::array::from_fn(|_| self.bytes())
     }
 
-    /// A packet for the device at an address, for all devices, or for another one.
+    /// A packet for the device at this address, for all devices, or for another one.
     pub fn packet_about(&mut self, address: u8) -> Packet {
         let packet = self.packet();
         match self.below(16) {
@@ -44,7 +45,7 @@ impl Dice {
         }
     }
 
-    /// A packet of any kind, mostly such as a host would send, and now and then nonsense.
+    /// A random packet, mostly one that a host would send, sometimes an invalid one.
     fn packet(&mut self) -> Packet {
         let slot = self.below(12) as u8;
         match self.below(36) {
@@ -83,10 +84,10 @@ impl Dice {
         }
     }
 
-    /// Of a length that is right and arguments 0. BAUD is left out: it would have to change the host's rate too.
+    /// Of any kind, with the right length and arguments 0. BAUD is left out, as it changes the host's rate, too.
     fn of_any_kind(&mut self) -> Packet {
-        let kinds = Kind::ALL.map(|kind| if kind == Kind::Baud { Kind::Stop } else { kind });
-        let kind = kinds[self.below(16) as usize];
+        let kind = Kind::VARIANTS[self.below(16) as usize];
+        let kind = if kind == Kind::Baud { Kind::Stop } else { kind };
         Packet::new(kind, [0; 4], vec![0; kind.payload()])
     }
 

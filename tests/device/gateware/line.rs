@@ -1,4 +1,4 @@
-//! The line: clocks that differ, rates that change, and bytes that are damaged on the way.
+//! The serial line: clock deviations, rate changes, and damaged bytes.
 
 use sonoglyph::device::native::packet::{Body, Outcome, Packet};
 
@@ -6,7 +6,7 @@ use crate::gateware::dice::Dice;
 use crate::gateware::twins::{Twins, WINDOW};
 
 #[test]
-fn a_host_whose_clock_is_4_percent_off_is_understood() {
+fn a_host_with_a_clock_4_percent_off_is_understood() {
     for error in [-0.04, -0.02, 0.02, 0.04] {
         let Some(mut twins) = Twins::start(7) else { return };
         twins.simulated.baud(2e6 * (1.0 + error));
@@ -20,14 +20,14 @@ fn a_host_whose_clock_is_4_percent_off_is_understood() {
 }
 
 #[test]
-fn a_host_of_another_rate_is_not_understood_and_does_no_harm() {
+fn a_host_at_another_rate_does_no_harm() {
     let Some(mut twins) = Twins::start(7) else { return };
     twins.simulated.baud(1.4e6);
     let mut dice = Dice::new(5);
     for _ in 0..10 {
         twins.simulated.send(&Packet::frame(1, &dice.pairs(), true).to_line());
     }
-    // Nothing goes through the gate: the twins would say so. Answers cannot be read at this rate.
+    // No packet passes the gate (the twins compare that), and answers cannot be read at this rate.
     for period in twins.simulated.run(2000) {
         assert_eq!((period.gate, period.outputs_on), (None, false));
     }
@@ -36,14 +36,14 @@ fn a_host_of_another_rate_is_not_understood_and_does_no_harm() {
 #[test]
 fn the_rate_changes_after_the_answer() {
     let Some(mut twins) = Twins::start(7) else { return };
-    // From 640 kbaud to the fastest that the device takes, 10.24 Mbaud.
+    // From 640 kbaud to 10.24 Mbaud, the fastest rate of the device.
     for increment in [1024, 4800, 6400, 16_384] {
         twins.order(Packet::baud(increment));
         twins.simulated.baud(twins.twin.model.baud());
         twins.run(3);
         twins.order(Packet::frame(1, &[[3, 4]; 256], false));
     }
-    // As many short packets as may be unanswered, at once: none is lost, though they come faster than periods.
+    // A full window of short packets at once: none is lost, although they arrive faster than periods.
     for _ in 0..20 {
         (0..WINDOW).for_each(|_| twins.send(Packet::status()));
         twins.settle();
@@ -54,12 +54,12 @@ fn the_rate_changes_after_the_answer() {
 }
 
 #[test]
-fn the_rate_falls_back_when_nothing_good_comes_for_long() {
+fn the_rate_falls_back_after_a_time_without_valid_packets() {
     let Some(mut twins) = Twins::start(5) else { return };
     twins.order(Packet::baud(6400));
     twins.simulated.baud(twins.twin.model.baud());
     twins.order(Packet::status());
-    // Bytes that are no packet do not hold it up.
+    // Invalid bytes do not delay the fallback.
     for _ in 0..32 {
         assert_eq!(twins.twin.model.baud(), 4e6);
         twins.simulated.send(&[1, 2, 3, 0]);
@@ -70,7 +70,7 @@ fn the_rate_falls_back_when_nothing_good_comes_for_long() {
     twins.order(Packet::info());
 }
 
-/// Damages a line's bytes, but keeps its last delimiter.
+/// Damages a line, but keeps its last delimiter.
 fn damaged(dice: &mut Dice, line: &[u8]) -> Vec<u8> {
     let mut bytes = line.to_vec();
     let at = dice.below(line.len() as u64 - 1) as usize;
@@ -95,7 +95,7 @@ fn a_damaged_frame_is_never_played_and_the_next_one_is() {
     for round in 0..40 {
         let slot = 1 + round % 2;
         twins.order(Packet::frame(slot, &dice.pairs(), true));
-        // The twin that the bytes below do not reach goes on with the frame before.
+        // The model does not receive this frame and keeps the previous one.
         let broken = twins.twin.numbered(Packet::frame(3 - slot, &dice.pairs(), true));
         let bytes = damaged(&mut dice, &broken.to_line());
         if bytes == broken.to_line() {
@@ -104,9 +104,9 @@ fn a_damaged_frame_is_never_played_and_the_next_one_is() {
         let before = twins.twin.spoiled;
         twins.simulated.send(&bytes);
         twins.run(130);
-        assert!(twins.twin.spoiled > before, "nothing is said about a damaged frame");
+        assert!(twins.twin.spoiled > before, "a damaged frame is not reported");
     }
-    // And noise that is no bytes at all: the host sends far too slowly for a moment.
+    // Also line noise: the host sends at far too low a rate for a moment.
     twins.simulated.baud(150e3);
     twins.simulated.send(&[0x55, 0x00]);
     twins.run(20);

@@ -1,4 +1,4 @@
-//! The link and the gateware itself, simulated by Verilator, over a real pseudo-terminal.
+//! The link with the gateware simulated by Verilator, over a real pseudo-terminal.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -13,7 +13,7 @@ use sonoglyph::device::profile::Profile;
 const PHASE_BITS: u8 = 7;
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// The simulated device, built if need be; without Verilator there is none, and that is said.
+/// The simulated device, built if necessary; `None`, with a note, without Verilator.
 fn program() -> Option<PathBuf> {
     let verilator = Command::new("verilator").arg("--version").output();
     crate::requirement::found("rtl", verilator.map_err(|error| format!("verilator: {error}")))?;
@@ -28,13 +28,13 @@ fn program() -> Option<PathBuf> {
     Some(folder.join("device"))
 }
 
-/// Element n at a delay that only it and its kind have.
+/// A frame with delays that depend on element and frame number.
 fn frame(number: usize) -> Levels {
     let level = |n: usize| Level { delay: ((n * 3 + number * 16) % 256) as u16, amplitude: 255 };
     Levels { profile: Profile::Native, elements: (0..256).map(|n| Some(level(n))).collect() }
 }
 
-/// How far (of 256) the pulses at the register outputs are from a frame's delays, at most; nothing while any is silent.
+/// The largest deviation (of 256) of the output pulses from a frame's delays; `None` while any output is silent.
 fn farthest(board: &Board, levels: &Levels) -> Option<f64> {
     let heard = board.report().playing?.drive();
     let wanted = levels.drive();
@@ -47,7 +47,7 @@ fn farthest(board: &Board, levels: &Levels) -> Option<f64> {
 }
 
 #[test]
-fn the_gateware_plays_what_the_link_sends() {
+fn the_gateware_plays_the_frames_of_the_link() {
     let Some(program) = program() else { return };
     let setup = Setup { program: Some(program), phase_bits: PHASE_BITS, ..Setup::new(Profile::Native) };
     let board = Board::start(setup, Box::new(|_| {})).unwrap();
@@ -58,7 +58,7 @@ fn the_gateware_plays_what_the_link_sends() {
         while !condition() {
             assert!(
                 Instant::now() < until,
-                "{what} did not come: {:?}, {:?}",
+                "timed out waiting for {what}: {:?}, {:?}",
                 link.health(),
                 board.report().events
             );
@@ -69,7 +69,7 @@ fn the_gateware_plays_what_the_link_sends() {
     for number in 0..5 {
         let levels = frame(number);
         link.show(Content::Still(levels.clone()));
-        // 128 levels: half a level of delay is one of 256.
+        // With 128 levels, half a level of delay is one of 256.
         wait("the frame", &|| farthest(&board, &levels).is_some_and(|off| off < 1.01));
     }
     link.stop();

@@ -1,4 +1,4 @@
-//! The gateware: what the simulated Verilog does, byte by byte and pulse by pulse, is what `device::native` says.
+//! The gateware: the simulated Verilog agrees with `device::native` byte by byte and pulse by pulse.
 
 mod dice;
 mod line;

@@ -1,16 +1,17 @@
-//! What is played: every period of random sessions, and the cases on which safety hangs.
+//! Pulses: every period of random sessions, and the safety functions.
 
 use sonoglyph::device::native::model::Pulse;
 use sonoglyph::device::native::packet::{Outcome, Packet, Table};
+use strum::VariantArray;
 
 use crate::gateware::dice::Dice;
 use crate::gateware::twins::{Twins, WINDOW};
 
-/// Thousands of periods of whatever a host may ask for, with the emergency stop pressed now and then.
+/// Thousands of periods of random requests, with occasional presses of the emergency stop.
 fn random_session(phase_bits: u8, periods: u32) {
     let Some(mut twins) = Twins::start(phase_bits) else { return };
     let mut dice = Dice::new(u64::from(phase_bits));
-    // 5 Mbaud, or half as many periods would pass without anything new.
+    // 5 Mbaud: at half this rate, half of the periods would pass without a new packet.
     let increment = if phase_bits == 8 { 4096 } else { 8192 };
     twins.order(Packet::baud(increment));
     twins.simulated.baud(twins.twin.model.baud());
@@ -31,14 +32,14 @@ fn random_session(phase_bits: u8, periods: u32) {
         twins.run(1 + dice.below(30) as u32);
     }
     twins.settle();
-    // It was a session worth the name.
+    // The session must have exercised the device.
     assert!(
         4 * twins.twin.sounding > twins.twin.periods,
         "{} of {} periods sound",
         twins.twin.sounding,
         twins.twin.periods
     );
-    for outcome in Outcome::ALL {
+    for &outcome in Outcome::VARIANTS {
         let count = twins.twin.answers.iter().filter(|reply| reply.outcome == outcome).count();
         assert_eq!(count > 0, outcome != Outcome::Crc, "{count} times {outcome:?}");
     }
@@ -48,7 +49,7 @@ fn random_session(phase_bits: u8, periods: u32) {
     );
 }
 
-/// RESET when nothing sounds any more, and what is left then: everything is told by its digest.
+/// Sends RESET once all is silent, and compares the remaining state by its digests.
 fn begin_anew(twins: &mut Twins) {
     twins.settle();
     twins.order(Packet::mute());
@@ -60,32 +61,32 @@ fn begin_anew(twins: &mut Twins) {
 }
 
 #[test]
-fn all_256_outputs_are_as_the_model_says_with_5_phase_bits() {
+fn all_256_outputs_agree_with_the_model_with_5_phase_bits() {
     random_session(5, 5000);
 }
 
 #[test]
-fn all_256_outputs_are_as_the_model_says_with_6_phase_bits() {
+fn all_256_outputs_agree_with_the_model_with_6_phase_bits() {
     random_session(6, 5000);
 }
 
 #[test]
-fn all_256_outputs_are_as_the_model_says_with_7_phase_bits() {
+fn all_256_outputs_agree_with_the_model_with_7_phase_bits() {
     random_session(7, 8000);
 }
 
 #[test]
-fn all_256_outputs_are_as_the_model_says_with_8_phase_bits() {
+fn all_256_outputs_agree_with_the_model_with_8_phase_bits() {
     random_session(8, 5000);
 }
 
-/// Everything at full amplitude, in slot 1.
+/// All elements at full amplitude, in slot 1.
 fn loud() -> Packet {
     Packet::phases(1, 255, &std::array::from_fn(|n| n as u8), true)
 }
 
 #[test]
-fn nothing_sounds_before_enable_and_a_frame() {
+fn outputs_are_silent_before_enable_and_a_frame() {
     let Some(mut twins) = Twins::start(7) else { return };
     for period in twins.simulated.run(300) {
         twins.twin.model.period();
@@ -111,7 +112,7 @@ fn the_watchdog_ramps_down_and_stays_until_enable() {
     twins.order(Packet::silencer(0x0300, 0x0001));
     twins.run(100);
     assert!(twins.twin.model.outputs_on() && twins.twin.sounding > 100);
-    // 128 periods after the last packet it trips; amplitudes go down by 0x100 per period at least, whatever the silencer says.
+    // It trips 128 periods after the last packet; amplitudes fall by at least 0x100 per period, whatever the silencer.
     let before = twins.twin.sounding;
     twins.run(300);
     assert!(!twins.twin.model.outputs_on());
@@ -130,7 +131,7 @@ fn the_watchdog_ramps_down_and_stays_until_enable() {
 }
 
 #[test]
-fn the_emergency_stop_is_at_once_and_lasts_until_enable() {
+fn the_emergency_stop_is_immediate_and_lasts_until_enable() {
     let Some(mut twins) = Twins::start(6) else { return };
     twins.order(loud());
     twins.order(Packet::enable(1000));
@@ -151,7 +152,7 @@ fn the_emergency_stop_is_at_once_and_lasts_until_enable() {
 }
 
 #[test]
-fn a_sequence_changes_slots_at_its_own_pace_to_the_period() {
+fn a_sequence_changes_slots_exactly_at_its_periods() {
     let Some(mut twins) = Twins::start(7) else { return };
     twins.order(Packet::silencer(0xFFFF, 0xFFFF));
     twins.order(Packet::enable(1000));
@@ -182,7 +183,7 @@ fn modulation_repeats_at_its_frequency() {
     twins.order(Packet::envelope(&sine));
     twins.order(loud());
     twins.order(Packet::enable(1000));
-    // 200 Hz of 40 kHz: 200 periods each.
+    // 200 Hz at 40 kHz: 200 periods each.
     twins.order(Packet::rate((200.0_f64 / 40_000.0 * f64::from(1 << 24)).round() as u32, true));
     let widths: Vec<_> = (0..1000)
         .map(|_| {

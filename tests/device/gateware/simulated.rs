@@ -1,4 +1,4 @@
-//! The Verilated device as a program that goes period by period; `gateware/sim/main.cpp` says what it speaks.
+//! The Verilated device as a program that advances by periods, with the protocol of `gateware/sim/main.cpp`.
 
 use std::io::{BufReader, Read, Write};
 use std::path::Path;
@@ -13,43 +13,43 @@ pub struct Simulated {
     records: BufReader<ChildStdout>,
 }
 
-/// Where the line of the second of two devices comes from.
+/// The line of the second of two devices.
 #[derive(Clone, Copy)]
 pub enum Second {
-    /// Switched on so many clocks after the first, with a line of its own.
+    /// A line of its own, switched on this number of clocks after the first.
     OwnLine(u32),
-    /// On the line of the first.
+    /// The line of the first device.
     SharedLine(u32),
 }
 
-/// What was seen in one period of a device.
+/// Observations of one period of a device.
 pub struct Period {
     pub device: usize,
-    /// The outputs were on all the time.
+    /// The outputs were enabled throughout.
     pub outputs_on: bool,
-    /// They were on at any time.
+    /// The outputs were enabled at any time.
     pub outputs_ever_on: bool,
     /// It follows a leader.
     pub follows: bool,
-    /// Its `sync` marks the period.
+    /// Its `sync` output marks the period.
     pub marked: bool,
-    /// The clock with which it began.
+    /// The clock at its beginning.
     pub start: u64,
-    /// Type, sequence number and result of the packet that went through the gate.
+    /// Type, sequence number and result of the packet that passed the gate.
     pub gate: Option<[u8; 3]>,
-    /// What the host received.
+    /// Bytes received by the host.
     pub received: Vec<u8>,
-    /// What stood at the register outputs.
+    /// The pulses at the register outputs.
     pub pulses: Vec<Pulse>,
 }
 
 impl Simulated {
-    /// A device with so many phase bits that has just been switched on; nothing if no Verilator is here and none has to be.
+    /// A device after power-up; `None` if Verilator is neither found nor required.
     pub fn start(phase_bits: u8) -> Option<Self> {
         Self::with(phase_bits, &[])
     }
 
-    /// Two devices on one clock, the second of which gets the `sync` of the first.
+    /// Two devices on one clock; the second receives the `sync` of the first.
     pub fn start_two(phase_bits: u8, second: Second) -> Option<Self> {
         match second {
             Second::OwnLine(later) => Self::with(phase_bits, &["2", &later.to_string()]),
@@ -84,12 +84,12 @@ impl Simulated {
         self.commands.as_mut().unwrap().write_all(&whole).unwrap();
     }
 
-    /// The bit rate of the host's own clock.
+    /// The bit rate of the host's clock.
     pub fn baud(&mut self, baud: f64) {
         self.tell(b'b', &baud.to_le_bytes());
     }
 
-    /// Appends to what the host sends.
+    /// Appends to the bytes that the host sends.
     pub fn send(&mut self, bytes: &[u8]) {
         let mut arguments = u16::try_from(bytes.len()).unwrap().to_le_bytes().to_vec();
         arguments.extend(bytes);
@@ -100,17 +100,17 @@ impl Simulated {
         self.tell(b'e', &[u8::from(pressed)]);
     }
 
-    /// Presses the emergency stop so many clocks from now, for so many clocks; 0 for less than one.
+    /// Presses the emergency stop after `from` clocks for this number of clocks; 0 is less than one.
     pub fn press_for(&mut self, from: u32, clocks: u32) {
         self.tell(b'x', &[from.to_le_bytes(), clocks.to_le_bytes()].concat());
     }
 
-    /// What is told next is about this device.
+    /// Selects the device of later commands.
     pub fn about(&mut self, device: usize) {
         self.tell(b'd', &[u8::try_from(device).unwrap()]);
     }
 
-    /// Goes on by so many periods of the first device: all periods that ended meanwhile.
+    /// Advances by periods of the first device; gives all periods that ended.
     pub fn run(&mut self, periods: u32) -> Vec<Period> {
         self.tell(b'r', &periods.to_le_bytes());
         std::iter::from_fn(|| self.record()).collect()
@@ -122,7 +122,7 @@ impl Simulated {
         bytes
     }
 
-    /// Nothing at the end of a run.
+    /// `None` at the end of a run.
     fn record(&mut self) -> Option<Period> {
         let [device] = self.bytes();
         if device == 0xFF {

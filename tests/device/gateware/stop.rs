@@ -1,11 +1,11 @@
-//! The emergency stop through the whole device: presses of any length at any time of a period.
+//! The emergency stop through the whole device: presses of any length at any time within a period.
 
 use sonoglyph::device::native::packet::{Packet, Reply, Splitter};
 
 use crate::gateware::simulated::Simulated;
 
 const CLOCKS: u32 = 1024;
-/// A press shorter than a clock, of one clock, and up to 10 ms.
+/// From less than a clock, over one clock, to 10 ms.
 const PRESSES: [u32; 8] = [0, 1, 2, 31, 1000, 4096, 40_960, 409_600];
 
 struct Stopped {
@@ -27,7 +27,7 @@ impl Stopped {
         panic!("no answer to {packet:?}");
     }
 
-    /// Runs so many periods; whether the outputs were on all the time, and whether at any time.
+    /// Runs periods: whether the outputs were enabled throughout, and whether at any time.
     fn run(&mut self, periods: u32) -> (bool, bool) {
         let periods = self.simulated.run(periods);
         (periods.iter().all(|period| period.outputs_on), periods.iter().any(|period| period.outputs_ever_on))
@@ -46,7 +46,7 @@ fn a_press_of_any_length_at_any_time_switches_off_until_enable() {
             assert!(!reply.flags.stopped && !reply.flags.tripped && reply.flags.enabled, "{reply:?}");
             device.run(3);
             assert_eq!(device.run(2), (true, true), "before the press");
-            // The program itself sees that the outputs are off two clocks later and for the rest of the period.
+            // The simulation also checks that the outputs are off two clocks later and for the rest of the period.
             device.simulated.press_for(tick, clocks);
             assert!(!device.run(1).0, "{clocks} clocks at tick {tick}");
             assert_eq!(device.run(1 + clocks / CLOCKS + 2), (false, false), "{clocks} clocks at tick {tick}");

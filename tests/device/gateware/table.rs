@@ -1,11 +1,12 @@
-//! The table of packets in Verilog and the one in Rust hold the same numbers.
+//! The packet tables in Verilog and in Rust hold the same numbers.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use sonoglyph::device::native::packet::{Kind, Outcome, REPLY};
+use strum::VariantArray;
 
-/// The numbers that `packets.vh` defines under a prefix, by the rest of their names.
+/// The numbers defined in `packets.vh` under a prefix, by the rest of their names.
 fn defined(prefix: &str) -> BTreeMap<String, usize> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("gateware/rtl/packets.vh");
     let text = std::fs::read_to_string(path).unwrap();
@@ -23,19 +24,15 @@ fn defined(prefix: &str) -> BTreeMap<String, usize> {
         .collect()
 }
 
-fn table<T: Copy>(
-    of: &[T],
-    name: fn(T) -> &'static str,
-    number: impl Fn(T) -> usize,
-) -> BTreeMap<String, usize> {
-    of.iter().map(|&one| (name(one).to_owned(), number(one))).collect()
+fn table<T: Copy + Into<&'static str> + VariantArray>(number: fn(T) -> usize) -> BTreeMap<String, usize> {
+    T::VARIANTS.iter().map(|&one| (one.into().to_owned(), number(one))).collect()
 }
 
 #[test]
 fn packets_have_the_same_codes_lengths_and_results_in_verilog_and_rust() {
-    let mut codes = table(&Kind::ALL, Kind::name, |kind| usize::from(kind.code()));
+    let mut codes = table(|kind: Kind| usize::from(kind.code()));
     codes.insert("ANSWER".to_owned(), usize::from(REPLY));
     assert_eq!(defined("TYPE"), codes);
-    assert_eq!(defined("PAYLOAD"), table(&Kind::ALL, Kind::name, Kind::payload));
-    assert_eq!(defined("RESULT"), table(&Outcome::ALL, Outcome::name, |outcome| usize::from(outcome.code())));
+    assert_eq!(defined("PAYLOAD"), table(Kind::payload));
+    assert_eq!(defined("RESULT"), table(|outcome: Outcome| usize::from(outcome.code())));
 }

@@ -1,4 +1,4 @@
-//! The Verilated device and the model side by side: whatever goes to one goes to the other, and every period is compared.
+//! The Verilated device beside its model: both receive the same input, and every period is compared.
 
 use std::collections::VecDeque;
 
@@ -8,7 +8,7 @@ use sonoglyph::device::native::version_1;
 
 use crate::gateware::simulated::{Period, Simulated};
 
-/// Packets that may be unanswered.
+/// Limit of unanswered packets.
 pub const WINDOW: usize = 4;
 
 /// A simulated device and its model.
@@ -17,23 +17,23 @@ pub struct Twins {
     pub twin: Twin,
 }
 
-/// The model of a device, and what is expected of the device.
+/// The model of a device, with the expected answers.
 pub struct Twin {
     pub model: Model,
     seq: u8,
-    /// Sent, and not through the gate.
+    /// Sent, but not yet through the gate.
     sent: VecDeque<Packet>,
-    /// What the model has answered and the device has not yet.
+    /// Answers of the model that the device has not given yet.
     expected: VecDeque<Reply>,
     splitter: Splitter,
-    /// All answers that came, the newest last.
+    /// All received answers, the newest last.
     pub answers: Vec<Reply>,
-    /// Answers in the form of version 1 that came.
+    /// Number of received answers in the form of version 1.
     pub introductions: u32,
     pub periods: u32,
-    /// Periods in which something was to be heard.
+    /// Number of periods with sound.
     pub sounding: u32,
-    /// Answers to packets that were spoiled on the way.
+    /// Number of answers to corrupted packets.
     pub spoiled: u16,
 }
 
@@ -43,27 +43,27 @@ impl Twins {
         Some(Self { simulated, twin: Twin::new(Model::new(phase_bits)) })
     }
 
-    /// Sends a packet under the next number, without waiting for its answer.
+    /// Sends a packet with the next number, without waiting for its answer.
     pub fn send(&mut self, packet: Packet) {
         let packet = self.twin.numbered(packet);
         self.simulated.send(&packet.to_line());
         self.twin.is_sent(packet);
     }
 
-    /// Sends a packet, and goes on until it is answered.
+    /// Sends a packet, and runs until its answer.
     pub fn ask(&mut self, packet: Packet) -> Reply {
         self.send(packet);
         self.settle();
         *self.twin.answers.last().unwrap()
     }
 
-    /// Sends a packet that has to succeed.
+    /// Sends a packet that must succeed.
     pub fn order(&mut self, packet: Packet) {
         let reply = self.ask(packet);
         assert_eq!(reply.outcome, Outcome::Ok, "{reply:?}");
     }
 
-    /// Sends INFO as version 1 has it, while nothing else is unanswered, and goes on until it is answered.
+    /// Sends INFO of version 1 without other unanswered packets, and runs until its answer.
     pub fn introduce(&mut self) {
         self.settle();
         self.simulated.send(&version_1::info(77));
@@ -74,7 +74,7 @@ impl Twins {
         }
     }
 
-    /// Goes on until everything is answered.
+    /// Runs until all packets are answered.
     pub fn settle(&mut self) {
         let late = self.twin.periods + 10_000;
         while self.twin.unanswered() > 0 {
@@ -88,7 +88,7 @@ impl Twins {
         self.twin.model.press(pressed);
     }
 
-    /// Goes on by so many periods and compares each.
+    /// Runs periods and compares each.
     pub fn run(&mut self, periods: u32) {
         for period in self.simulated.run(periods) {
             self.twin.compare(period);
@@ -121,7 +121,7 @@ impl Twin {
         packet.numbered(self.seq)
     }
 
-    /// A packet is on its way to the device, which may not be for it.
+    /// Registers a packet that goes to the device, if the device heeds it.
     pub fn is_sent(&mut self, packet: Packet) {
         if self.model.heeds(&packet) {
             self.sent.push_back(packet);
@@ -139,13 +139,13 @@ impl Twin {
         }
         let on = self.model.outputs_on();
         assert_eq!(period.outputs_on, on, "outputs in period {}", self.periods);
-        // ENABLE lets go of the emergency stop in the middle of a period.
+        // ENABLE releases the emergency stop in the middle of a period.
         let enabled = period.gate.is_some_and(|[code, _, _]| code == Kind::Enable.code());
         assert!(on || enabled || !period.outputs_ever_on, "outputs in period {}", self.periods);
         assert_eq!(period.marked, self.model.marks(), "the mark of period {}", self.periods);
         self.sounding += u32::from(on && expected.iter().any(|&pulse| pulse != Pulse::default()));
         if let Some([code, seq, result]) = period.gate {
-            let packet = self.sent.pop_front().expect("only what was sent goes through the gate");
+            let packet = self.sent.pop_front().expect("only sent packets pass the gate");
             assert_eq!((code, seq), (packet.code, packet.seq), "the packet in the gate");
             let reply = self.model.apply(&packet);
             assert_eq!(result, reply.outcome.code(), "the result of {:02x?}", &packet.to_line()[..8]);
@@ -166,7 +166,7 @@ impl Twin {
 
     fn answer(&mut self, reply: Reply) {
         if reply.code == REPLY {
-            // When it was spoiled is not to be seen from outside.
+            // The moment of the corruption cannot be seen from outside.
             let Body::Status(status) = reply.body else { panic!("{reply:?}") };
             let before = self.answers.iter().rev().find_map(|reply| match reply.body {
                 Body::Status(status) => Some(status.framing_errors),
@@ -186,10 +186,10 @@ impl Twin {
         self.answers.push(reply);
     }
 
-    /// An answer to INFO of version 1.
+    /// Compares an answer to INFO of version 1.
     fn introduction(&mut self, line: &[u8]) {
         let expected = self.model.introduce(77).expect("the device at address 0 answers").to_line();
-        assert_eq!(line, expected.strip_suffix(&[0]).unwrap(), "whole answers, in either form");
+        assert_eq!(line, expected.strip_suffix(&[0]).unwrap(), "a whole answer in either form");
         self.introductions += 1;
     }
 }

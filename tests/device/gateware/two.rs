@@ -1,4 +1,4 @@
-//! Two devices on one clock: the second one follows the first.
+//! Two devices on one clock, of which the second follows the first.
 
 use sonoglyph::device::native::model::Model;
 use sonoglyph::device::native::packet::{BROADCAST, Outcome, Packet, Reply};
@@ -11,13 +11,13 @@ struct Pair {
     simulated: Simulated,
     twins: [Twin; 2],
     shared: bool,
-    /// When the last periods of both began.
+    /// The beginning of the last period of each, in clocks.
     starts: [u64; 2],
-    /// The slot that each model played in a period, by the clock with which it began.
+    /// Slots played by each model, with the clock at the beginning of the period.
     slots: [Vec<(u64, u8)>; 2],
-    /// The leader marks the period that began with this clock.
+    /// The beginning of the leader's marked period, in clocks.
     mark: Option<u64>,
-    /// The second one's last period began within a clock of the first one's; and from now on all have to.
+    /// Whether the last periods of both began within a clock; once `locked`, they must.
     together: bool,
     locked: bool,
 }
@@ -37,10 +37,10 @@ impl Pair {
         })
     }
 
-    /// Goes on by so many periods of the leader, and compares every period of both.
+    /// Runs periods of the leader, and compares every period of both.
     fn run(&mut self, periods: u32) {
         let mut seen = self.simulated.run(periods);
-        // In the order in which they began; the leader's first, whose marks the other one follows.
+        // In order of their beginnings; on a tie the leader's first, since its marks are followed.
         seen.sort_by_key(|period| (period.start + u64::from(period.device == 1), period.device));
         for period in seen {
             let (device, start, marked) = (period.device, period.start, period.marked);
@@ -62,7 +62,7 @@ impl Pair {
         }
     }
 
-    /// Goes on until the second one follows, and begins its periods within a clock of the first one's.
+    /// Runs until the second follows and begins its periods within a clock of the first.
     fn lock(&mut self) {
         while !self.together {
             assert!(self.twins[0].periods < 100, "the second device does not follow");
@@ -107,7 +107,7 @@ impl Pair {
     }
 }
 
-/// When the devices began to play a slot.
+/// The clocks at which the devices began to play a slot.
 fn change(pair: &Pair, slot: u8) -> [u64; 2] {
     pair.slots.each_ref().map(|slots| slots.iter().find(|&&(_, played)| played == slot).unwrap().0)
 }
@@ -123,7 +123,7 @@ fn in_step(phase_bits: u8, second: Second) {
     }
     let mut dice = Dice::new(u64::from(phase_bits));
     for slot in 1..20 {
-        // To the follower first, where it waits; a while later to the leader, which takes it with the next period.
+        // To the follower first, where it waits, then to the leader, which takes it in the next period.
         pair.order(1, Packet::frame(slot, &dice.pairs(), true).in_step());
         pair.run(dice.below(20) as u32);
         assert!(pair.order(1, Packet::status()).flags.waiting);
@@ -153,7 +153,7 @@ fn frames_in_step_change_in_the_same_period_with_7_phase_bits() {
 }
 
 #[test]
-fn devices_on_a_line_heed_their_address_and_all_devices() {
+fn devices_on_a_line_heed_their_address_and_broadcasts() {
     let Some(mut pair) = Pair::start(7, Second::SharedLine(300)) else { return };
     pair.lock();
     pair.order(0, Packet::phases(1, 255, &[9; 256], true));
@@ -164,13 +164,13 @@ fn devices_on_a_line_heed_their_address_and_all_devices() {
     let answers = pair.twins.each_ref().map(|twin| twin.answers.len());
     assert_eq!(answers, [1, 1], "a broadcast is not answered");
     assert!(pair.twins.iter().all(|twin| twin.sounding > 10));
-    // More packets to one than it has room for harm the other not at all.
+    // A flood of packets to one does not affect the other.
     for _ in 0..8 {
         pair.send(0, Packet::frame(3, &[[1, 2]; 256], false));
         pair.send(0, Packet::status().to(5));
     }
     pair.settle();
-    // What is spoiled, both count and the first one answers.
+    // Both count a corrupted packet, and the first answers.
     let mut line = Packet::status().to_line();
     line[3] ^= 0x40;
     pair.simulated.about(0);
@@ -182,14 +182,14 @@ fn devices_on_a_line_heed_their_address_and_all_devices() {
     pair.order(1, Packet::status());
 }
 
-/// Whatever hosts may ask two devices for, every period of both is as the models say.
+/// Random requests to two devices: every period of both agrees with the models.
 fn random_session(phase_bits: u8, second: Second, periods: u32) {
     let Some(mut pair) = Pair::start(phase_bits, second) else { return };
     let mut dice = Dice::new(100 + u64::from(phase_bits));
     pair.lock();
     while pair.twins[0].periods < periods {
         let device = dice.below(2) as usize;
-        // A packet that both heed must find room at both.
+        // A packet for both must find room in both.
         if pair.unanswered() < WINDOW {
             let packet = dice.packet_about(device as u8);
             pair.send(device, packet);
@@ -204,11 +204,11 @@ fn random_session(phase_bits: u8, second: Second, periods: u32) {
 }
 
 #[test]
-fn both_devices_are_as_the_models_say_with_5_phase_bits() {
+fn both_devices_agree_with_the_models_with_5_phase_bits() {
     random_session(5, Second::OwnLine(31_337), 3000);
 }
 
 #[test]
-fn both_devices_are_as_the_models_say_with_7_phase_bits() {
+fn both_devices_agree_with_the_models_with_7_phase_bits() {
     random_session(7, Second::SharedLine(4242), 4000);
 }

@@ -1,30 +1,20 @@
-//! Arrays that are not the board's, and boards that go away while they play.
+//! Arrays of the wrong shape for a board, and boards lost during play.
 
 use std::process::{Child, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use sonoglyph::device::board::{Board, Setup};
 use sonoglyph::device::profile::Profile;
 
 use crate::hostile::{folder_with, message_of, refused};
-use crate::{SCENE, program};
-
-const PATIENCE: Duration = Duration::from_secs(60);
+use crate::{SCENE, eventually, program};
 
 fn board(profile: Profile) -> Board {
     Board::start(Setup::new(profile), Box::new(|_| {})).unwrap()
 }
 
-fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !condition() {
-        assert!(start.elapsed() < PATIENCE, "{what} did not come");
-        std::thread::sleep(Duration::from_millis(5));
-    }
-}
-
 #[test]
-fn an_array_that_is_not_the_boards_is_refused_by_naming_what_the_board_is() {
+fn an_array_of_another_shape_is_refused_with_the_boards_own() {
     for (profile, [columns, rows], part) in [
         (Profile::SonicSurface, [32, 8], "has 32 x 8 elements (columns x rows), and sonicsurface is 16 x 16"),
         (Profile::SonicSurface, [64, 4], "sonicsurface is 16 x 16"),
@@ -50,7 +40,7 @@ fn an_array_that_is_not_the_boards_is_refused_by_naming_what_the_board_is() {
 }
 
 #[test]
-fn every_shape_that_a_board_has_is_played() {
+fn every_shape_of_a_board_is_played() {
     for (profile, [columns, rows]) in [
         (Profile::Native, [32, 8]),
         (Profile::UltrainoSimpleFpga, [256, 1]),
@@ -69,7 +59,7 @@ fn every_shape_that_a_board_has_is_played() {
     }
 }
 
-/// Plays a motion for so long, and returns when the board has heard of it.
+/// Plays a motion for this time; returns once the board has received it.
 fn play(board: &Board, folder: &std::path::Path, profile: Profile, seconds: &[&str]) -> Child {
     let port = board.path().to_str().unwrap();
     let args = [&["send", "a.toml", "--port", port, "--profile", profile.name()], seconds].concat();
@@ -79,7 +69,7 @@ fn play(board: &Board, folder: &std::path::Path, profile: Profile, seconds: &[&s
 }
 
 #[test]
-fn a_board_that_is_gone_or_drains_nothing_when_the_time_is_over_is_an_error() {
+fn a_board_lost_or_blocked_at_the_end_of_the_time_is_an_error() {
     let scene = SCENE.replace("frames = 6", "frames = 100\nrate = 1");
     let folder = folder_with(&[("a.toml", &scene)]);
     for profile in [Profile::SonicSurface, Profile::Native] {
@@ -99,7 +89,7 @@ fn a_board_that_is_gone_or_drains_nothing_when_the_time_is_over_is_an_error() {
 }
 
 #[test]
-fn a_board_that_comes_back_in_time_is_none() {
+fn a_board_that_returns_in_time_is_no_error() {
     let folder = folder_with(&[("a.toml", &SCENE.replace("circle", "none"))]);
     let board = board(Profile::SonicSurface);
     let send = play(&board, folder.path(), Profile::SonicSurface, &["--loop"]);

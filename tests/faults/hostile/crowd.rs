@@ -1,6 +1,7 @@
-//! A thousand hostile scenes and settings, most of them through the library and some as their users would meet them.
+//! A thousand hostile scenes and settings, through the library and some as runs of the program.
 //!
-//! `SONOGLYPH_HOSTILE=1000 cargo test --test faults crowd -- --nocapture` runs all of them as programs, and says how they fared.
+//! `SONOGLYPH_HOSTILE=1000 cargo test --test faults crowd -- --nocapture` runs all of them as programs, with
+//! statistics.
 
 use std::fs;
 use std::panic::catch_unwind;
@@ -15,9 +16,9 @@ use crate::hostile::generator::{Case, case};
 use crate::program_after;
 
 const CASES: u64 = 1000;
-/// Of these as programs.
+/// Number of these run as programs.
 const PROGRAMS: u64 = 150;
-/// KiB that a program may write to, its threads' stacks included.
+/// KiB of writable memory of a program, including stacks.
 const LIMIT: &str = "ulimit -d 204800";
 
 fn folder_of(case: &Case) -> tempfile::TempDir {
@@ -27,7 +28,7 @@ fn folder_of(case: &Case) -> tempfile::TempDir {
     folder
 }
 
-/// What the library says of a case, if it does not take it.
+/// The library's error for a case, if any.
 fn of_library(case: &Case, folder: &Path) -> Option<String> {
     #[cfg(feature = "window")]
     if case.is_settings {
@@ -41,7 +42,7 @@ fn is_plain(message: &str) -> bool {
 }
 
 #[test]
-fn a_thousand_hostile_scenes_and_settings_are_told_in_a_line() {
+fn a_thousand_hostile_scenes_and_settings_give_errors_of_one_line() {
     let mut refused = 0;
     for number in 0..CASES {
         let case = case(number);
@@ -61,20 +62,20 @@ fn a_thousand_hostile_scenes_and_settings_are_told_in_a_line() {
     assert!(refused > CASES / 2, "{refused} of {CASES} are hostile");
 }
 
-/// How a program fared.
+/// Statistics of the programs' runs.
 #[derive(Default)]
 struct Tally {
     refused: u64,
     longest: (usize, u64),
     slowest: (Duration, u64),
-    /// KiB, where that is measured.
+    /// KiB, if measured.
     largest: (u64, u64),
 }
 
 #[test]
-fn some_of_the_crowd_as_programs_end_with_one_message_and_status_2() {
+fn hostile_cases_as_programs_end_with_one_message_and_status_2() {
     let asked = std::env::var("SONOGLYPH_HOSTILE").ok().and_then(|count| count.parse().ok());
-    // A prime stride takes some of every kind.
+    // A prime stride covers all kinds.
     let numbers = (0..asked.unwrap_or(PROGRAMS)).map(|index| index * 7 % CASES);
     let mut tally = Tally::default();
     for number in numbers {

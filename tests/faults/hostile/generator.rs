@@ -1,4 +1,4 @@
-//! Hostile scenes and settings, each made from its number alone.
+//! Hostile scenes and settings, each generated from its number.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -54,7 +54,7 @@ const VALUES: [&str; 12] = [
 ];
 const ESCAPES: [&str; 5] =
     ["\\u001b[2J\\u001b]0;x\\u0007", "\\u202e\\u2066txt", "\\u0000", "\\u009b31m", "\\U000e0041\\ufeff"];
-/// Keys, and tables for them, that count something.
+/// Keys that count something, with their tables.
 const COUNTS: [(&str, &str); 13] = [
     ("array", "rows"),
     ("array", "columns"),
@@ -79,7 +79,7 @@ fn examples() -> Vec<String> {
     paths.iter().map(|path| fs::read_to_string(path).unwrap()).collect()
 }
 
-/// What stands where a file is looked for.
+/// The object at a path where the program expects a file.
 pub enum Place {
     File(Vec<u8>),
     Pipe,
@@ -104,10 +104,10 @@ impl Place {
 }
 
 pub struct Case {
-    /// Not a scene, but the window's settings.
+    /// The window's settings instead of a scene.
     pub is_settings: bool,
     pub place: Place,
-    /// Beside it, where a picture is looked for.
+    /// In the same folder, in place of a picture.
     pub picture: Place,
 }
 
@@ -192,7 +192,7 @@ fn mutated(kind: usize, text: String, dice: &mut Dice) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// One value of the text replaced.
+/// Replaces one value of the text.
 fn with_value(text: &str, value: &str, dice: &mut Dice) -> String {
     let places: Vec<_> = text.match_indices(" = ").map(|(place, _)| place + 3).collect();
     let place = if places.is_empty() { text.len() } else { dice.one_of(&places) };
@@ -200,7 +200,7 @@ fn with_value(text: &str, value: &str, dice: &mut Dice) -> String {
     format!("{}{value}{}", &text[..place], &text[end..])
 }
 
-/// Values more at the end of one list.
+/// Adds values at the end of one list.
 fn with_surplus(text: &str, dice: &mut Dice) -> String {
     let places: Vec<_> = text.match_indices(']').map(|(place, _)| place).collect();
     let place = if places.is_empty() { text.len() } else { dice.one_of(&places) };

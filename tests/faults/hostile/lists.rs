@@ -8,7 +8,7 @@ use toml::{Table, Value};
 use crate::hostile::{folder_with, refused};
 use crate::program;
 
-/// Every place of a list of numbers in a document: the keys and indices that lead there.
+/// The path of every list of numbers in a document: keys and indices.
 fn lists(value: &Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
     match value {
         Value::Table(table) => {
@@ -19,7 +19,7 @@ fn lists(value: &Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
             }
         }
         Value::Array(array) => {
-            // Of any length are only those of numbers of elements and of pressures along a path.
+            // Only lists of element numbers, and of pressures along a path, have any length.
             let is_vector = array.iter().all(|value| value.is_float() || value.is_integer());
             let is_free = path.last().is_some_and(|key| ["off", "pressures"].contains(&key.as_str()));
             if is_vector && !array.is_empty() && !is_free {
@@ -45,7 +45,7 @@ fn at<'a>(value: &'a mut Value, path: &[String]) -> &'a mut Vec<Value> {
 }
 
 #[test]
-fn a_value_too_many_or_too_few_is_refused_in_every_list_of_every_kind_of_scene() {
+fn a_value_too_many_or_too_few_is_refused_in_every_list() {
     let every_list = "format = 1\n[[target]]\nkind = \"path\"\nvertices = [[0, 0, 0.1], [0.01, 0, 0.1]]\n\
         [[target]]\nkind = \"circle\"\nnormal = [0, 0, 1]\n[[target]]\nkind = \"line\"\nfrom = [0, 0, 0.1]\nto = [0.01, 0, 0.1]\n[target.motion]\npath = \"points\"\n\
         points = [[0, 0, 0.01]]\n[[quiet]]\nat = [0, 0.04, 0.1]\nnormal = [0, 0, 1]\n[plane]\ncentre = [0, 0, 0.1]\n\
@@ -103,7 +103,7 @@ fn a_surplus_value_is_refused_with_its_line_and_its_key() {
 }
 
 #[test]
-fn a_surplus_value_on_a_line_of_a_batch_is_answered() {
+fn a_surplus_value_in_a_batch_is_answered() {
     let line = r#"{"target": [{"at": [0, 0, 0.1, 9]}]}"#;
     let folder = folder_with(&[("lines", line)]);
     let lines = fs::File::open(folder.path().join("lines")).unwrap();

@@ -1,4 +1,4 @@
-//! Tables that no memory holds, the memory that motions take, and long steps that say how long.
+//! Tables beyond memory, the memory of motions, and estimates of long steps.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader};
@@ -12,10 +12,10 @@ use serde_json::Value;
 use crate::hostile::{folder_with, refused};
 use crate::{program, program_after};
 
-/// KiB of memory that a program may write to.
+/// KiB of writable memory.
 const HALF_A_GIBIBYTE: &str = "ulimit -d 524288";
 
-/// A line of a batch: so many elements a side, and so many foci.
+/// A line of a batch with this number of elements per side, and of foci.
 fn line(side: usize, foci: usize) -> String {
     let target =
         |i: usize| format!(r#"{{"at": [{}, {}, 0.5]}}"#, (i % 32) as f64 * 0.02, (i / 32) as f64 * 0.02);
@@ -26,7 +26,7 @@ fn line(side: usize, foci: usize) -> String {
 }
 
 #[test]
-fn a_line_that_no_memory_holds_is_answered_and_the_others_go_on() {
+fn a_batch_line_beyond_memory_is_answered_and_others_continue() {
     let lines = [line(4, 2), line(256, 1024), line(4, 3), line(256, 1024), line(4, 4)].concat();
     let folder = folder_with(&[("lines", &lines)]);
     for threads in ["1", "3"] {
@@ -54,7 +54,7 @@ fn a_line_that_no_memory_holds_is_answered_and_the_others_go_on() {
 }
 
 #[test]
-fn a_scene_that_no_memory_holds_is_refused_with_one_message() {
+fn a_scene_beyond_memory_is_refused_with_one_message() {
     let targets: String =
         (0..1024).map(|i| format!("[[target]]\nat = [{}, 0, 0.5]\n", f64::from(i) * 0.001)).collect();
     let scene =
@@ -70,7 +70,7 @@ fn a_scene_that_no_memory_holds_is_refused_with_one_message() {
     }
 }
 
-/// The most memory that a command has taken, bytes.
+/// The peak memory of a command, bytes.
 fn peak(folder: &Path, args: &[&str]) -> usize {
     let mut child = program(folder, args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let mut most = 0;
@@ -88,7 +88,7 @@ fn high_water(child: &Child) -> Option<usize> {
     Some(line.split_whitespace().nth(1)?.parse::<usize>().ok()? << 10)
 }
 
-/// A motion of so many frames of so many foci.
+/// A motion with this number of foci and of frames.
 fn motion(foci: usize, frames: usize) -> String {
     let target = |i: usize| format!("[[target]]\nat = [{}, 0, 0.1]\n", i as f64 * 0.004);
     let targets: String = (0..foci).map(target).collect();
@@ -98,7 +98,7 @@ fn motion(foci: usize, frames: usize) -> String {
 }
 
 #[test]
-fn frames_take_no_more_memory_than_the_limit_counts() {
+fn frames_need_no_more_memory_than_estimated() {
     const FEW: usize = 500;
     const MANY: usize = 4000;
     for foci in [1, 12] {
@@ -123,13 +123,13 @@ fn frames_take_no_more_memory_than_the_limit_counts() {
                 peak(folder.path(), &args.split(' ').collect::<Vec<_>>())
             };
             let each = of("many.toml").saturating_sub(of("few.toml")) / (MANY - FEW);
-            assert!(each <= counted, "{args}, {foci} foci: {each} bytes a frame, and {counted} are counted");
+            assert!(each <= counted, "{args}, {foci} foci: {each} bytes per frame, estimated {counted}");
         }
     }
 }
 
 #[test]
-fn a_long_step_says_how_long_and_ends_when_it_is_interrupted() {
+fn a_long_step_estimates_its_time_and_can_be_interrupted() {
     let folder = folder_with(&[("a.toml", &motion(1, 60_000))]);
     let water = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[plane]\nsize = [100, 0.001]\ntolerance = 0.1\n[solver]\nmethod = \"focus\"\n";
     fs::write(folder.path().join("w.toml"), water).unwrap();
@@ -143,15 +143,15 @@ fn a_long_step_says_how_long_and_ends_when_it_is_interrupted() {
         let args: Vec<_> = args.split(' ').collect();
         let mut command = program(folder.path(), &args);
         let mut child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
-        // Open until the end: a program that cannot write its notes ends by that.
+        // The pipe stays open, because a program that cannot write its notes would end.
         let mut said = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
         let note = said.by_ref().find(|line| line.contains(part));
         assert!(note.is_some_and(|note| note.contains("in all")), "{args:?}");
-        // Ctrl-C is ignored by what a shell runs in the background; this has the same effect.
+        // TERM instead of INT, which a shell's background programs ignore.
         let kill =
             std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status().unwrap();
         assert!(kill.success());
-        assert!(child.wait().unwrap().signal().is_some(), "it did not end of itself");
+        assert!(child.wait().unwrap().signal().is_some(), "ended before the signal");
         assert!(!folder.path().join("x.png").exists() && !folder.path().join("x.gif").exists());
     }
 }

@@ -1,5 +1,4 @@
-//! Input that harms: outputs that are inputs, surplus values, files without end, escape sequences, tables beyond all memory. Each gets
-//! one short message and status 2, and nothing is touched.
+//! Harmful input is refused with one short message and status 2, and no file changes.
 
 #[cfg(feature = "serial")]
 mod boards;
@@ -17,10 +16,10 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
-/// Bytes that a message may have.
+/// Limit of a message, bytes.
 const LONGEST: usize = 2000;
 
-/// A folder with files in it.
+/// A folder with these files.
 fn folder_with(files: &[(&str, &str)]) -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in files {
@@ -29,7 +28,7 @@ fn folder_with(files: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// All files below a folder, with what they hold.
+/// All files below a folder, with their contents.
 fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut found = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
@@ -47,11 +46,11 @@ fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
     found
 }
 
-/// The one message of a command that must fail as bad input does; nothing in the folder has changed.
+/// The message of a command that must refuse its input and change no file.
 fn refused(folder: &Path, command: &mut Command) -> String {
     let before = contents(folder);
     let message = message_of(&command.output().unwrap());
-    assert!(contents(folder) == before, "{command:?} has changed something: {message}");
+    assert!(contents(folder) == before, "{command:?} changed a file: {message}");
     message
 }
 

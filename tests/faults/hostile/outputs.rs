@@ -1,4 +1,4 @@
-//! Outputs that are inputs, or one file twice.
+//! Outputs that are also inputs, and two outputs of one name.
 
 use std::fs::{self, File, OpenOptions};
 use std::os::unix::fs::symlink;
@@ -8,7 +8,7 @@ use crate::{SCENE, program};
 
 const PICTURE: &str = "[[target]]\nkind = \"picture\"\nfile = \"p.png\"\nat = [0, 0, 0.1]\n";
 
-/// A scene, one that shows a picture, points, a drive, and links to them.
+/// A scene, one with a picture, points, a drive, and links to them.
 fn stage() -> tempfile::TempDir {
     let folder = folder_with(&[
         ("a.toml", SCENE),
@@ -55,7 +55,7 @@ fn an_output_that_is_an_input_is_refused_by_every_command() {
         "probe still.toml --points points.csv --drive drive.csv -o hard-drive.csv",
         "board --scene still.toml -o still.toml --seconds 0.1",
     ] {
-        // A scene called p would be drawn over the picture p.png.
+        // A scene named p would be drawn over the picture p.png.
         fs::copy(folder.path().join("pic.toml"), folder.path().join("p.toml")).unwrap();
         let args = args.replace("render a.toml pic.toml", "render a.toml p.toml");
         let args: Vec<_> = args.split(' ').collect();
@@ -65,7 +65,7 @@ fn an_output_that_is_an_input_is_refused_by_every_command() {
 }
 
 #[test]
-fn an_animation_over_what_its_scene_shows_is_refused() {
+fn an_animation_over_its_scenes_picture_is_refused() {
     let folder = stage();
     // The third of four frames would have the picture's name.
     let motion = "[motion]\npath = \"circle\"\nframes = 4\n[solver]\nmethod = \"naive\"\n";
@@ -80,7 +80,7 @@ fn an_animation_over_what_its_scene_shows_is_refused() {
     let args =
         "render water.toml --quantity depression --waves --seconds 0.0025 -o x.times.npy/ --data x.npy";
     let output = program(folder.path(), &args.split(' ').collect::<Vec<_>>()).output().unwrap();
-    assert_eq!(output.status.code(), Some(2), "the times of the frames are a file, too");
+    assert_eq!(output.status.code(), Some(2), "the frame times are also a file");
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn two_outputs_of_one_name_are_refused() {
         let message = refused(folder.path(), &mut program(folder.path(), &args));
         assert!(message.contains("this would be written twice"), "{args:?}: {message}");
     }
-    // What takes everything and keeps nothing may be named as often as one likes.
+    // Devices may be named twice.
     let args = ["render", "a.toml", "-o", "/dev/null", "--data", "/dev/null", "--size", "16"];
     assert!(program(folder.path(), &args).output().unwrap().status.success());
 }
@@ -124,11 +124,14 @@ fn standard_input_and_output_are_files_like_others() {
     let said = String::from_utf8(output.stdout).unwrap();
     assert!(said.lines().nth(1).unwrap().contains("writing it would destroy it"), "{said}");
     assert_eq!(fs::read(folder.path().join("out/2.npy")).unwrap(), before);
-    assert!(contents(folder.path()).iter().any(|(name, _)| name.ends_with("out/1.npy")), "the other goes on");
+    assert!(
+        contents(folder.path()).iter().any(|(name, _)| name.ends_with("out/1.npy")),
+        "the other line is solved"
+    );
 }
 
 #[test]
-fn the_sheet_of_a_program_without_a_display_spares_its_scene() {
+fn the_sheet_without_a_display_does_not_overwrite_its_scene() {
     let folder = folder_with(&[("sonoglyph.png", SCENE)]);
     let message = refused(folder.path(), &mut program(folder.path(), &["sonoglyph.png"]));
     assert!(message.contains("writing it would destroy it"), "{message}");

@@ -1,4 +1,4 @@
-//! Pipes, devices, folders and files without end where a file is read.
+//! Pipes, devices, folders and endless files in place of input files.
 
 use std::fs;
 use std::os::unix::fs::symlink;
@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::hostile::{folder_with, make_pipe, refused};
 use crate::{SCENE, program};
 
-/// A pipe that is never written, a device without end, a folder, nothing, and a file that is too large.
+/// An unwritten pipe, an endless device, a folder, a missing file, and one that is too large.
 fn places(folder: &Path) -> [(&'static str, &'static str); 5] {
     make_pipe(&folder.join("pipe"));
     symlink("/dev/zero", folder.join("zero")).unwrap();
@@ -24,7 +24,7 @@ fn places(folder: &Path) -> [(&'static str, &'static str); 5] {
 }
 
 #[test]
-fn what_is_no_file_of_a_sensible_size_is_refused_wherever_one_is_read() {
+fn inputs_other_than_files_of_limited_size_are_refused() {
     let folder = folder_with(&[("a.toml", SCENE), ("points.csv", "x,y,z\n0,0,0.1\n")]);
     for (name, part) in places(folder.path()) {
         let picture =
@@ -36,7 +36,7 @@ fn what_is_no_file_of_a_sensible_size_is_refused_wherever_one_is_read() {
             "solve pic.toml".to_owned(),
             format!("send a.toml --port /dev/null --profile sonicsurface --calibration {name}"),
         ];
-        // Tables are read row by row, and may be of any length.
+        // Tables are read row by row, so their size is not limited.
         if name != "large" {
             commands.push(format!("probe a.toml --points {name}"));
             commands.push(format!("probe a.toml --points points.csv --drive {name}"));
@@ -54,7 +54,7 @@ fn what_is_no_file_of_a_sensible_size_is_refused_wherever_one_is_read() {
 
 #[cfg(feature = "window")]
 #[test]
-fn settings_and_what_a_crash_left_are_refused_as_other_files_are() {
+fn invalid_settings_and_recovery_files_are_refused() {
     use sonoglyph::app::recovery::Recovery;
     use sonoglyph::app::settings::{Memory, Settings};
     use sonoglyph::scene::Scene;
@@ -69,7 +69,7 @@ fn settings_and_what_a_crash_left_are_refused_as_other_files_are() {
         assert_eq!(settings, Settings::default());
         let word = word.unwrap();
         assert!(word.contains("settings.toml is left aside: "), "{word}");
-        // What cannot be read may be written where it is a file, and nobody waits for a pipe's reader.
+        // Writing must not block on a pipe without a reader.
         memory.keep(Settings { section: true, ..Settings::default() }, 0.0);
         drop(memory);
         let mut recovery = Recovery::at(folder.path()).unwrap();
@@ -81,7 +81,7 @@ fn settings_and_what_a_crash_left_are_refused_as_other_files_are() {
 
 #[cfg(feature = "window")]
 #[test]
-fn settings_with_a_surplus_or_a_wrong_value_are_left_aside_with_one_short_word() {
+fn settings_with_wrong_values_are_set_aside_with_a_short_message() {
     use sonoglyph::app::settings::Settings;
 
     let long = format!("theme = {}", "[".repeat(1 << 18));

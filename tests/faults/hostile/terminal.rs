@@ -1,4 +1,4 @@
-//! What reaches a terminal: nothing that steers it, and not a page; and what happens where nobody listens.
+//! Output to a terminal: no control characters, bounded length, and closed or full outputs.
 
 use std::fs;
 use std::process::Stdio;
@@ -6,10 +6,10 @@ use std::process::Stdio;
 use crate::hostile::{LONGEST, folder_with, message_of, refused};
 use crate::{PROGRAM, SCENE, program, program_after};
 
-/// Colours, the bell, a title, C1 controls, an override of direction, nothing at all, and a line of its own.
+/// Colours, the bell, a title, C1 controls, bidirectional overrides, invisible characters, and a tag.
 const NASTY: &str = "\u{1b}[31m\u{7}\u{1b}]0;x\u{9b}2J\u{202e}txt\u{2066}\u{200b}\u{e0041}\u{feff}";
 
-/// Whether a text could do more to a terminal than be read.
+/// Whether a text holds characters that control a terminal.
 fn steers(text: &str) -> bool {
     text.chars().any(|c| {
         let is_hidden = ['\u{202e}', '\u{2066}', '\u{200b}', '\u{e0041}', '\u{feff}'].contains(&c);
@@ -23,14 +23,14 @@ fn is_plain(said: &[u8]) -> String {
     said
 }
 
-/// A basic string of TOML with the same characters.
+/// A TOML basic string of the same characters.
 fn toml_string(text: &str) -> String {
     let escaped: String = text.chars().map(|c| format!("\\U{:08x}", u32::from(c))).collect();
     format!("\"{escaped}\"")
 }
 
 #[test]
-fn keys_values_and_names_are_shown_and_steer_nothing() {
+fn control_characters_in_keys_values_and_names_are_escaped() {
     let nasty = toml_string(NASTY);
     for text in [
         format!("format = 1\n{nasty} = 3\n"),
@@ -45,7 +45,7 @@ fn keys_values_and_names_are_shown_and_steer_nothing() {
         let message = refused(folder.path(), &mut program(folder.path(), &["solve", "a.toml"]));
         assert!(!steers(&message), "{text}: {message:?}");
     }
-    // A scene's name is told when it is drawn, and a name may hold a line feed.
+    // The scene's name is printed, and a file name may hold a line feed.
     let name = format!("{NASTY}\n.toml");
     let folder = folder_with(&[(&name, SCENE)]);
     let output = program(folder.path(), &["render", &name, "-o", "out/", "--size", "16"]).output().unwrap();
@@ -58,7 +58,7 @@ fn keys_values_and_names_are_shown_and_steer_nothing() {
 }
 
 #[test]
-fn arguments_are_quoted_in_one_short_message_that_steers_nothing() {
+fn arguments_are_quoted_and_escaped_in_one_short_message() {
     let folder = folder_with(&[("a.toml", SCENE)]);
     let long = "x".repeat(100_000);
     for value in [NASTY, &long, &format!("{NASTY}{long}")] {
@@ -99,7 +99,7 @@ fn a_megabyte_is_not_echoed() {
 }
 
 #[test]
-fn a_calibration_that_is_wrong_is_told_once() {
+fn an_invalid_calibration_gives_one_message() {
     if cfg!(not(feature = "serial")) {
         return;
     }
@@ -112,7 +112,7 @@ fn a_calibration_that_is_wrong_is_told_once() {
 }
 
 #[test]
-fn a_standard_output_that_is_closed_or_full_is_an_error_and_one_that_nobody_reads_is_none() {
+fn a_closed_or_full_standard_output_is_an_error_but_a_closed_pipe_is_none() {
     let folder = folder_with(&[("a.toml", SCENE), ("p.csv", "x,y,z\n0,0,0.1\n")]);
     for args in [
         "--help",
@@ -133,7 +133,7 @@ fn a_standard_output_that_is_closed_or_full_is_an_error_and_one_that_nobody_read
             let output = program(folder.path(), &args).stdout(full).output().unwrap();
             assert!(message_of(&output).contains("standard output: cannot write: No space left"), "{args:?}");
         }
-        // Somebody who wants no output is no fault either.
+        // Discarded output is no error.
         assert!(program(folder.path(), &args).stdout(Stdio::null()).status().unwrap().success(), "{args:?}");
         let script = format!("(sleep 0.2; \"$0\" {}; echo \"status $?\" >&2) | true", args.join(" "));
         let mut shell = std::process::Command::new("sh");

@@ -1,4 +1,4 @@
-//! `sonoglyph check`, with virtual boards at the other end: what it finds, what it asks, and what it writes.
+//! `sonoglyph check` with virtual boards: its findings, questions, and files.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
@@ -10,7 +10,8 @@ use sonoglyph::device::board::{Board, Setup};
 use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::profile::Profile;
 
-use crate::commands::{Running, sonoglyph};
+use crate::commands::sonoglyph;
+use crate::running::Running;
 use crate::{eventually, is_silent, requirement};
 
 fn board(profile: Profile, faults: Faults) -> Board {
@@ -30,7 +31,7 @@ fn check(board: &Board, folder: &Path, profile: Profile, more: &[&str], answers:
         .stderr(Stdio::piped());
     let mut running = command.spawn().unwrap();
     let mut stdin = running.stdin.take().unwrap();
-    // A command that fails early reads nothing.
+    // A command that fails early does not read.
     let _ = stdin.write_all(answers.as_bytes());
     drop(stdin);
     running.wait_with_output().unwrap()
@@ -41,7 +42,7 @@ fn said(output: &Output) -> String {
 }
 
 #[test]
-fn a_good_native_board_passes_and_the_report_says_what_it_is() {
+fn a_good_native_board_passes_with_its_facts_in_the_report() {
     let folder = tempfile::tempdir().unwrap();
     let board = board(Profile::Native, Faults::default());
     let output = check(&board, folder.path(), Profile::Native, &["-o", "report.txt"], "");
@@ -64,11 +65,11 @@ fn a_good_native_board_passes_and_the_report_says_what_it_is() {
 }
 
 #[test]
-fn a_line_that_loses_frames_is_told_from_one_that_does_not() {
+fn a_line_that_loses_frames_is_detected() {
     let board = board(Profile::Native, Faults { flip: 1e-4, ..Faults::default() });
     let mut command = sonoglyph();
     command.args(["check", "--profile", "native", "--port"]).arg(board.path()).stdout(Stdio::piped());
-    // What comes after the bit rates takes its time, and is not waited for.
+    // The steps after the bit rates are not waited for.
     let mut running = Running(command.spawn().unwrap());
     let lines = BufReader::new(running.0.stdout.take().unwrap()).lines().map(Result::unwrap);
     let mut seen = Vec::new();
@@ -77,15 +78,15 @@ fn a_line_that_loses_frames_is_told_from_one_that_does_not() {
 }
 
 #[test]
-fn what_is_not_heard_is_written_into_the_calibration() {
+fn silent_elements_are_written_into_the_calibration() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("mine.csv");
     let board = board(Profile::UltrainoMega64, Faults::default());
-    // Element 2 is silent; so was 3 until it was listened to again; 5 is answered in a way that makes no sense first.
+    // Element 2 is silent; 3 seemed so until repeated; for 5 the first answer is invalid.
     let answers = "\n\nn\nn\nb\ny\n\nwhat\nr\n\nq\nn\n";
     let more = ["--listen", "--calibration", "mine.csv"];
     let output = check(&board, folder.path(), Profile::UltrainoMega64, &more, answers);
-    // A silent element and a focus that is not felt.
+    // A silent element, and a focus that is not felt.
     assert!(!output.status.success(), "{}", said(&output));
     assert!(
         said(&output).contains("1 elements are silent: 2") && said(&output).contains("not felt"),
@@ -95,7 +96,7 @@ fn what_is_not_heard_is_written_into_the_calibration() {
     assert!(said(&output).contains("never answer"), "{}", said(&output));
     let calibration = Calibration::read(&path, Profile::UltrainoMega64.elements()).unwrap();
     assert_eq!(calibration.off(), [2]);
-    // The next time it begins from there.
+    // The next run starts from this file.
     let output = check(&board, folder.path(), Profile::UltrainoMega64, &more, "\n\n\nq\n\n");
     assert!(output.status.success(), "{}", said(&output));
     let calibration = Calibration::read(&path, Profile::UltrainoMega64.elements()).unwrap();
@@ -103,7 +104,7 @@ fn what_is_not_heard_is_written_into_the_calibration() {
 }
 
 #[test]
-fn the_emergency_stop_is_tried_by_pressing_it() {
+fn the_emergency_stop_is_tested_by_pressing_it() {
     let folder = tempfile::tempdir().unwrap();
     let board = board(Profile::Native, Faults::default());
     let port = board.path().display().to_string();
@@ -142,7 +143,7 @@ fn a_port_without_a_board_is_an_error() {
 }
 
 #[test]
-fn a_client_written_from_the_protocol_alone_finds_what_the_protocol_says() {
+fn the_protocols_example_client_works() {
     let python = Command::new("python3").arg("--version").output();
     if requirement::found("rtl", python.map_err(|error| format!("python3: {error}"))).is_none() {
         return;

@@ -1,10 +1,10 @@
-//! The commands `ports`, `check`, `send` and `board`, with virtual boards at the other end of real pseudo-terminals.
+//! The commands `ports`, `check`, `send` and `board` with virtual boards on real pseudo-terminals.
 
 mod bring_up;
 
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 
 use sonoglyph::device::board::Setup;
 use sonoglyph::device::calibration::Calibration;
@@ -13,6 +13,7 @@ use sonoglyph::device::profile::Profile;
 use sonoglyph::scene::{Scene, file};
 use sonoglyph::solver;
 
+use crate::running::Running;
 use crate::{PATIENCE, board, eventually, is_silent};
 
 const POINT: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.01, 0.02, 0.1]\n";
@@ -28,30 +29,6 @@ impl Folder {
         let path = self.0.path().join(name);
         std::fs::write(&path, text).unwrap();
         path
-    }
-}
-
-/// A program that does not outlive its test.
-struct Running(Child);
-
-impl Running {
-    fn signal(&self, signal: &str) {
-        let sent = Command::new("kill").args([signal, &self.0.id().to_string()]).status().unwrap();
-        assert!(sent.success());
-    }
-
-    /// How it ended.
-    fn ended(&mut self) -> ExitStatus {
-        eventually("the end of a program", || self.0.try_wait().unwrap().is_some());
-        self.0.wait().unwrap()
-    }
-}
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        // It may have ended, and then there is nothing to kill.
-        let _ = self.0.kill();
-        let _ = self.0.wait();
     }
 }
 
@@ -79,7 +56,7 @@ fn levels(scene: &Scene, profile: Profile) -> Levels {
 }
 
 #[test]
-fn a_scene_is_played_and_then_there_is_silence() {
+fn a_scene_is_played_and_followed_by_silence() {
     let folder = Folder::new();
     let scene = folder.write("point.toml", POINT);
     for profile in [Profile::Native, Profile::SonicSurface, Profile::Acoustophoretic512] {
@@ -105,14 +82,14 @@ fn an_interrupted_sender_leaves_silence() {
         let wanted = levels(&read(&scene), profile);
         while shown.recv_timeout(PATIENCE).unwrap().levels != wanted {}
         eventually("sound", || !is_silent(&board));
-        sender.signal("-INT");
+        sender.signal("INT");
         assert!(sender.ended().success());
         eventually("silence", || is_silent(&board));
     }
 }
 
 #[test]
-fn a_motion_goes_to_the_native_device_as_a_whole() {
+fn a_motion_is_uploaded_to_the_native_device() {
     let folder = Folder::new();
     let circle = format!("{POINT}[motion]\npath = \"circle\"\nsize = 0.02\nrate = 20.0\nframes = 16\n");
     let ring = "format = 1\n[[target]]\nkind = \"circle\"\n[motion]\npath = \"outline\"\nframes = 16\n";
@@ -121,14 +98,14 @@ fn a_motion_goes_to_the_native_device_as_a_whole() {
         let (board, _shown) = board(Setup::new(Profile::Native));
         let output = send(&scene, board.path(), Profile::Native, &["--seconds", "0.5"]);
         assert!(output.status.success(), "{}", said(&output.stderr));
-        // Every frame once; some twice, if the machine is too busy to answer in time.
+        // Every frame once; some twice, if a busy machine answers late.
         let sent: u32 = said(&output.stdout).split_once(' ').unwrap().0.parse().unwrap();
         assert!((16..60).contains(&sent), "{}", said(&output.stdout));
     }
 }
 
 #[test]
-fn a_limit_of_time_ends_though_the_board_plays_nothing() {
+fn the_time_limit_ends_even_if_the_board_is_silent() {
     let folder = Folder::new();
     let scene = folder.write("point.toml", POINT);
     let (board, _shown) = board(Setup::new(Profile::Native));
@@ -143,7 +120,7 @@ fn a_limit_of_time_ends_though_the_board_plays_nothing() {
 }
 
 #[test]
-fn drives_that_take_turns_go_to_the_board_in_turn() {
+fn drives_in_turn_are_sent_in_turn() {
     let folder = Folder::new();
     let text = "format = 1\n[[target]]\nkind = \"line\"\n[solver]\nframes = 3\n";
     let scene = folder.write("line.toml", text);
@@ -155,7 +132,7 @@ fn drives_that_take_turns_go_to_the_board_in_turn() {
         for drive in solver::solve(&read(&scene)).unwrap().drives() {
             let levels = Levels::new(profile, &drive, &Calibration::default()).unwrap();
             let times = seen.iter().filter(|seen| **seen == levels).count();
-            // A native board plays them faster than anybody looks.
+            // A native board plays them faster than its output is sampled.
             assert!(profile == Profile::Native || times > 0, "{profile:?} never showed one of them");
         }
         let sent: u32 = said(&output.stdout).split_once(' ').unwrap().0.parse().unwrap();
@@ -164,7 +141,7 @@ fn drives_that_take_turns_go_to_the_board_in_turn() {
 }
 
 #[test]
-fn the_scene_is_made_for_the_boards_carrier() {
+fn the_scene_is_solved_for_the_boards_carrier() {
     let folder = Folder::new();
     let scene = folder.write("point.toml", POINT);
     let (board, shown) = board(Setup { carrier_millihertz: 39_950_000, ..Setup::new(Profile::Native) });
@@ -178,7 +155,7 @@ fn the_scene_is_made_for_the_boards_carrier() {
 }
 
 #[test]
-fn what_cannot_be_sent_says_why() {
+fn sending_errors_state_their_reason() {
     let folder = Folder::new();
     let scene = folder.write("point.toml", POINT);
     let small = folder.write("small.toml", &format!("{POINT}[array]\nrows = 8\ncolumns = 8\n"));
@@ -203,13 +180,13 @@ fn what_cannot_be_sent_says_why() {
     let mut unknown = sonoglyph();
     unknown.arg("send").arg(&scene).args(["--port", "x", "--profile", "abacus"]);
     refused(unknown.output().unwrap(), &["abacus", "sonicsurface-tactile"]);
-    // A stock board is none that answers.
+    // Stock boards do not answer.
     let (board, _shown) = board(Setup::new(Profile::UltrainoSimpleFpga));
     refused(send(&scene, board.path(), Profile::Native, &[]), &["does not answer"]);
 }
 
 #[test]
-fn a_virtual_board_says_where_it_is_and_what_it_plays() {
+fn a_virtual_board_prints_its_port_and_its_output() {
     let folder = Folder::new();
     let scene = folder.write("point.toml", POINT);
     let picture = folder.0.path().join("field.png");
@@ -220,21 +197,21 @@ fn a_virtual_board_says_where_it_is_and_what_it_plays() {
     let port = PathBuf::from(lines.next().unwrap());
     let output = send(&scene, &port, Profile::SonicSurface, &["--seconds", "2.5"]);
     assert!(output.status.success(), "{}", said(&output.stderr));
-    board.signal("-TERM");
+    board.signal("TERM");
     assert!(board.ended().success());
     let lines: Vec<_> = lines.collect();
-    // The focus stands where the scene has it, to a pixel.
+    // The focus is in its place, to a pixel.
     let place = lines.iter().find_map(|line| line.split_once("at (")).unwrap().1;
     let coordinates: Vec<f64> =
         place.trim_end_matches(") mm").split(", ").map(|coordinate| coordinate.parse().unwrap()).collect();
     assert!((coordinates[0] - 10.0).abs() < 1.0 && (coordinates[1] - 20.0).abs() < 1.0, "{lines:?}");
     assert!(lines.last().unwrap().contains("0 spoiled"), "{lines:?}");
     assert!(std::fs::read(&picture).unwrap().starts_with(b"\x89PNG"));
-    assert!(!port.exists(), "the port goes with the board");
+    assert!(!port.exists(), "the port is removed with the board");
 }
 
 #[test]
-fn ports_names_the_boards() {
+fn ports_lists_the_boards() {
     let output = sonoglyph().arg("ports").output().unwrap();
     let text = said(&output.stdout);
     assert!(output.status.success());
@@ -247,7 +224,7 @@ fn ports_names_the_boards() {
     let listed = format!("{} (virtual board, sonicsurface-2)", board.path().display());
     let ports = || said(&sonoglyph().arg("ports").output().unwrap().stdout);
     assert!(ports().lines().any(|line| line == listed), "{}", ports());
-    // A board that was killed left its link; the process of number 0 never is one.
+    // A killed board leaves its link; no process has the number 0.
     let name = board.path().file_name().unwrap().to_str().unwrap().to_owned();
     let stale = board.path().with_file_name(name.replace(&std::process::id().to_string(), "0"));
     std::os::unix::fs::symlink("/dev/null", &stale).unwrap();
@@ -257,11 +234,11 @@ fn ports_names_the_boards() {
 }
 
 #[test]
-fn an_installed_program_finds_the_gateware_or_says_where_it_looked() {
+fn an_installed_program_finds_the_gateware_or_lists_the_searched_folders() {
     let gateware = Path::new(env!("CARGO_MANIFEST_DIR")).join("gateware");
     let installed = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let empty = Folder::new();
-    // Linked, not copied: a file that another thread's child still holds open for writing cannot be run.
+    // Linked, not copied: a file that another thread's child holds open for writing cannot be executed.
     let program = installed.path().join("sonoglyph");
     std::fs::hard_link(env!("CARGO_BIN_EXE_sonoglyph"), &program).unwrap();
     let simulate = |more: &[&str]| {

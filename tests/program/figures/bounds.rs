@@ -1,10 +1,10 @@
-//! Figures that say "at least" or "no more than" are rounded outwards, in the text as JSON has them in full.
+//! Printed bounds ("at least", "no more than") are rounded outwards from the full values in JSON.
 
 use crate::dice::Dice;
 use crate::figures::program::{folder, number_after, scenes, solved};
 use crate::process::output_of;
 
-/// Three to eight foci, for some of which pascals are asked.
+/// Three to eight foci, some with targets in pascals.
 fn scene(number: usize) -> String {
     let mut dice = Dice::new(0xB0D, number);
     let in_pascals = dice.one_of(&[true, false]);
@@ -29,7 +29,7 @@ fn bounds_are_rounded_outwards() {
         let [bound, certified] = ["bound", "certified"].map(|key| quality[key].as_f64().unwrap());
         let (text, warned) = output_of(folder.path(), &["solve", "a.toml"]);
         let (printed, _) = number_after(&text, "fraction of the bound   at least ");
-        // Up to what one run differs from the next in its last bits.
+        // Two runs may differ in the last bits.
         let part = 100.0 * certified * (1.0 + 1e-12);
         assert!(printed <= part && printed > part - 0.0101, "{number}: {printed} % of {part} %: {scene}");
         let (printed, unit) = number_after(&text, "upper bound             ");
@@ -54,7 +54,7 @@ fn bounds_are_rounded_outwards() {
 }
 
 #[test]
-fn what_holds_up_to_a_part_of_the_drive_holds_there() {
+fn linear_theory_holds_at_the_printed_part_of_the_drive() {
     for strength in [5.0, 6.0, 7.3] {
         let scene = format!(
             "format = 1\n[array]\nstrength = {strength}\n[[target]]\nat = [0.01, 0.02, 0.1]\n[plane]\nsize = [0.08, 0.06]\n"
@@ -62,7 +62,7 @@ fn what_holds_up_to_a_part_of_the_drive_holds_there() {
         let folder = folder(&scene);
         let args = ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--size", "60"];
         let (text, warned) = output_of(folder.path(), &args);
-        // Slopes go with the square of the drive.
+        // Slopes are proportional to the square of the drive.
         let (slope, _) = number_after(&text, "steepest slope ");
         let (part, _) = number_after(&warned, "true up to ");
         let at = |part: f64| slope * (part / 100.0).powi(2);
@@ -73,7 +73,7 @@ fn what_holds_up_to_a_part_of_the_drive_holds_there() {
 }
 
 #[test]
-fn what_pixels_reach_at_most_is_rounded_up() {
+fn printed_maxima_are_rounded_up() {
     for number in 0..scenes() {
         let folder = folder(&scene(number));
         for quantity in ["rms", "intensity", "velocity"] {
@@ -113,7 +113,7 @@ fn what_pixels_reach_at_most_is_rounded_up() {
 }
 
 #[test]
-fn the_time_of_a_frame_of_waves_is_that_of_one_picture() {
+fn the_time_per_wave_frame_is_that_of_one_picture() {
     let folder = folder("format = 1\n[[target]]\nat = [0.0, 0.0, 0.1]\n[plane]\nsize = [0.04, 0.04]\n");
     let args =
         ["render", "a.toml", "-o", "a.gif", "--quantity", "depression", "--size", "24", "-v", "--waves"];

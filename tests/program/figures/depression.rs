@@ -1,4 +1,4 @@
-//! The deepest place and the steepest slope that are printed, against the largest of a continuous surface and of any map.
+//! Printed depths and slopes, against the maxima of a continuous surface and of any map.
 
 use crate::dice::Dice;
 use crate::figures::judge::{HEAD, Sources, Surface};
@@ -14,7 +14,7 @@ struct Case {
     tension: f64,
 }
 
-/// One to four foci under a liquid, not all of them on the plane.
+/// One to four foci under a liquid, some off its plane.
 fn case(number: usize) -> Case {
     let mut dice = Dice::new(0x5EED, number);
     let strength = dice.between(2.0, 5.0);
@@ -34,7 +34,7 @@ fn case(number: usize) -> Case {
     Case { scene, strength, centre, size, density, tension }
 }
 
-/// What is printed of the depression, in m and as a slope, and the largest pixel of the map beside it.
+/// The printed depth (m) and slope, and the largest pixel of the map.
 fn printed(folder: &std::path::Path) -> [f64; 3] {
     let args =
         ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--size", "997", "--data", "a.npy"];
@@ -49,7 +49,7 @@ fn printed(folder: &std::path::Path) -> [f64; 3] {
 }
 
 #[test]
-fn printed_depths_and_slopes_are_the_largest_of_the_surface_and_of_its_map() {
+fn printed_depths_and_slopes_are_the_maxima_of_surface_and_map() {
     let mut worst = [0.0f64; 3];
     for number in 0..scenes() {
         let Case { scene, strength, centre, size, density, tension } = case(number);

@@ -1,4 +1,4 @@
-//! Point sources in front of a plane, in f64: their pressure, and the surface of a liquid under it by its cosine modes.
+//! Point sources in front of a plane, in f64: their pressure, and a liquid's surface by its cosine modes.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,17 +11,17 @@ pub const AIR: f64 = 1.2;
 pub const FREQUENCY: f64 = 40e3;
 pub const WAVELENGTH: f64 = SOUND_SPEED / FREQUENCY;
 const PITCH: f64 = 0.0105;
-/// The head of a scene file that means these sources; `strength` is to follow.
+/// The beginning of a scene file with these sources, to be followed by `strength`.
 pub const HEAD: &str = "format = 1\n[medium]\nsound_speed = 343\ndensity = 1.2\nabsorption = 0\n[array]\ncolumns = 16\nrows = 16\n\
      pitch = 0.0105\nfrequency = 40e3\nelement = \"point\"\n";
 
 pub type Point = [f64; 3];
 
-/// 16 x 16 sources that play a drive.
+/// 16 x 16 sources with a drive.
 pub struct Sources(Vec<(f64, f64, Complex64)>);
 
 impl Sources {
-    /// As `solve --json` answers, of this strength (Pa·m).
+    /// The drive of `solve --json`, with this strength (Pa·m).
     pub fn new(solution: &Value, strength: f64) -> Self {
         let numbers = |key: &str| solution[key].as_array().unwrap().iter().map(|v| v.as_f64().unwrap());
         let place = |i: usize| PITCH * (i as f64 - 7.5);
@@ -59,7 +59,7 @@ impl Sources {
     }
 }
 
-/// A liquid's surface h with ρgh - σ∇²h = p, as a sum of cosines between walls far away.
+/// A liquid's surface h with ρgh - σ∇²h = p, as a cosine series between distant walls.
 pub struct Surface {
     count: usize,
     length: f64,
@@ -68,7 +68,7 @@ pub struct Surface {
 }
 
 impl Surface {
-    /// Under the radiation pressure on a square about a centre, cells λ/8 wide.
+    /// Under the radiation pressure on a square around a centre, in cells λ/8 wide.
     pub fn new(sources: &Sources, [x, y, z]: Point, size: f64, density: f64, tension: f64) -> Self {
         const GRAVITY: f64 = 9.81;
         let weight = density * GRAVITY;
@@ -98,7 +98,7 @@ impl Surface {
         Self { count, length, centre: [x, y], modes }
     }
 
-    /// Depth (m, positive down) and slope at every pair of places (m) from the centre.
+    /// Depth (m, positive down) and slope at all combinations of coordinates (m) from the centre.
     pub fn on(&self, xs: &[f64], ys: &[f64]) -> Vec<[f64; 2]> {
         let waves = |places: &[f64]| -> Vec<[f64; 2]> {
             let one = |place: &f64, k: usize| {
@@ -131,7 +131,7 @@ impl Surface {
         pairs.into_par_iter().map(|(x, y)| at(x, y)).collect()
     }
 
-    /// The largest depth and slope on a rectangle of this size (m) about a point.
+    /// The largest depth and slope on a rectangle of this size (m) around a point.
     pub fn largest(&self, [x, y, _]: Point, size: [f64; 2]) -> [f64; 2] {
         const COARSE: f64 = 2e-4;
         const FINE: f64 = 1e-5;

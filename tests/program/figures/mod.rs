@@ -1,4 +1,4 @@
-//! Printed figures against judges of their own: formulas in f64 that know nothing of the program.
+//! Printed figures against independent formulae in f64.
 
 mod bounds;
 mod depression;

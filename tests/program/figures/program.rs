@@ -1,4 +1,4 @@
-//! The program as its users run it, and random scenes for it.
+//! Runs of the program on random scenes, and numbers in its output.
 
 use std::path::Path;
 
@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use crate::process::{folder_with, output_of};
 
-/// Scenes of every kind; `SONOGLYPH_FIGURES=100` tries more.
+/// Number of random scenes; `SONOGLYPH_FIGURES=100` sets it.
 pub fn scenes() -> usize {
     std::env::var("SONOGLYPH_FIGURES").map_or(6, |count| count.parse().unwrap())
 }
@@ -17,12 +17,12 @@ pub fn folder(scene: &str) -> TempDir {
     folder_with(&[("a.toml", scene)])
 }
 
-/// What `solve --json` prints of a scene.
+/// The output of `solve --json`.
 pub fn solved(folder: &Path) -> Value {
     serde_json::from_str(&output_of(folder, &["solve", "a.toml", "--json"]).0).unwrap()
 }
 
-/// The number behind these words, or at the beginning if there are none, and what follows it.
+/// The number after these words, or at the beginning for no words, and the text after it.
 pub fn number_after(text: &str, words: &str) -> (f64, String) {
     let rest = text.split_once(words).unwrap_or_else(|| panic!("no {words:?} in {text}")).1.trim_start();
     let end = rest.find(|c: char| !(c.is_ascii_digit() || ".-e".contains(c))).unwrap_or(rest.len());

@@ -1,4 +1,4 @@
-//! The peak side lobe that is printed, against a raster of the plane with its edge.
+//! Printed peak side lobes, against a fine grid of the plane with its edge.
 
 use rayon::prelude::*;
 use serde_json::Value;
@@ -14,7 +14,7 @@ struct Case {
     size: [f64; 2],
 }
 
-/// Foci on a plane that cuts off much of what is around them.
+/// Foci on a plane that cuts off much of the field around them.
 fn case(number: usize) -> Case {
     let mut dice = Dice::new(0x10BE, number);
     let centre = [dice.between(-0.02, 0.02), dice.between(-0.02, 0.02), dice.between(0.08, 0.2)];
@@ -42,8 +42,8 @@ fn distance(a: Point, b: Point) -> f64 {
     (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Whether a point is in the main lobe of a focus: along the middle lines of the array, both of them, paths to the point less those to
-/// the focus differ by less than 1.15 wavelengths.
+/// Whether a point is in the main lobe of a focus: along both middle lines of the array, path lengths to the point and
+/// to the focus differ by less than 1.15 wavelengths.
 fn is_in_lobe(point: Point, focus: Point) -> bool {
     const HALF: f64 = 8.0 * 0.0105;
     [0, 1].into_iter().all(|axis| {
@@ -58,7 +58,8 @@ fn is_in_lobe(point: Point, focus: Point) -> bool {
     })
 }
 
-/// The loudest maximum of |p| (Pa) on the rectangle, edge included, that is in no main lobe and a wavelength away from the array.
+/// The loudest maximum of |p| (Pa) on the rectangle and its edge, outside all main lobes and a wavelength from the
+/// array.
 fn loudest(sources: &Sources, case: &Case, foci: &[Point]) -> f64 {
     let Case { centre, axes, size, .. } = case;
     let counts = size.map(|length| (30.0 * length / WAVELENGTH).ceil() as usize + 1);
@@ -101,7 +102,7 @@ fn foci(solution: &Value) -> Vec<Point> {
 }
 
 #[test]
-fn the_side_lobe_is_the_loudest_maximum_of_the_plane_with_its_edge() {
+fn the_side_lobe_is_the_loudest_maximum_of_the_plane_and_its_edge() {
     let mut worst = 0.0f64;
     for number in 0..2 * scenes() {
         let case = case(number);

@@ -1,9 +1,9 @@
-//! Where no sound arrives, that is what is said, and no part of nothing.
+//! Where no sound arrives, the program says so instead of printing ratios to zero.
 
 use crate::figures::program::folder;
 use crate::process::output_of;
 
-/// 1000 dB are lost in every metre.
+/// Absorption of 1000 dB/m.
 fn silent() -> String {
     "format = 1\n[medium]\nabsorption = 1000\n[[target]]\nat = [0, 0, 5]\n[[target]]\nat = [2, 0, 5]\n\
      [plane]\ncentre = [0, 0, 5]\n"
@@ -11,7 +11,7 @@ fn silent() -> String {
 }
 
 #[test]
-fn a_silent_plane_says_so_in_place_of_figures() {
+fn a_silent_plane_has_no_figures() {
     let folder = folder(&silent());
     for quantity in ["rms", "radiation", "depression", "phase", "intensity", "velocity", "instantaneous"] {
         let args =
@@ -23,7 +23,7 @@ fn a_silent_plane_says_so_in_place_of_figures() {
 }
 
 #[test]
-fn a_drive_that_is_not_heard_has_no_figures_that_compare() {
+fn a_silent_drive_has_no_relative_figures() {
     let folder = folder(&silent());
     let (text, _) = output_of(folder.path(), &["solve", "a.toml", "--levels", "8"]);
     for row in

@@ -1,4 +1,4 @@
-//! The targets of `fuzz/` on their corpus and on mutations of it, the same ones every time.
+//! Runs the fuzz targets of `fuzz/` on their corpora and on reproducible mutations.
 //!
 //! `SONOGLYPH_MUTATIONS=100 cargo test --test scenes fuzz` makes a hundred times as many.
 
@@ -12,14 +12,14 @@ use std::path::{Path, PathBuf};
 
 use mutation::{Dice, dictionary, mutated};
 
-/// From here on the mutations are counted.
+/// Number of the first mutation.
 const SEED: u64 = 40_000;
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The files of a folder by name; none where there is no such folder.
+/// The files of a folder by name, or an empty list if there is no such folder.
 fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
     let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
@@ -27,7 +27,7 @@ fn files(folder: &Path) -> Vec<(PathBuf, Vec<u8>)> {
     paths.into_iter().map(|path| (path.clone(), fs::read(path).unwrap())).collect()
 }
 
-/// The corpus of a target: its own folder, and what the repository holds of its kind anyway.
+/// The corpus of a target: its own folder, and similar files elsewhere in the repository.
 fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
     let mut corpus = files(&root().join("tests/scenes/fuzz/corpus").join(target));
     if target == "scene" {
@@ -36,7 +36,7 @@ fn corpus(target: &str) -> Vec<(PathBuf, Vec<u8>)> {
     corpus
 }
 
-/// Runs a target on its corpus, and on so many mutations of it.
+/// Runs a target on its corpus, and on this number of mutations.
 fn fuzz(target: &str, mutations: u64) {
     let corpus = corpus(target);
     assert!(corpus.len() >= 3, "{target} has a corpus of {} inputs", corpus.len());
@@ -51,7 +51,7 @@ fn fuzz(target: &str, mutations: u64) {
     }
 }
 
-/// Runs a target once; an input on which it fails is kept, so that it can be looked at and put into the corpus.
+/// Runs a target once; a failing input is kept for inspection and for the corpus.
 fn check(target: &str, bytes: &[u8], name: &str) {
     if catch_unwind(|| targets::run(target, bytes)).is_err() {
         let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("{target}-crash"));
@@ -126,7 +126,7 @@ fn osc_packets() {
 }
 
 #[test]
-fn words_of_ultraino() {
+fn ultraino_packets() {
     fuzz("ultraino", 20000);
 }
 
@@ -141,7 +141,7 @@ fn settings() {
 }
 
 #[test]
-fn every_target_is_run_here_and_by_the_fuzzer() {
+fn every_target_runs_here_and_under_libfuzzer() {
     let (here, manifest) =
         (include_str!("mod.rs"), fs::read_to_string(root().join("fuzz/Cargo.toml")).unwrap());
     for (name, _) in targets::TARGETS {
@@ -154,13 +154,13 @@ fn every_target_is_run_here_and_by_the_fuzzer() {
 }
 
 #[test]
-fn mutations_differ_and_are_the_same_every_time() {
+fn mutations_differ_and_are_reproducible() {
     let corpus = [b"pitch = 0.01\n".to_vec(), b"rows = 3\n".to_vec()];
     let words = dictionary("# numbers\n\"1e309\"\n\"\\x00\\\"\"\n");
     assert_eq!(words, [b"1e309".to_vec(), b"\0\"".to_vec()]);
     let of = |seed| mutated(&corpus, &words, &mut Dice(seed));
     let all: BTreeSet<_> = (0..2000).map(of).collect();
     assert!(all.len() > 1500, "{} of 2000 differ", all.len());
-    assert!(all.iter().any(|bytes| bytes.starts_with(b"pitch = 1e309")), "a number is replaced by a word");
+    assert!(all.iter().any(|bytes| bytes.starts_with(b"pitch = 1e309")), "a number replaced by a word");
     assert_eq!(of(7), of(7));
 }

@@ -1,6 +1,6 @@
-//! Bytes that are nearly what a target expects: parts of the corpus, cut, spliced, repeated, and with awkward words put in.
+//! Mutations of a corpus: inputs cut, spliced, repeated, and with awkward words inserted.
 
-/// Numbers that look random and are the same every time (Steele, Lea and Flood 2014, `SplitMix64`).
+/// Reproducible random numbers (Steele, Lea and Flood 2014, `SplitMix64`).
 #[derive(Clone, Debug)]
 pub struct Dice(pub u64);
 
@@ -13,7 +13,7 @@ impl Dice {
         z ^ (z >> 31)
     }
 
-    /// Less than `end`, or 0 where that is 0.
+    /// Below `end`, or 0 if that is 0.
     fn below(&mut self, end: usize) -> usize {
         (self.next() % end.max(1) as u64) as usize
     }
@@ -26,7 +26,7 @@ impl Dice {
         &of[self.below(of.len())]
     }
 
-    /// A part of `length` bytes, mostly a short one.
+    /// A range within `length` bytes, mostly short.
     fn part(&mut self, length: usize) -> std::ops::Range<usize> {
         let start = self.below(length);
         let longest = if self.below(4) == 0 { length - start } else { (length - start).min(16) };
@@ -34,11 +34,11 @@ impl Dice {
     }
 }
 
-/// Bytes of a mutation, at most.
+/// Maximum size of a mutation, bytes.
 const LONGEST: usize = 1 << 16;
 const MOST_STEPS: usize = 8;
 
-/// One of the corpus with a few changes.
+/// An input of the corpus with a few changes.
 pub fn mutated(corpus: &[Vec<u8>], words: &[Vec<u8>], dice: &mut Dice) -> Vec<u8> {
     let mut bytes = dice.one(corpus).clone();
     for _ in 0..=dice.below(MOST_STEPS) {
@@ -73,7 +73,7 @@ fn change(bytes: &mut Vec<u8>, corpus: &[Vec<u8>], words: &[Vec<u8>], dice: &mut
     }
 }
 
-/// The word or number about a place.
+/// The word or number around a position.
 fn token(bytes: &[u8], at: usize) -> std::ops::Range<usize> {
     let is_part = |byte: &&u8| byte.is_ascii_alphanumeric() || b"+-._".contains(byte);
     let before = bytes[..at].iter().rev().take_while(is_part).count();
@@ -81,7 +81,7 @@ fn token(bytes: &[u8], at: usize) -> std::ops::Range<usize> {
     at - before..at + after
 }
 
-/// The words of a dictionary as libFuzzer reads it: a word in quotes per line, bytes as `\xAB`.
+/// The words of a libFuzzer dictionary: one quoted word per line, with bytes as `\xAB`.
 pub fn dictionary(text: &str) -> Vec<Vec<u8>> {
     let quoted = |line: &str| {
         let line = line.trim().strip_prefix('"')?.strip_suffix('"')?;
@@ -96,7 +96,7 @@ fn unescaped(text: &str) -> Vec<u8> {
     loop {
         rest = match rest {
             [b'\\', b'x', high, low, rest @ ..] => {
-                let digit = |byte: u8| char::from(byte).to_digit(16).expect("a hexadecimal digit") as u8;
+                let digit = |byte: u8| char::from(byte).to_digit(16).expect("hexadecimal digits") as u8;
                 bytes.push(16 * digit(*high) + digit(*low));
                 rest
             }

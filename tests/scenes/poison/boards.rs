@@ -1,4 +1,4 @@
-//! Poison on its way to boards: whatever is asked for, what is played is a level of the board, or nothing.
+//! Invalid drives to boards: the output is a valid level of the board, or silence.
 
 use std::f64::consts::TAU;
 use std::time::{Duration, Instant};
@@ -23,7 +23,7 @@ fn most(profile: Profile) -> u16 {
 }
 
 #[test]
-fn levels_are_the_boards_own_and_nothing_unknown_is_loud() {
+fn levels_are_in_range_and_invalid_values_are_silent() {
     for profile in Profile::ALL {
         for amplitude in POISON.into_iter().chain([0.0, 0.5, 1.0, 2.0]) {
             for phase in POISON.into_iter().chain([1.0]) {
@@ -44,7 +44,7 @@ fn levels_are_the_boards_own_and_nothing_unknown_is_loud() {
 }
 
 #[test]
-fn drives_that_do_not_fit_are_refused() {
+fn drives_of_the_wrong_length_are_refused() {
     for profile in Profile::ALL {
         let count = profile.elements();
         for (amplitudes, phases) in [(0, 0), (count, count - 1), (count - 1, count), (count + 1, count)] {
@@ -76,7 +76,7 @@ fn drives_that_do_not_fit_are_refused() {
 }
 
 #[test]
-fn calibrations_hold_numbers_in_their_range() {
+fn calibrations_are_in_range() {
     let row = |offset: &str, gain: &str| {
         Calibration::parse(&format!("element,offset,gain,off\n0,{offset},{gain},0\n"), 1)
     };
@@ -94,7 +94,7 @@ fn calibrations_hold_numbers_in_their_range() {
 }
 
 #[test]
-fn lines_and_their_pace_take_anything() {
+fn line_coding_and_pacing_accept_any_input() {
     let now = Instant::now();
     for baud in POISON {
         let mut pace = Pace::new(baud, now);
@@ -109,7 +109,7 @@ fn lines_and_their_pace_take_anything() {
     for length in [0, 1, 5, 600, 1 << 20] {
         for fill in [1, 0xFF] {
             let bytes = vec![fill; length];
-            // Four zeros are nothing and the CRC of it, which is no packet.
+            // Four zero bytes are an empty body and its CRC, which is not a packet.
             assert!(line::checked(&bytes).is_ok_and(|body| body.is_empty()) == (length == 5 && fill == 1));
             assert!(Packet::of_line(&bytes).is_err() && Reply::of_line(&bytes).is_err());
         }

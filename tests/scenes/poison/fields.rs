@@ -1,4 +1,4 @@
-//! Poison in maps, formulae, samples, colours and contours.
+//! Invalid numbers in maps, formulae, samples, colours and contours.
 
 use glam::{DVec2, DVec3};
 use num_complex::Complex32;
@@ -14,6 +14,7 @@ use sonoglyph::field::{
 };
 use sonoglyph::scene::{Bead, Plane, Scene};
 use sonoglyph::studio::probe;
+use strum::VariantArray;
 
 use crate::poison::{POISON, SIZES, numbers, panics};
 
@@ -35,7 +36,7 @@ fn plane() -> Plane {
     Plane { size: DVec2::splat(0.04), ..Plane::default() }
 }
 
-/// Drives that are none: too short, too long, or with a value that is no number.
+/// Invalid drives: too short, too long, or with a value that is not a number.
 fn broken_drives() -> Vec<Drive> {
     let mut drives = vec![Drive::default()];
     for count in [11, 13] {
@@ -51,7 +52,7 @@ fn broken_drives() -> Vec<Drive> {
 }
 
 #[test]
-fn maps_have_pixels_and_drives_a_moment_and_a_part_of_them() {
+fn maps_without_pixels_or_valid_drives_panic() {
     let mut stages = Stages::new(Evaluator::Cpu);
     for quantity in Quantity::ALL {
         let request = Request::new(&scene(), vec![drive()], quantity, (8, 6));
@@ -87,16 +88,19 @@ fn maps_have_pixels_and_drives_a_moment_and_a_part_of_them() {
             assert_eq!(refused(Request { moment: poison, ..request.clone() }), expected, "{poison}");
         }
         let values = &stages.map(&request).unwrap().values;
-        assert!(values.iter().all(|value| value.is_finite()), "{quantity:?}: and goes on after that");
+        assert!(
+            values.iter().all(|value| value.is_finite()),
+            "{quantity:?}: the stages still work afterwards"
+        );
     }
 }
 
 #[test]
-fn formulae_take_any_number() {
+fn formulae_accept_any_number() {
     let air = Air::new(&Scene::default().medium, 40e3);
     for quantity in Quantity::ALL {
         for poison in POISON {
-            for part in Part::ALL {
+            for &part in Part::VARIANTS {
                 let mut sound =
                     Sound { p: Complex32::ONE, x: Complex32::I, y: Complex32::I, n: Complex32::ONE };
                 *sound.part_mut(part) = Complex32::new(poison as f32, poison as f32);
@@ -114,7 +118,7 @@ fn formulae_take_any_number() {
 }
 
 #[test]
-fn planes_that_are_none_have_no_plan_no_samples_and_no_cells() {
+fn invalid_planes_have_no_plan_samples_or_cells() {
     let aperture = aperture();
     let put: [fn(&mut Plane, f64); 5] = [
         |plane, x| plane.centre.x = x,
@@ -164,7 +168,7 @@ fn planes_that_are_none_have_no_plan_no_samples_and_no_cells() {
             assert!(cells.len() <= 1 << 23, "{poison}");
         }
     }
-    // As wide, and as many wavelengths wide, as a scene may be.
+    // The widest plane of a scene, in metres and in wavelengths.
     let mut scene = Scene::default();
     (scene.array.frequency, scene.medium.sound_speed) = (1e6, Some(1.0));
     scene.plane = Plane { size: DVec2::splat(100.0), tolerance: 1e-3, ..scene.plane };
@@ -175,7 +179,7 @@ fn planes_that_are_none_have_no_plan_no_samples_and_no_cells() {
 }
 
 #[test]
-fn a_broken_sample_spoils_no_other() {
+fn an_invalid_sample_does_not_affect_others() {
     let (aperture, drive) = (aperture(), drive());
     let here = DVec3::new(0.0, 0.01, 0.1);
     let right = Evaluator::Reference.pressure(&aperture, &drive, &Samples::at(vec![here])).unwrap()[0];
@@ -201,7 +205,7 @@ fn a_broken_sample_spoils_no_other() {
 }
 
 #[test]
-fn colours_are_of_the_table_and_lines_on_the_map_whatever_the_numbers() {
+fn colours_and_contours_of_any_numbers_are_in_range() {
     let poison = POISON.map(|x| x as f32);
     let table = std::array::from_fn(|i| [i as u8, 1, 2, 255]);
     for quantity in Quantity::ALL {
@@ -231,7 +235,7 @@ fn colours_are_of_the_table_and_lines_on_the_map_whatever_the_numbers() {
 }
 
 #[test]
-fn windows_have_taps_and_polynomials_end() {
+fn interpolation_windows_and_polynomials_are_bounded() {
     assert!(panics(|| Resampling::new([1.0].into_iter(), 0, 8.0)));
     for beta in POISON {
         let weights = Resampling::new([3.5, 4.0].into_iter(), 3, beta);

@@ -1,4 +1,4 @@
-//! Poison in drawings from elsewhere.
+//! Invalid numbers in imported drawings.
 
 use glam::{DVec2, DVec3};
 
@@ -8,7 +8,7 @@ use sonoglyph::scene::Sampling;
 use crate::poison::{POISON, SIZES};
 
 #[test]
-fn lines_are_simplified_in_the_end() {
+fn simplification_of_any_line_terminates() {
     for poison in POISON {
         for closed in [false, true] {
             let points = vec![DVec2::ZERO, DVec2::new(poison, 1.0), DVec2::new(1.0, -poison), DVec2::ONE];

@@ -1,7 +1,7 @@
-//! Numbers that are none, next to nothing or beyond everything, and lists that are empty or do not match, into every layer.
+//! Invalid, tiny and huge numbers, and empty or mismatched lists, in every layer.
 //!
-//! What takes them answers with an error or a number in its range, or panics as its documentation says. What checked scenes cannot
-//! hold, their check refuses; mathematics (`acoustics`, `surface`) makes NaN of NaN, and of nothing else.
+//! The result is an error, a number in range, or the documented panic. Values that a checked scene cannot hold are
+//! refused by its check; mathematics (`acoustics`, `surface`) makes NaN only from NaN.
 
 mod boards;
 mod fields;
@@ -13,7 +13,7 @@ mod sums;
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What is no number that anybody means.
+/// Not-a-numbers, infinities and extreme values.
 pub const POISON: [f64; 12] = [
     f64::NAN,
     f64::INFINITY,
@@ -33,10 +33,10 @@ pub fn numbers() -> impl Iterator<Item = f64> {
     POISON.into_iter().filter(|number| number.is_finite())
 }
 
-/// Sizes that nobody means.
+/// Zero and excessive sizes.
 pub const SIZES: [usize; 3] = [0, u32::MAX as usize, usize::MAX];
 
-/// Whether a call panics, as its documentation says it does.
+/// Whether a call panics as documented.
 pub fn panics<T>(call: impl FnOnce() -> T) -> bool {
     catch_unwind(AssertUnwindSafe(call)).is_err()
 }

@@ -1,10 +1,11 @@
-//! Poison in pictures, files of numbers, animations, charts and views of a liquid.
+//! Invalid numbers in pictures, numeric files, animations, charts and shaded surfaces.
 
 use glam::DVec2;
 use sonoglyph::picture::animation::{Animation, AnimationError, Colours, Format, Pace};
 use sonoglyph::picture::chart::{Chart, Level, Series};
 use sonoglyph::picture::relief::{self, Relief, Words};
 use sonoglyph::picture::{ColourMap, Picture, export, numbers, sheet};
+use sonoglyph::rounding;
 use sonoglyph::scene::Plane;
 
 use crate::poison::{POISON, SIZES, panics};
@@ -22,7 +23,7 @@ fn pictures_have_four_bytes_a_pixel() {
         );
     }
     let bytes = numbers::npy(&[2], &[f32::NAN, f32::INFINITY]).unwrap();
-    assert!(bytes.ends_with(&f32::INFINITY.to_le_bytes()), "numbers are written as they are");
+    assert!(bytes.ends_with(&f32::INFINITY.to_le_bytes()), "numbers are written unchanged");
 }
 
 #[test]
@@ -46,7 +47,7 @@ fn animations_have_frames_and_sides() {
 }
 
 #[test]
-fn charts_leave_out_what_has_no_logarithm() {
+fn charts_leave_out_values_without_a_logarithm() {
     let chart = |points: Vec<(f64, f64)>| Chart {
         title: "poison".to_owned(),
         x_label: "x".to_owned(),
@@ -64,7 +65,7 @@ fn charts_leave_out_what_has_no_logarithm() {
 }
 
 #[test]
-fn reliefs_of_anything_are_pictures() {
+fn reliefs_of_any_numbers_are_pictures() {
     for poison in POISON {
         let mut depth = vec![1e-5f32; 12];
         depth[5] = poison as f32;
@@ -82,6 +83,6 @@ fn sizes_of_pages_are_bounded() {
         let plane = Plane { size: DVec2::new(poison, 0.1), ..Plane::default() };
         let (width, height) = sheet::map_size(&plane, 1600, 1000);
         assert!(width <= 1600 && height <= 1000, "{poison}: {width} x {height}");
-        assert!(!sheet::pascals(poison).is_empty());
+        assert!(!rounding::pascals(poison).is_empty());
     }
 }

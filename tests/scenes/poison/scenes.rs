@@ -1,4 +1,4 @@
-//! Poison in a scene: its check refuses it, or the scene goes all the way to a picture of numbers.
+//! Invalid numbers in a scene: its check refuses them, or the scene renders to finite numbers.
 
 use glam::{DVec2, DVec3};
 use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
@@ -8,6 +8,7 @@ use sonoglyph::scene::{
     Shape, Target, Tempo, Tone, Wave, Zone, font, motion, outline, wave::Samples,
 };
 use sonoglyph::solver::{self, SolveError};
+use strum::VariantArray;
 
 use crate::poison::{POISON, SIZES, panics};
 
@@ -132,7 +133,7 @@ fn small() -> Scene {
 }
 
 #[test]
-fn no_number_of_a_scene_is_poison() {
+fn any_number_in_a_scene_is_refused_or_renders() {
     let mut stages = Stages::new(Evaluator::Cpu);
     for (key, put) in NUMBERS {
         for poison in POISON {
@@ -147,16 +148,16 @@ fn no_number_of_a_scene_is_poison() {
                     );
                 }
                 Ok(()) => {
-                    assert!(poison.is_finite(), "{key} = {poison} is let through");
-                    goes_all_the_way(&mut stages, &scene, &format!("{key} = {poison:e}"));
+                    assert!(poison.is_finite(), "{key} = {poison} is accepted");
+                    renders(&mut stages, &scene, &format!("{key} = {poison:e}"));
                 }
             }
         }
     }
 }
 
-/// Every number of the picture is one.
-fn goes_all_the_way(stages: &mut Stages, scene: &Scene, name: &str) {
+/// Solves and renders the scene; all pixels are numbers.
+fn renders(stages: &mut Stages, scene: &Scene, name: &str) {
     let solution = match solver::solve(scene) {
         Ok(solution) => solution,
         Err(SolveError::Scene(_)) => return,
@@ -176,7 +177,7 @@ fn goes_all_the_way(stages: &mut Stages, scene: &Scene, name: &str) {
 }
 
 #[test]
-fn no_count_of_a_scene_is_poison() {
+fn excessive_counts_in_a_scene_are_refused() {
     let most = u32::MAX;
     let counts: [Put<u32>; 8] = [
         |s, n| s.array.rows = n,
@@ -194,18 +195,18 @@ fn no_count_of_a_scene_is_poison() {
         assert!(check(&scene).and_then(|()| motion::check(&scene)).is_err(), "count {index}");
         if ![3].contains(&index) {
             put(&mut scene, 0);
-            assert!(check(&scene).is_err(), "count {index} of nothing");
+            assert!(check(&scene).is_err(), "count {index} = 0");
         }
     }
     let mut scene = small();
     scene.targets[0].step = Some(most);
     scene.motion.path = MotionPath::Steps;
     assert!(motion::check(&scene).is_err());
-    assert!(outline::foci(&scene).is_err(), "no target in the first step");
+    assert!(outline::foci(&scene).is_err(), "the first step has no target");
 }
 
 #[test]
-fn outlines_of_unchecked_targets_are_refused_or_finite_and_never_endless() {
+fn outlines_of_unchecked_targets_are_refused_or_finite() {
     let line = |to: DVec3| Shape::Line { from: DVec3::Z, to };
     let target = |sampling| Target { sampling, ..Target::new(line(DVec3::new(0.1, 0.0, 1.0))) };
     for poison in POISON {
@@ -225,14 +226,14 @@ fn outlines_of_unchecked_targets_are_refused_or_finite_and_never_endless() {
 }
 
 #[test]
-fn envelopes_and_paths_stay_in_their_range() {
+fn envelopes_and_paths_are_in_range() {
     let mut scene = small();
     let samples = Samples { file: "a.wav".into(), rate: 3.0, values: vec![-1.0, 0.3, 1.0] };
     scene.modulation.wave = Wave::new(samples);
     scene.modulation.tones =
         vec![Tone { depth: 0.5, ..Tone::default() }, Tone { depth: 0.5, frequency: 1.5, phase: 9.0 }];
     for (shape, law) in
-        Envelope::ALL.into_iter().flat_map(|shape| [(shape, Law::Amplitude), (shape, Law::Power)])
+        Envelope::VARIANTS.iter().flat_map(|&shape| [(shape, Law::Amplitude), (shape, Law::Power)])
     {
         (scene.modulation.shape, scene.modulation.law) = (shape, law);
         for time in crate::poison::numbers().filter(|time| time.abs() <= 1e300) {

@@ -1,4 +1,4 @@
-//! Poison in the mathematics: air, elements, transfer, drives, solver and surfaces.
+//! Invalid numbers in the mathematics: air, elements, transfer, drives, solver and surfaces.
 
 use std::f64::consts::TAU;
 
@@ -9,6 +9,7 @@ use sonoglyph::drive::{Drive, delay_level};
 use sonoglyph::scene::{ElementModel, Focus, Liquid, Medium, Method, Scene};
 use sonoglyph::solver::{self, Limits, Problem, levels};
 use sonoglyph::surface::{Rest, Tank, Waves, dent};
+use strum::VariantArray;
 
 use crate::poison::{POISON, numbers, panics};
 
@@ -21,7 +22,7 @@ fn scene(model: ElementModel) -> Scene {
 const MODELS: [ElementModel; 3] = [ElementModel::Piston, ElementModel::ExactPiston, ElementModel::Point];
 
 #[test]
-fn elements_send_numbers_to_every_place_within_a_thousand_kilometres() {
+fn transfers_are_finite_within_a_thousand_kilometres() {
     for model in MODELS {
         let aperture = Aperture::new(&scene(model));
         let places = [0.0, -0.0, 5e-324, -1e-310, 1e-300, 1e-5, -1e-5, 1e6, -1e6];
@@ -32,7 +33,7 @@ fn elements_send_numbers_to_every_place_within_a_thousand_kilometres() {
             assert!(aperture.resolution()(at).is_finite(), "{at}");
         }
         for poison in POISON {
-            // Beyond: no panic, and no integral without end.
+            // Farther away: no panic, and integrals terminate.
             aperture.element.transfer(DVec3::splat(poison));
             aperture.element.transfer(DVec3::new(poison, 0.0, 0.1));
             aperture.transfer(&[DVec3::new(0.0, 0.0, poison)]);
@@ -51,7 +52,7 @@ fn elements_send_numbers_to_every_place_within_a_thousand_kilometres() {
 }
 
 #[test]
-fn air_of_any_weather_is_a_number_or_not_and_never_a_panic() {
+fn air_of_any_weather_does_not_panic() {
     for poison in POISON {
         air::absorption(poison, 20.0, 50.0, 101_325.0);
         air::absorption(40e3, poison, 50.0, 101_325.0);
@@ -61,7 +62,7 @@ fn air_of_any_weather_is_a_number_or_not_and_never_a_panic() {
 }
 
 #[test]
-fn matrices_refuse_what_does_not_match() {
+fn matrices_of_mismatched_sizes_panic() {
     let aperture = Aperture::new(&scene(ElementModel::Piston));
     let transfer = aperture.transfer(&[DVec3::Z, DVec3::X]);
     for count in [0, 1, 11, 13, 1000] {
@@ -73,7 +74,7 @@ fn matrices_refuse_what_does_not_match() {
     assert!(
         nothing.pressure(&[]).is_empty() && nothing.back(&[]).is_empty() && nothing.gram(None).is_empty()
     );
-    // What is no number is heard by the points of its own row, and by no others.
+    // NaN affects only its own row.
     let mut broken = transfer.clone();
     broken.set(0, 3, Complex64::new(f64::NAN, 0.0));
     let heard = broken.pressure(&[Complex64::ONE; 12]);
@@ -81,7 +82,7 @@ fn matrices_refuse_what_does_not_match() {
 }
 
 #[test]
-fn drives_are_in_range_whatever_they_are_made_of() {
+fn drives_of_any_numbers_are_in_range() {
     for a in POISON {
         for b in POISON {
             let values = [Complex64::new(a, b), Complex64::ONE];
@@ -118,7 +119,7 @@ fn focus(position: DVec3, target: f64) -> Focus {
 }
 
 #[test]
-fn problems_have_foci_and_targets_that_are_numbers() {
+fn invalid_foci_and_targets_panic() {
     let aperture = Aperture::new(&scene(ElementModel::Piston));
     let problem = |foci: Vec<Focus>| Problem::new(&aperture, foci);
     assert!(panics(|| problem(Vec::new())));
@@ -128,7 +129,7 @@ fn problems_have_foci_and_targets_that_are_numbers() {
         let is_target = poison.is_finite() && poison > 0.0;
         assert_eq!(panics(|| problem(vec![focus(DVec3::Z, poison)])), !is_target, "{poison}");
     }
-    // As unequal as scenes allow, coincident, on an element, and more than there are elements.
+    // As unequal as scenes allow, coincident, on an element, and more than elements.
     let hard = [
         vec![focus(DVec3::Z, 1e-6), focus(DVec3::Z * 2.0, 1e9)],
         vec![focus(DVec3::Z * 0.1, 1.0); 3],
@@ -139,14 +140,14 @@ fn problems_have_foci_and_targets_that_are_numbers() {
         let problem = problem(foci);
         let limits = Limits::new(&problem);
         assert!(limits.bound.is_finite() && limits.condition.is_finite(), "{limits:?}");
-        for method in Method::ALL.into_iter().filter(|&method| method != Method::Focus) {
+        for &method in Method::VARIANTS.iter().filter(|method| **method != Method::Focus) {
             for iterations in [0, 1] {
                 let excitation = solver::excite(&problem, method, iterations).unwrap();
                 assert!(excitation.values.iter().all(|u| u.is_finite()), "{method:?}: {:?}", problem.foci);
                 let drive = Drive::uniform(12, &aperture.driven, &excitation.values);
                 assert!(panics(|| levels::refined(&problem, &drive, 0)));
                 let refined = levels::refined(&problem, &drive, 1);
-                assert!(refined.phases.iter().all(|&phase| phase == 0.0), "there is one level");
+                assert!(refined.phases.iter().all(|&phase| phase == 0.0), "with one level");
                 assert!((0.0..1.0).contains(&levels::expected_part(u32::MAX).mul_add(1.0, -1e-9)));
             }
         }
@@ -154,7 +155,7 @@ fn problems_have_foci_and_targets_that_are_numbers() {
 }
 
 #[test]
-fn surfaces_are_numbers_where_pressures_are() {
+fn surfaces_are_finite_if_pressures_are() {
     for counts in [[0, 4], [4, 0], [0, 0]] {
         assert!(panics(|| Tank::new(counts, [0.001; 2])));
     }
@@ -174,7 +175,7 @@ fn surfaces_are_numbers_where_pressures_are() {
             "{pressure}"
         );
     }
-    assert!(tank.dent(&liquid, &[f64::NAN; 12]).volume.is_nan(), "a NaN is not hidden");
+    assert!(tank.dent(&liquid, &[f64::NAN; 12]).volume.is_nan(), "NaN stays visible");
     for step in POISON {
         let is_time = (0.0..=1e9).contains(&step);
         assert_eq!(panics(|| Waves::new(&tank, &liquid, step)), !is_time, "{step} s");

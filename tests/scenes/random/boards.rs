@@ -102,7 +102,7 @@ fn the_native_device_plays(levels: &Levels) {
     assert_eq!(lines.len(), 1);
     let packet = Packet::of_line(&lines.remove(0)).unwrap();
     assert_eq!(packet, sent);
-    let pairs: Vec<_> = match Kind::of_code(packet.code).unwrap() {
+    let pairs: Vec<_> = match Kind::from_repr(packet.code).unwrap() {
         Kind::Phases => packet.payload.iter().map(|&phase| [phase, packet.arguments[1]]).collect(),
         Kind::Frame => packet.payload.as_chunks::<2>().0.to_vec(),
         kind => panic!("{kind:?}"),

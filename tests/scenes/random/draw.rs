@@ -8,8 +8,10 @@ use sonoglyph::scene::{
     Amplitudes, Array, Easing, ElementModel, Envelope, Keyframe, Law, Liquid, LiquidName, Listener, Medium,
     Method, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo,
 };
+use strum::VariantArray;
 
 use crate::dice::Dice;
+use crate::random::space;
 
 /// Cells of a dent, six per wavelength and 14 capillary lengths beyond the plane on every side: as many as there is time for.
 const MOST_CELLS: f64 = 3_000.0;
@@ -21,6 +23,8 @@ pub enum Family {
     Usual,
     /// Every number from its smallest to its largest legal value, evenly in the logarithm.
     Wide,
+    /// Usual scenes with boards and reflectors in space, or with a table of elements.
+    Spatial,
     /// Like the usual ones, but for foci that no array can tell apart, reach or hear.
     Ill,
 }
@@ -39,11 +43,13 @@ impl Case {
         let family = match number % 10 {
             0 => Family::Ill,
             1 | 2 => Family::Wide,
+            9 => Family::Spatial,
             _ => Family::Usual,
         };
         let scene = match family {
             Family::Wide => scene(&mut dice, number, true),
             Family::Usual => scene(&mut dice, number, false),
+            Family::Spatial => space::placed(&scene(&mut dice, number, false), &mut dice),
             Family::Ill => {
                 let mut scene = scene(&mut dice, number, false);
                 spoil(&mut scene, &mut dice, number / 10);
@@ -203,7 +209,7 @@ fn liquid(dice: &mut Dice, size: DVec2, wavelength: f64) -> Liquid {
     };
     for _ in 0..30 {
         let named = Liquid {
-            name: dice.one_of(&LiquidName::ALL),
+            name: dice.one_of(LiquidName::VARIANTS),
             gravity: dice.between(1.0, 20.0),
             depth: dice.magnitude(1e-3, 1.0),
             ..Liquid::default()
@@ -224,7 +230,7 @@ fn liquid(dice: &mut Dice, size: DVec2, wavelength: f64) -> Liquid {
 
 fn solver(dice: &mut Dice) -> Solver {
     Solver {
-        method: if dice.of(0.2) { Method::Best } else { dice.one_of(&Method::ALL) },
+        method: if dice.of(0.2) { Method::Best } else { dice.one_of(Method::VARIANTS) },
         iterations: dice.one_of(&[0, 0, 0, 1, 3, 12]),
         pressures: dice.one_of(&[Pressures::Relative, Pressures::Relative, Pressures::Pascal]),
         amplitudes: dice.one_of(&[Amplitudes::Uniform, Amplitudes::Uniform, Amplitudes::Free]),
@@ -309,7 +315,7 @@ fn keyframes(dice: &mut Dice, size: f64) -> Vec<Keyframe> {
         time: (f64::from(i) + dice.between(0.0, 0.9)) / f64::from(count),
         at: DVec3::new(if i == 0 { size } else { -size * dice.unit() }, size * dice.unit(), 0.0),
         pressure: dice.magnitude(0.3, 1.0),
-        easing: if i == 0 { Easing::Linear } else { dice.one_of(&Easing::ALL) },
+        easing: if i == 0 { Easing::Linear } else { dice.one_of(Easing::VARIANTS) },
     };
     (0..count).map(keyframe).collect()
 }

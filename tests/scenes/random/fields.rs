@@ -45,9 +45,8 @@ pub const POLYNOMIALS: f64 = 5e-6;
 /// large as their sum as the way across is wider than the disk.
 pub fn f32_rounding(solved: &Solved, point: DVec3) -> f64 {
     let Solved { scene, oracle, .. } = solved;
-    let array = oracle.elements.iter().map(|at| at.length()).fold(0.0, f64::max);
-    let across = (array + point.truncate().length()) / oracle.wavelength();
-    let deep = if point.z < 2.0 * oracle.wavelength() { 3.0 } else { 1.0 };
+    let across = oracle.across(point) / oracle.wavelength();
+    let deep = if oracle.height(point) < 2.0 * oracle.wavelength() { 3.0 } else { 1.0 };
     let disk = match scene.array.element {
         ElementModel::ExactPiston => across * oracle.wavelength() / scene.array.element_radius,
         ElementModel::Piston | ElementModel::Point => 0.0,
@@ -132,12 +131,12 @@ fn map(
 
 fn reference_is_the_model(solved: &Solved, drive: &Drive, point: DVec3, got: Complex64) {
     let Solved { scene, oracle, .. } = solved;
-    if (point.z + NEAREST).abs() < 1e-12 {
+    if (oracle.height(point) - NEAREST).abs() < 1e-12 {
         return;
     }
     let Some((expected, moduli)) = oracle.pressure(drive, point) else { return };
     let exact = scene.array.element == ElementModel::ExactPiston;
-    let distance = point.length() + oracle.elements.iter().map(|at| at.length()).fold(0.0, f64::max);
+    let distance = point.length() + oracle.reach;
     let rounding = if exact { DISK } else { rounding(oracle, distance) };
     within("the f64 reference", (expected - got).norm(), rounding * moduli + f64::MIN_POSITIVE);
 }
@@ -160,8 +159,9 @@ fn flow_is_the_models(stages: &mut Stages, solved: &Solved, size: (usize, usize)
     let chosen = (1..BY_ORACLE).map(|_| dice.whole(0, map.values.len() as u32 - 1) as usize);
     for pixel in std::iter::once(largest).chain(chosen) {
         let point = pixels.point(pixel);
-        let is_wide = scene.array.element == ElementModel::Piston && oracle.radius > WIDEST * point.z;
-        if point.z < 0.5 * oracle.wavelength() || is_wide {
+        let height = oracle.height(point);
+        let is_wide = scene.array.element == ElementModel::Piston && oracle.radius > WIDEST * height;
+        if height < 0.5 * oracle.wavelength() || is_wide {
             continue;
         }
         let arriving = moduli(solved, drive, point);
@@ -180,7 +180,7 @@ fn flow_is_the_models(stages: &mut Stages, solved: &Solved, size: (usize, usize)
 
 /// Every invariant of the field of a solved scene; the largest |P| (Pa) on its plane.
 pub fn hold(evaluators: &mut Evaluators, solved: &Solved, dice: &mut Dice) -> f64 {
-    let Solved { scene, solution, .. } = solved;
+    let Solved { solution, .. } = solved;
     let size = (dice.whole(1, 40) as usize, dice.whole(1, 40) as usize);
     let (by_cpu, by) = map(&mut evaluators.cpu, solved, &solution.drive, size, dice);
     count(&format!("maps by {by:?}, asked of the CPU"));
@@ -197,22 +197,23 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, dice: &mut Dice) -> f6
             flow_is_the_models(gpu, solved, size, dice);
         }
     }
-    let points = places(scene, dice);
+    let points = places(solved, dice);
     sums_are_linear(solved, &points, dice);
     a_turn_changes_no_modulus(evaluators, solved, &by_cpu, size, dice);
     elements_and_points_change_places(solved, dice);
     peak
 }
 
-/// On the plane and off it, in front of the array.
-fn places(scene: &Scene, dice: &mut Dice) -> Vec<DVec3> {
+/// On the plane and off it, and in the plane of no element.
+fn places(Solved { scene, oracle, .. }: &Solved, dice: &mut Dice) -> Vec<DVec3> {
     let Plane { centre, size, .. } = &scene.plane;
-    let place = |dice: &mut Dice| {
+    let mut place = || {
         let at = DVec3::new(dice.between(-1.0, 1.0), dice.between(-1.0, 1.0), dice.between(-1.0, 1.0));
         let at = *centre + at * size.max_element();
-        at.with_z(at.z.abs().max(10.0 * NEAREST))
+        if scene.is_home() { at.with_z(at.z.abs().max(10.0 * NEAREST)) } else { at }
     };
-    (0..17).map(|_| place(dice)).collect()
+    let mut off_all_faces = || (0..100).map(|_| place()).find(|&at| oracle.height(at) > 9.0 * NEAREST);
+    (0..17).filter_map(|_| off_all_faces()).collect()
 }
 
 fn any_drive(elements: usize, dice: &mut Dice) -> Drive {
@@ -293,8 +294,9 @@ fn a_turn_changes_no_modulus(
 /// above n. That source and receiver at any two places may be exchanged holds of points alone: a piston's directivity stays behind.
 fn elements_and_points_change_places(solved: &Solved, dice: &mut Dice) {
     let Solved { scene, aperture, oracle, .. } = solved;
-    let element =
-        |dice: &mut Dice| aperture.positions[dice.whole(0, aperture.positions.len() as u32 - 1) as usize];
+    let element = |dice: &mut Dice| {
+        aperture.positions[dice.whole(0, aperture.positions.len() as u32 - 1) as usize].with_z(0.0)
+    };
     let (n, m) = (element(dice), element(dice));
     let up = DVec3::Z * dice.magnitude(1e-4, 40.0 * oracle.wavelength().max(1e-4));
     let there = aperture.element.transfer(m - n + up);
@@ -333,12 +335,12 @@ pub fn moves_change_no_field(evaluators: &mut Evaluators, solved: &Solved, moved
         scene: Scene { plane, ..moved.scene.clone() },
         solution: solution.clone(),
     };
-    let points = places(scene, dice);
+    let points = places(solved, dice);
     let there: Vec<_> = points.iter().map(|&point| (moved.place)(point)).collect();
     let before = reference::pressure(aperture, &solution.drive, &Samples::at(points.clone()));
     let after = reference::pressure(&other.aperture, &drive, &Samples::at(there));
     for ((&point, before), after) in points.iter().zip(&before).zip(&after) {
-        let distance = point.length() + oracle.elements.iter().map(|at| at.length()).fold(0.0, f64::max);
+        let distance = point.length() + oracle.reach;
         let most = rounding(oracle, 4.0 * distance) * moduli(solved, &solution.drive, point);
         within("moved, in f64", (before - after).norm(), most + f64::MIN_POSITIVE);
     }

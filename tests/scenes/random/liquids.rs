@@ -51,7 +51,9 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, peak: f64, dice: &mut 
         return count("averages left out: too faint for squares in f32");
     }
     let radius = solved.aperture.element.radius;
-    if scene.array.element == ElementModel::Piston && radius > WIDEST * scene.plane.centre.z {
+    if scene.array.element == ElementModel::Piston
+        && radius > WIDEST * solved.oracle.height(scene.plane.centre)
+    {
         return count("averages left out: elements wider than they are far away");
     }
     let cells = Cells::new(&solved.aperture, &scene.plane, 0.0, FINEST);
@@ -167,7 +169,7 @@ fn radiation_is_the_models(
         let pixel = dice.whole(0, map.values.len() as u32 - 1) as usize;
         let point = pixels.point(pixel);
         // Slopes nearer to the array than that are those a little further away.
-        if !at_cells && point.z < 0.5 * oracle.wavelength() {
+        if !at_cells && oracle.height(point) < 0.5 * oracle.wavelength() {
             continue;
         }
         let Some((expected, of_pressure)) = oracle.radiation(&solution.drive, point, axes) else {

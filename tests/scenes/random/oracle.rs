@@ -6,19 +6,45 @@ use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::air;
 use sonoglyph::drive::Drive;
-use sonoglyph::scene::{ElementModel, Liquid, LiquidName, Scene};
+use sonoglyph::scene::{Array, ElementModel, Liquid, LiquidName, Placed, Reflector, Scene};
 
 /// Np per dB: e^{-αr} = 10^{-dB/20}.
 const NEPER_PER_DB: f64 = std::f64::consts::LN_10 / 20.0;
 /// m; nearer to the array's plane, the program takes a point for one at this height.
 pub const NEAREST: f64 = 1e-5;
 
-/// What an array and its medium are, in numbers of the oracle's own.
+/// An element of a board, or its image in a reflector.
+#[derive(Clone, Copy, Debug)]
+struct Source {
+    /// Its number in the array.
+    element: usize,
+    /// m
+    at: DVec3,
+    /// Unit vector: the direction of radiation.
+    normal: DVec3,
+    /// Factor on the drive.
+    gain: f64,
+}
+
+impl Source {
+    fn mirrored(self, mirror: &Reflector) -> Self {
+        let up = mirror.normal.normalize_or(DVec3::Z);
+        let turned = |direction: DVec3| direction - 2.0 * up.dot(direction) * up;
+        let at = mirror.point + turned(self.at - mirror.point);
+        Self { at, normal: turned(self.normal), gain: self.gain * mirror.coefficient, ..self }
+    }
+}
+
+/// An array and its medium, independent of the program's model.
 #[derive(Clone, Debug)]
 pub struct Oracle {
-    /// m, of every element of the array.
-    pub elements: Vec<DVec3>,
-    pub is_off: Vec<bool>,
+    sources: Vec<Source>,
+    /// m and a unit vector: centres and directions of boards and their images.
+    faces: Vec<(DVec3, DVec3)>,
+    /// m, largest distance of an element from its board's centre.
+    extent: f64,
+    /// m, largest distance of a source from the origin.
+    pub reach: f64,
     /// rad/m
     pub wavenumber: f64,
     /// Np/m
@@ -42,17 +68,35 @@ impl Oracle {
         let decibels = medium.absorption.unwrap_or_else(|| {
             air::absorption(array.frequency, medium.temperature, medium.humidity, medium.pressure)
         });
-        let mut elements = Vec::new();
-        for row in 0..array.rows {
-            for column in 0..array.columns {
-                let x = f64::from(column) - (f64::from(array.columns) - 1.0) / 2.0;
-                let y = f64::from(row) - (f64::from(array.rows) - 1.0) / 2.0;
-                elements.push(DVec3::new(x * array.pitch, y * array.pitch, 0.0));
+        let places = array.placed.get().map_or_else(|| grid(array), <[_]>::to_vec);
+        let (mut sources, mut faces) = (Vec::new(), Vec::new());
+        for (number, board) in scene.standing().iter().enumerate() {
+            let z = board.normal.normalize_or(DVec3::Z);
+            let x = (board.x_axis - board.x_axis.dot(z) * z).normalize_or(DVec3::X);
+            let world = |local: DVec3| local.x * x + local.y * z.cross(x) + local.z * z;
+            let source = |(index, it): (usize, &Placed)| Source {
+                element: number * places.len() + index,
+                at: board.at + world(it.at),
+                normal: world(it.normal),
+                gain: 1.0,
+            };
+            let own: Vec<_> = places.iter().enumerate().map(source).collect();
+            faces.push((board.at, z));
+            sources.extend(&own);
+            for mirror in &scene.reflectors {
+                let images = images(&own, board.at, z, mirror, array.reflectivity);
+                faces.extend(images.iter().map(|image| (image.at, image.normal)));
+                sources.extend(images);
             }
         }
+        // The share of a source at any distance in the rounding of the sum depends on its gain alone.
+        let loud = sources.iter().filter(|source| source.gain.abs() > 1e-2);
+        let reach = loud.map(|source| source.at.length()).fold(0.0, f64::max);
         Self {
-            is_off: (0..elements.len()).map(|n| array.off.contains(&n)).collect(),
-            elements,
+            extent: places.iter().map(|it| it.at.length()).fold(0.0, f64::max),
+            sources: sources.into_iter().filter(|source| !array.off.contains(&source.element)).collect(),
+            faces,
+            reach,
             wavenumber: TAU * array.frequency / sound_speed,
             attenuation: decibels * NEPER_PER_DB,
             sound_speed,
@@ -69,10 +113,26 @@ impl Oracle {
         TAU / self.wavenumber
     }
 
-    /// Pa (peak) at a point per unit of drive of one element; `None` where the oracle's own integral of the exact piston is
+    /// m, from a point to the nearest plane of an element, in front of it or behind.
+    pub fn height(&self, point: DVec3) -> f64 {
+        let heights = self.sources.iter().map(|source| source.normal.dot(point - source.at).abs());
+        heights.fold(f64::INFINITY, f64::min)
+    }
+
+    /// m, largest distance of a point from a board's axis, and of the elements from it.
+    pub fn across(&self, point: DVec3) -> f64 {
+        let aside =
+            self.faces.iter().map(|(at, normal)| (point - at).reject_from_normalized(*normal).length());
+        self.extent + aside.fold(0.0, f64::max)
+    }
+
+    /// Pa (peak) at a point per unit of drive of one source; `None` where the oracle's own integral of the exact piston is
     /// not good enough: on a piston, or of one many wavelengths wide.
-    pub fn transfer(&self, element: usize, point: DVec3) -> Option<Complex64> {
-        let offset = point - self.elements[element];
+    fn transfer(&self, source: &Source, point: DVec3) -> Option<Complex64> {
+        let offset = point - source.at;
+        let z = source.normal.dot(offset);
+        let offset = (offset - z * source.normal).length();
+        let offset = DVec3::new(offset, 0.0, z);
         if offset.z < -NEAREST {
             return Some(Complex64::ZERO);
         }
@@ -88,7 +148,7 @@ impl Oracle {
             }
             ElementModel::ExactPiston => self.disk(offset)?,
         };
-        Some(wave * self.strength * (-self.attenuation * r).exp())
+        Some(wave * source.gain * self.strength * (-self.attenuation * r).exp())
     }
 
     /// Rayleigh's integral, the mean of what the points of the disk send: by Gauss's rule in ρ² and midpoints round the half circle,
@@ -123,8 +183,10 @@ impl Oracle {
     /// Pa (peak) that a drive makes at a point, and the sum of what its elements send there, phases left aside.
     pub fn pressure(&self, drive: &Drive, point: DVec3) -> Option<(Complex64, f64)> {
         let (mut sum, mut moduli) = (Complex64::ZERO, 0.0);
-        for n in (0..self.elements.len()).filter(|&n| !self.is_off[n] && drive.amplitudes[n] > 0.0) {
-            let wave = self.transfer(n, point)? * Complex64::from_polar(drive.amplitudes[n], drive.phases[n]);
+        for source in self.sources.iter().filter(|source| drive.amplitudes[source.element] > 0.0) {
+            let n = source.element;
+            let wave =
+                self.transfer(source, point)? * Complex64::from_polar(drive.amplitudes[n], drive.phases[n]);
             sum += wave;
             moduli += wave.norm();
         }
@@ -171,6 +233,41 @@ impl Oracle {
         }
         Some(flow.length())
     }
+}
+
+/// The elements of rows and columns in z = 0, row by row.
+fn grid(array: &Array) -> Vec<Placed> {
+    let mut elements = Vec::new();
+    for row in 0..array.rows {
+        for column in 0..array.columns {
+            let x = f64::from(column) - (f64::from(array.columns) - 1.0) / 2.0;
+            let y = f64::from(row) - (f64::from(array.rows) - 1.0) / 2.0;
+            elements.push(Placed { at: DVec3::new(x, y, 0.0) * array.pitch, normal: DVec3::Z });
+        }
+    }
+    elements
+}
+
+/// The images of a board's elements in a reflector: one, or the series between the reflector and a parallel board that
+/// faces it.
+fn images(own: &[Source], at: DVec3, normal: DVec3, mirror: &Reflector, reflectivity: f64) -> Vec<Source> {
+    let up = mirror.normal.normalize_or(DVec3::Z);
+    let is_parallel = up.dot(normal) < 0.0 && up.cross(normal).length() < 1e-9;
+    let both = if is_parallel { reflectivity * mirror.coefficient } else { 0.0 };
+    let height = up.dot(at - mirror.point);
+    let mut images = Vec::new();
+    for times in 0..2000 {
+        let (gain, by) = (both.powi(times), 2.0 * f64::from(times) * height * up);
+        if gain.abs() < 1e-15 {
+            break;
+        }
+        for source in own {
+            let moved = Source { at: source.at + by, gain, ..*source };
+            images.extend((times > 0).then_some(moved));
+            images.push(moved.mirrored(mirror));
+        }
+    }
+    images
 }
 
 /// Density (kg/m³) and surface tension (N/m) of a liquid, by the table of the scene file's reference.

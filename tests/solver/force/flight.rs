@@ -11,7 +11,7 @@ use sonoglyph::scene::{Bead, Board, Scene};
 
 use crate::force::focused;
 
-/// Half a turn between two facing boards: a standing wave whose pressure is least in the middle.
+/// Two facing boards in antiphase: a standing wave with a pressure node in the middle.
 fn facing() -> Scene {
     let above = Board { at: DVec3::Z * 0.2, normal: DVec3::NEG_Z, ..Board::default() };
     Scene { boards: vec![Board::default(), above], ..Scene::default() }
@@ -22,7 +22,7 @@ fn drag(scene: &Scene, levitation: &Levitation) -> Drag {
     Drag::new(&levitation.sphere, viscosity(&scene.medium), air.density)
 }
 
-/// Lets a bead go in a field that stays, and gives out its way from the place where it was wanted, with the time.
+/// The flight of a bead in a constant field: time, displacement from the wanted place, and velocity.
 fn fly(
     scene: &Scene,
     levitation: &Levitation,
@@ -42,7 +42,7 @@ fn fly(
 }
 
 #[test]
-fn a_bead_swings_in_a_standing_wave_with_the_period_of_its_stiffness() {
+fn a_bead_oscillates_in_a_standing_wave_with_the_period_of_its_stiffness() {
     let mut scene = facing();
     scene.bead = Bead { radius: 0.0004, ..Bead::default() };
     let aperture = Aperture::new(&scene);
@@ -57,7 +57,7 @@ fn a_bead_swings_in_a_standing_wave_with_the_period_of_its_stiffness() {
         let period = TAU / (mode.stiffness / inertia - decay * decay).sqrt();
         let way = mode.direction * 2e-6;
         let flight = fly(&scene, &levitation, hold.rest, hold.rest + way, 6.1 * period);
-        // Where it passes its rest, by the straight line between two moments.
+        // Zero crossings, by linear interpolation between two moments.
         let passes: Vec<_> = flight
             .windows(2)
             .filter_map(|pair| {
@@ -72,7 +72,7 @@ fn a_bead_swings_in_a_standing_wave_with_the_period_of_its_stiffness() {
 }
 
 #[test]
-fn a_bead_in_silence_falls_as_fast_as_drag_lets_it() {
+fn a_bead_in_silence_falls_at_terminal_speed() {
     let scene = Scene { bead: Bead { radius: 2e-5, ..Bead::default() }, ..Scene::default() };
     let aperture = Aperture::new(&scene);
     let count = aperture.positions.len();
@@ -81,11 +81,11 @@ fn a_bead_in_silence_falls_as_fast_as_drag_lets_it() {
     let at = DVec3::new(0.0, 0.0, 0.1);
     let drag = drag(&scene, &levitation);
     let flight = fly(&scene, &levitation, at, at, 0.02);
-    // Slow as it is, what its speed adds to Stokes' drag is 1 %.
+    // At this speed the Reynolds correction adds 1 % to Stokes' drag.
     let speed = -flight.last().unwrap().2.z;
     let balanced = drag.slow * speed * (1.0 + 0.15 * (drag.reynolds * speed).powf(0.687));
     assert!((balanced / levitation.load - 1.0).abs() < 1e-9, "{balanced} {}", levitation.load);
-    // It gathers speed within its relaxation time, nearly as Stokes' drag alone has it.
+    // After its relaxation time, nearly as with Stokes' drag alone.
     let relaxation = levitation.sphere.inertia() / drag.slow;
     let (time, _, velocity) = flight[flight.iter().position(|(time, ..)| *time > relaxation).unwrap()];
     let expected = levitation.load / drag.slow * (1.0 - (-time / relaxation).exp());

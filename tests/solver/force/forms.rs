@@ -1,4 +1,4 @@
-//! Standing and travelling plane waves, whose forces are known in closed form.
+//! Standing and travelling plane waves, with closed forms of the force.
 
 use std::f64::consts::{PI, TAU};
 
@@ -52,7 +52,7 @@ fn a_standing_wave_has_its_closed_form() {
 }
 
 #[test]
-fn a_travelling_wave_pushes_along_with_what_it_scatters() {
+fn a_travelling_wave_pushes_by_its_scattering() {
     let (sphere, air, k) = sphere(0.0004, Material::Eps);
     let (f1, f2) = (sphere.monopole, sphere.dipole);
     let flow = 1500f64.powi(2) / (2.0 * air.density * air.sound_speed.powi(2));

@@ -1,4 +1,4 @@
-//! Beads in sound: potential, force and stiffness against closed forms and a model of their own, and whether traps hold.
+//! Beads in sound: potential, force and stiffness against closed forms and an independent model, and trapping.
 
 mod flight;
 mod forms;
@@ -13,7 +13,7 @@ use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::Scene;
 
-/// The air of the table in the research notes: 343.21 m/s, 1.2041 kg/m³, and nothing absorbed.
+/// The air of the table in the research notes: 343.21 m/s, 1.2041 kg/m³, without absorption.
 fn still_air() -> Scene {
     let mut scene = Scene::default();
     scene.medium.sound_speed = Some(343.21);
@@ -22,7 +22,7 @@ fn still_air() -> Scene {
     scene
 }
 
-/// Focus phases for a point, and `signature` (rad) of an element's place on top.
+/// Phases that focus on a point, plus a `signature` (rad) by element position.
 fn focused(aperture: &Aperture, at: DVec3, signature: impl Fn(DVec3) -> f64) -> Drive {
     let k = aperture.element.wavenumber;
     let phase = |place: &DVec3| {

@@ -1,4 +1,4 @@
-//! Four traps 100 mm above 16 x 16 elements, with values from numpy by differences of the eighth order, and whether they hold.
+//! Four traps 100 mm above 16 x 16 elements, against values from numpy (eighth-order differences), and their stability.
 
 use std::f64::consts::{PI, TAU};
 
@@ -63,7 +63,7 @@ fn a_trap_from_below_is_judged_by_its_force_curve() {
         let hold = levitation.hold(AT);
         (levitation, hold)
     };
-    // All stiffnesses of the twin trap are above 0, and yet it carries the bead nowhere.
+    // All stiffnesses of the twin trap are positive, but its lift is below the weight.
     let (_, twin) = hold(&twin);
     assert_eq!(twin.outcome, Outcome::TooHeavy);
     assert!(twin.lift < 1.0, "{twin:?}");
@@ -72,27 +72,27 @@ fn a_trap_from_below_is_judged_by_its_force_curve() {
     assert!(focus.modes[0].direction.z.abs() < 1e-6, "{focus:?}");
 }
 
-/// Two boards that face each other, 200 mm apart.
+/// Two facing boards, 200 mm apart.
 fn levitator() -> Scene {
     let above = Board { at: DVec3::Z * 0.2, normal: DVec3::NEG_Z, ..Board::default() };
     Scene { boards: vec![Board::default(), above], ..still_air() }
 }
 
 #[test]
-fn a_standing_trap_holds_and_says_how_far() {
+fn a_standing_trap_holds_up_to_its_escapes() {
     let mut scene = levitator();
-    // ka of 0.15.
+    // ka = 0.15.
     scene.bead.radius = 0.0002;
     let aperture = Aperture::new(&scene);
     let drive = focused(&aperture, AT, |place| if place.z > 0.1 { PI } else { 0.0 });
     let levitation = Levitation::new(&scene, &aperture, std::slice::from_ref(&drive));
     let hold = levitation.hold(AT);
     assert!(hold.holds() && hold.lift > 10.0, "{hold:?}");
-    // It sags by the weight over the stiffness, and comes to rest where nothing is left.
+    // The bead sags by weight/stiffness, to zero net force.
     assert!(levitation.net(hold.rest).length() < 1e-6 * levitation.load, "{hold:?}");
     let linear = levitation.load / hold.modes[2].stiffness;
     assert!(hold.modes[2].direction.z.abs() > 0.999 && (hold.sag() / linear - 1.0).abs() < 0.01, "{hold:?}");
-    // A quarter of a wavelength to the crest, and a little less on the side of the weight.
+    // The crest is λ/4 away; the weight moves the escape in its direction closer.
     let [down, up] = [hold.escapes[4].distance, hold.escapes[5].distance];
     let quarter = aperture.wavelength() / 4.0;
     assert!(
@@ -104,7 +104,7 @@ fn a_standing_trap_holds_and_says_how_far() {
         assert!(at(0.9) < 0.0 && at(1.01) > 0.0, "{way}: {escape:?}");
         assert!(escape.force >= 0.999 * -at(0.5) && escape.force > 0.0, "{way}: {escape:?}");
     }
-    // Half of the strength is a quarter of the force.
+    // Half the strength gives a quarter of the force.
     let mut quiet = scene.clone();
     quiet.array.strength /= 2.0;
     let half = Levitation::new(&quiet, &Aperture::new(&quiet), &[drive]);

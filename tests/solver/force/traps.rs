@@ -1,10 +1,11 @@
-//! Traps as targets: never less stiff than what they start from, alone, together and beside foci.
+//! Traps as targets: never less stiff than their start, alone, together and beside foci.
 
 use glam::{DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::force::{Levitation, Outcome};
 use sonoglyph::scene::{Board, Scene, Shape, Target, Trap, outline};
 use sonoglyph::solver::{self, Problem, trap};
+use strum::VariantArray;
 
 use crate::dice::Dice;
 use crate::force::{focused, still_air};
@@ -18,7 +19,7 @@ fn facing(scene: Scene) -> Scene {
     Scene { boards: vec![Board::default(), above], ..scene }
 }
 
-/// The weakest stiffness of all traps at the start and at the end.
+/// The smallest stiffness of all traps before and after the search.
 fn weakest(scene: &Scene) -> [f64; 2] {
     let aperture = Aperture::new(scene);
     let problem = Problem::of_scene(scene, &aperture, outline::foci(scene).unwrap());
@@ -57,9 +58,9 @@ fn several_traps_are_stiffer_than_at_the_start() {
             scene.targets.push(Target { angle, ..target(at, dice.one_of(&kinds)) });
         }
         let [before, after] = weakest(&scene);
-        assert!(after >= before, "{number}: {before} N/m and then {after}");
+        assert!(after >= before, "{number}: {before} N/m, then {after}");
         stable += usize::from(after > 0.0);
-        // Growth means something where there was a trap at first.
+        // A ratio has a meaning only if the start was stable.
         if before > 0.0 {
             grown.push(after / before);
         }
@@ -69,7 +70,7 @@ fn several_traps_are_stiffer_than_at_the_start() {
         "{} of 50 are stable at first, and then {mean:.2} times as stiff; in the end {stable} are",
         grown.len()
     );
-    // One board finds no stable drive for every crowd of traps.
+    // A single board has no stable drive for some sets of traps.
     assert!(stable >= 45, "{stable}");
     assert!(grown.len() > 10 && mean > 1.3, "{mean} of {}", grown.len());
 }
@@ -86,7 +87,7 @@ fn one_trap_starts_from_its_signature() {
     for (u, phase) in own.iter().zip(known.phases) {
         assert!((u - num_complex::Complex64::cis(phase)).norm() < 1e-12);
     }
-    for kind in Trap::ALL {
+    for &kind in Trap::VARIANTS {
         scene.targets = vec![target(at, kind)];
         let [before, after] = weakest(&scene);
         assert!(after >= before && after > 0.0, "{kind:?}: {before} {after}");
@@ -94,7 +95,7 @@ fn one_trap_starts_from_its_signature() {
 }
 
 #[test]
-fn traps_between_boards_hold_and_leave_foci_what_they_had() {
+fn traps_between_boards_hold_and_keep_the_pressure_of_foci() {
     let mut scene = facing(still_air());
     scene.bead.radius = 3e-4;
     let places = [dvec3(-0.02, 0.0, 0.1), dvec3(0.025, 0.01, 0.095)];

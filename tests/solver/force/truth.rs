@@ -1,4 +1,4 @@
-//! Forces in random scenes, against a sum over pistons of its own and differences of the eighth order.
+//! Forces in random scenes, against an independent sum over pistons and eighth-order differences.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,7 +11,7 @@ use sonoglyph::scene::{Board, ElementModel, Elements, Placed, Reflector, Scene};
 
 use crate::dice::Dice;
 
-/// A scene with a board or two, a reflector now and then, and a drive without pattern.
+/// A scene of one or two boards, sometimes with a reflector, and an irregular drive.
 fn scene(number: usize) -> (Scene, Drive, Dice) {
     let mut dice = Dice::new(0xBEAD, number);
     let mut scene = Scene::default();
@@ -112,7 +112,7 @@ fn heard(scene: &Scene, drive: &Drive, point: DVec3) -> Complex64 {
     sum
 }
 
-/// ∂f/∂x by differences of the eighth order.
+/// ∂f/∂x by eighth-order differences.
 fn slope<T: Copy + std::ops::Sub<Output = T> + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>>(
     step: f64,
     f: impl Fn(f64) -> T,
@@ -123,13 +123,13 @@ fn slope<T: Copy + std::ops::Sub<Output = T> + std::ops::Add<Output = T> + std::
 
 const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 
-/// A place in front of the boards that no element is near to.
+/// A point in front of the boards, far from every element.
 fn place(dice: &mut Dice) -> DVec3 {
     dvec3(dice.between(-0.03, 0.03), dice.between(-0.03, 0.03), dice.between(0.06, 0.14))
 }
 
 #[test]
-fn forces_are_those_of_the_pressures_around() {
+fn forces_agree_with_the_formulae_by_differences() {
     for number in 0..25 {
         let (scene, drive, mut dice) = scene(number);
         let aperture = Aperture::new(&scene);
@@ -137,7 +137,7 @@ fn forces_are_those_of_the_pressures_around() {
         let point = place(&mut dice);
         let air = Air::new(&scene.medium, scene.array.frequency);
         let k = aperture.element.wavenumber;
-        // U and F from the formulae, and every slope by differences.
+        // U and F from the formulae, with slopes by differences.
         let p = |at: DVec3| heard(&scene, &drive, at);
         let step = 3e-4;
         let slopes = |at: DVec3| AXES.map(|axis| slope(step, |h| p(at + axis * h)));
@@ -175,7 +175,7 @@ fn forces_are_those_of_the_pressures_around() {
         let off = (forces.force - force(point)).length() / (scale * k);
         assert!(off < 1e-6, "{number}: F off by {off:e}");
         assert!((levitation.force(point) - forces.force).length() < 1e-12 * scale * k);
-        // K is what the force changes by, and with large beads its parts differ.
+        // K is minus the gradient of the force; for large beads it is not symmetric.
         for (j, axis) in AXES.into_iter().enumerate() {
             let column = slope(1e-4, |h| levitation.force(point + axis * h)) * -1.0;
             let off = (column - forces.stiffness.col(j)).length() / (scale * k * k);

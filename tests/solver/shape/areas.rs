@@ -1,4 +1,4 @@
-//! Areas: filled shapes, pictures and depressions, judged in f64 by formulae written out plainly.
+//! Areas: filled shapes, pictures and depressions, measured in f64 by direct formulae.
 
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use num_complex::Complex64;
@@ -9,10 +9,10 @@ use sonoglyph::solver::{self, Problem, Solution, Surroundings, frames};
 use crate::shape::solver::{assert_playable, heard};
 
 const AT: DVec3 = dvec3(0.0, 0.0, 0.1);
-/// Samples of the judge along a side of its window.
+/// Samples along a side of the measured window.
 const SIDE: usize = 48;
 
-/// An H 45 mm high, its strokes 8 mm wide and the axes of its legs 29 mm apart.
+/// An H, 45 mm high, with strokes 8 mm wide and leg axes 29 mm apart.
 fn is_in_h(at: DVec2) -> bool {
     let at = at.abs();
     let is_leg = at.y <= 0.0225 && (at.x - 0.0145).abs() <= 0.004;
@@ -55,7 +55,7 @@ fn intensities(scene: &Scene, u: &[Complex64]) -> Vec<(DVec2, f64)> {
     (0..SIDE * SIDE).map(place).map(|at| (at, heard(&aperture, at.extend(0.1), u).powi(2))).collect()
 }
 
-/// Σ (s I - T)²/Σ T², and the mean inside over that around.
+/// The relative squared error of |p|², and the mean inside over the mean outside.
 fn judge(samples: &[(DVec2, f64)], is_in: impl Fn(DVec2) -> bool) -> (f64, f64) {
     let (mut along, mut square, mut inside, mut around, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);
     for &(at, intensity) in samples {
@@ -70,7 +70,7 @@ fn judge(samples: &[(DVec2, f64)], is_in: impl Fn(DVec2) -> bool) -> (f64, f64) 
 }
 
 #[test]
-fn a_filled_letter_is_nearer_to_what_is_drawn_than_foci_are() {
+fn a_filled_letter_fits_its_drawing_better_than_foci() {
     let scene_of_area = scene(vec![letter()]);
     let solution = solver::solve(&scene_of_area).unwrap();
     let u = played(&scene_of_area, &solution);
@@ -78,9 +78,9 @@ fn a_filled_letter_is_nearer_to_what_is_drawn_than_foci_are() {
     let (error, contrast) = judge(&intensities(&scene_of_area, &u), is_in_h);
     assert!(error < 0.105 && contrast > 20.0, "{error}, {contrast}");
     let figures = solution.figures.unwrap().areas.unwrap();
-    // Edges cut through the judge's samples are all or nothing.
-    assert!((0.4 * error..error).contains(&figures.error), "{figures:?}, {error} judged");
-    assert!((figures.contrast / contrast - 1.0).abs() < 0.2, "{figures:?}, {contrast} judged");
+    // The samples here are entirely inside or outside; the solver weights those on edges.
+    assert!((0.4 * error..error).contains(&figures.error), "{figures:?}, measured {error}");
+    assert!((figures.contrast / contrast - 1.0).abs() < 0.2, "{figures:?}, measured {contrast}");
 
     let steps = (-6..=6).flat_map(|y| (-5..=5).map(move |x| dvec2(f64::from(x), f64::from(y)) * 4e-3));
     let point = |at: DVec2| Target::new(Shape::Point { at: at.extend(0.1) });
@@ -91,7 +91,7 @@ fn a_filled_letter_is_nearer_to_what_is_drawn_than_foci_are() {
 }
 
 #[test]
-fn turned_moved_and_tilted_areas_fit_as_well() {
+fn turned_moved_and_tilted_areas_fit_equally_well() {
     let corners = [(-12.0, -12.0), (14.0, -6.0), (2.0, 15.0)];
     let plain = path(&corners);
     let error = |scene: &Scene| {
@@ -101,7 +101,7 @@ fn turned_moved_and_tilted_areas_fit_as_well() {
     };
     let at_rest = error(&scene(vec![plain.clone()]));
     let turned = error(&scene(vec![Target { angle: 1.0, ..plain.clone() }]));
-    // A slight tilt is heard through a table.
+    // Tilted areas are evaluated by a table.
     let tilt = |at: DVec3| at + DVec3::Z * 0.03 * at.x;
     let mut tilted = plain.clone();
     if let Shape::Path { vertices, .. } = &mut tilted.shape {
@@ -130,7 +130,7 @@ fn turned_moved_and_tilted_areas_fit_as_well() {
 }
 
 #[test]
-fn strokes_and_areas_of_one_drawing_are_as_loud_as_each_other() {
+fn strokes_and_areas_of_one_drawing_are_equally_loud() {
     let disc = Shape::Circle { at: AT - DVec3::X * 0.025, radius: 0.009 };
     let line = Shape::Line { from: AT + dvec3(0.02, -0.015, 0.0), to: AT + dvec3(0.02, 0.015, 0.0) };
     let mean = |pressure: f64| {
@@ -152,7 +152,7 @@ fn strokes_and_areas_of_one_drawing_are_as_loud_as_each_other() {
 }
 
 #[test]
-fn a_depression_is_nearer_to_the_drawing_where_it_is_what_is_wanted() {
+fn a_depression_fits_better_as_the_target_than_by_pressure() {
     let corners = [(-20.0, -16.0), (20.0, -16.0), (20.0, 0.0), (0.0, 18.0), (-20.0, 0.0)];
     let error = |aim: Aim, by: Aim| {
         let mut scene = scene(vec![path(&corners)]);
@@ -166,13 +166,13 @@ fn a_depression_is_nearer_to_the_drawing_where_it_is_what_is_wanted() {
     };
     let wanted = error(Aim::Depression, Aim::Depression);
     let other = error(Aim::Pressure, Aim::Depression);
-    assert!(wanted < 0.9 * other && wanted < 0.12, "{wanted}, and {other} where the pressure is wanted");
+    assert!(wanted < 0.9 * other && wanted < 0.12, "{wanted}, and {other} with the pressure as target");
 
     let mut stroke =
         Scene { targets: vec![Target::new(Shape::Circle { at: AT, radius: 0.02 })], ..Scene::default() };
     stroke.solver.target = Aim::Depression;
     let figures = solver::solve(&stroke).unwrap().figures.unwrap();
-    // A stroke of half a wavelength is finer than what the array resolves.
+    // A stroke of λ/2 is below the array's resolution.
     assert!(figures.areas.unwrap().error < 0.45, "{figures:?}");
     stroke.plane.x_axis = dvec3(1.0, 0.0, 0.1);
     let error = check::check(&stroke).unwrap_err().to_string();
@@ -190,7 +190,7 @@ fn picture(brightness: impl Fn(usize, usize) -> f32) -> Target {
 }
 
 #[test]
-fn a_drag_goes_on_from_the_drive_before() {
+fn a_drag_continues_from_the_previous_drive() {
     let at = |x: f64| {
         let mut target = letter();
         if let Shape::Path { vertices, .. } = &mut target.shape {
@@ -214,7 +214,7 @@ fn a_drag_goes_on_from_the_drive_before() {
 }
 
 #[test]
-fn whatever_is_filled_has_a_drive_that_can_be_played() {
+fn any_filled_target_has_a_playable_drive() {
     let disc =
         |radius: f64| Target { sampling: Sampling::Fill, ..Target::new(Shape::Circle { at: AT, radius }) };
     let point = Target::new(Shape::Point { at: AT + DVec3::Y * 0.02 });

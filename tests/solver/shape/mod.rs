@@ -1,4 +1,4 @@
-//! Shapes: strokes evenly loud and the rest of the plane quiet, judged in f64 by formulae written out plainly.
+//! Shapes: even strokes with low side lobes, and areas, measured in f64 by direct formulae.
 
 mod areas;
 mod solver;

@@ -1,4 +1,4 @@
-//! Drives of shapes, judged in f64 by the formula of the field: strokes even, everything else quiet, whatever is asked.
+//! Drives of shapes, measured in f64: even strokes and low side lobes, for any targets.
 
 use std::f64::consts::TAU;
 
@@ -15,7 +15,7 @@ fn curve(count: usize, place: impl Fn(f64) -> DVec2) -> Strokes {
     vec![(0..=count).map(|i| place(i as f64 / count as f64)).collect()]
 }
 
-/// Letters, figures with corners and without, open and closed; m.
+/// Letters, and figures with and without corners, open and closed; m.
 fn drawings() -> Vec<(&'static str, Strokes)> {
     let mm = |points: &[(f64, f64)]| points.iter().map(|&(x, y)| dvec2(x, y) * 1e-3).collect::<Vec<_>>();
     let ring = |radius: f64, turn: f64| DVec2::from_angle(TAU * turn) * radius;
@@ -28,7 +28,7 @@ fn drawings() -> Vec<(&'static str, Strokes)> {
     ]
 }
 
-/// Places at most `spacing` (m) apart along strokes.
+/// Points at most `spacing` (m) apart along strokes.
 fn sampled(strokes: &Strokes, spacing: f64) -> Vec<DVec2> {
     let mut places: Vec<DVec2> = Vec::new();
     for pair in strokes.iter().flat_map(|stroke| stroke.windows(2)) {
@@ -73,7 +73,7 @@ struct Judged {
     mean: f64,
 }
 
-/// Strokes every 0.5 mm; the loudest of 30 x 30 cm every 2.5 mm, more than 8 mm from the strokes.
+/// Strokes every 0.5 mm; side lobes every 2.5 mm of 30 x 30 cm, more than 8 mm from the strokes.
 fn judge(aperture: &Aperture, strokes: &Strokes, u: &[Complex64]) -> Judged {
     let places = sampled(strokes, 0.5e-3);
     let along: Vec<_> = places.iter().map(|place| heard(aperture, place.extend(0.1), u)).collect();
@@ -94,7 +94,7 @@ pub fn assert_playable(u: &[Complex64], elements: usize, what: &str) {
 }
 
 #[test]
-fn strokes_are_even_and_the_rest_is_quiet() {
+fn strokes_are_even_with_low_side_lobes() {
     let aperture = Aperture::new(&Scene::default());
     for (name, strokes) in drawings() {
         let problem = Problem::new(&aperture, foci(&strokes, 2.1e-3)).with_surroundings(surroundings(0.5));
@@ -127,7 +127,7 @@ fn strokes_are_even_and_the_rest_is_quiet() {
 }
 
 #[test]
-fn more_quiet_costs_strength_and_none_keeps_all_of_it() {
+fn lower_side_lobes_cost_strength() {
     let aperture = Aperture::new(&Scene::default());
     let strokes = &drawings()[0].1;
     let problem = Problem::new(&aperture, foci(strokes, 2.1e-3));
@@ -144,7 +144,7 @@ fn more_quiet_costs_strength_and_none_keeps_all_of_it() {
 }
 
 #[test]
-fn a_shape_that_is_dragged_stays_even_and_quiet_without_jumps() {
+fn a_dragged_shape_stays_even_and_quiet_without_jumps() {
     let aperture = Aperture::new(&Scene::default());
     let strokes = &drawings()[1].1;
     let at = |frame: usize| -> Strokes {
@@ -179,7 +179,7 @@ fn any_number_of_threads_finds_the_same_drive() {
 }
 
 #[test]
-fn zones_and_planes_that_are_turned_get_quiet_too() {
+fn zones_and_turned_planes_get_quiet_too() {
     let mut scene = Scene::default();
     scene.array.off = vec![0, 17, 120, 255];
     let aperture = Aperture::new(&scene);
@@ -193,7 +193,7 @@ fn zones_and_planes_that_are_turned_get_quiet_too() {
     assert_playable(&spared, 252, "a zone");
     assert!(loudest(&spared) < 0.6 * loudest(&alone), "{} and {}", loudest(&spared), loudest(&alone));
 
-    // Turned about the axis it is the same plane; tilted it is heard through a table.
+    // A turn about the normal gives the same plane; a tilted one is evaluated by a table.
     let turned = Plane { x_axis: dvec3(0.6, 0.8, 0.0), y_axis: dvec3(-0.8, 0.6, 0.0), ..Plane::default() };
     let tilted = Plane { x_axis: dvec3(1.0, 0.0, 0.02), ..Plane::default() };
     for plane in [turned, tilted] {
@@ -205,7 +205,7 @@ fn zones_and_planes_that_are_turned_get_quiet_too() {
 }
 
 #[test]
-fn whatever_is_asked_has_a_drive_that_can_be_played() {
+fn any_shape_has_a_playable_drive() {
     let mut scene = Scene::default();
     (scene.array.rows, scene.array.columns) = (6, 9);
     let usual = Aperture::new(&scene);

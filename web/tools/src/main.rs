@@ -1,4 +1,4 @@
-//! What cargo lacks for a page: the JavaScript around a WebAssembly program, its compressed copies, and a server for them.
+//! Packages the page: JavaScript bindings of the WebAssembly program, compressed files, and a local server.
 
 mod pack;
 mod serve;

@@ -1,4 +1,4 @@
-//! Compressed copies beside the files of a folder, and what a first visit loads.
+//! Compresses the files of a folder, and reports the size of a first visit.
 
 use std::fs;
 use std::io::Write;
@@ -9,13 +9,13 @@ use brotli::enc::BrotliEncoderParams;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 
-/// Endings of files that become smaller.
+/// Extensions of compressible files.
 const PACKED: [&str; 4] = ["wasm", "js", "html", "svg"];
-/// Bits of the window in which brotli looks for what it has seen: all of a program.
+/// Log2 of brotli's window: a whole program.
 const WINDOW: i32 = 24;
 const BEST: i32 = 11;
 
-/// Writes a `.gz` and a `.br` beside each, and says how large they are.
+/// Writes a `.gz` and a `.br` beside each file, and prints their sizes.
 pub fn pack(folder: &Path) -> anyhow::Result<()> {
     let mut sums = [0; 3];
     for path in files(folder)? {
@@ -36,7 +36,7 @@ pub fn pack(folder: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// All of a folder and what is in it, in order.
+/// All files below a folder, sorted.
 fn files(folder: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let mut entries: Vec<_> = fs::read_dir(folder)?.flatten().map(|entry| entry.path()).collect();
     entries.sort();

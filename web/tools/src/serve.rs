@@ -1,4 +1,4 @@
-//! A server for the page on this machine.
+//! A local server for the page.
 
 use std::fs::File;
 use std::path::{Component, Path, PathBuf};
@@ -6,13 +6,13 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::anyhow;
 use tiny_http::{Header, Request, Response, Server};
 
-/// Serves the files of a folder on 127.0.0.1 until it is stopped. Port 0 is any free one; the address is said first.
+/// Serves the files of a folder on 127.0.0.1 until stopped, and prints its address. Port 0 is any free port.
 pub fn serve(folder: &Path, port: u16) -> anyhow::Result<()> {
     let server = Server::http(("127.0.0.1", port)).map_err(|error| anyhow!("port {port}: {error}"))?;
     let address = server.server_addr().to_ip().ok_or_else(|| anyhow!("no address"))?;
     println!("http://localhost:{}/", address.port());
     for request in server.incoming_requests() {
-        // Who asked may be gone.
+        // The client may have disconnected.
         let _ = answer(folder, request);
     }
     Ok(())
@@ -43,7 +43,7 @@ fn answer(folder: &Path, request: Request) -> std::io::Result<()> {
     request.respond(response)
 }
 
-/// The file that an address means. Nothing outside of the folder is served.
+/// The file of an address, within the folder only.
 fn within(folder: &Path, address: &str) -> Option<PathBuf> {
     let relative = Path::new(address.trim_start_matches('/'));
     let is_plain = relative.components().all(|part| matches!(part, Component::Normal(_)));
@@ -61,7 +61,7 @@ fn headers(path: &Path) -> Vec<(&'static str, &'static str)> {
         "toml" => "text/plain; charset=utf-8",
         _ => "application/octet-stream",
     };
-    // The page is alone with itself, and asked for anew after it was built anew.
+    // Cross-origin isolated, and revalidated after a new build.
     vec![
         ("Content-Type", kind),
         ("Cache-Control", "no-cache"),

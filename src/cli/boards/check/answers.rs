@@ -1,4 +1,4 @@
-//! What a person at the board answers, line by line.
+//! Answers of the person at the board, from standard input.
 
 use std::io::{BufRead, Write};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
@@ -14,11 +14,11 @@ pub enum Answer {
     No,
     Again,
     Back,
-    /// No more questions of this kind, or no one to answer them.
+    /// End of the questions: `q`, an interrupt, or the end of standard input.
     End,
 }
 
-/// Lines of standard input, read on a thread of their own so that an interrupt need not wait for one.
+/// Lines of standard input, read on a thread so that an interrupt need not wait for one.
 #[derive(Debug)]
 pub struct Answers(Option<Receiver<String>>);
 
@@ -36,24 +36,24 @@ impl Answers {
         Self(reads.then_some(lines))
     }
 
-    /// Whether anyone is asked.
+    /// Whether questions are asked.
     pub fn listen(&self) -> bool {
         self.0.is_some()
     }
 
-    /// The answer to a question; what makes no sense is asked again.
+    /// Repeats the question until the answer is valid.
     ///
     /// # Errors
-    /// Standard output that is gone.
+    /// Standard output cannot be written.
     pub fn ask(&self, question: &str, interrupted: &Interrupted) -> anyhow::Result<Answer> {
-        const LOOK: Duration = Duration::from_millis(20);
+        const POLL: Duration = Duration::from_millis(20);
         let Some(lines) = &self.0 else { return Ok(Answer::End) };
         loop {
             let mut out = std::io::stdout().lock();
             write!(out, "{question}").and_then(|()| out.flush()).context("standard output")?;
             drop(out);
             let line = loop {
-                match lines.recv_timeout(LOOK) {
+                match lines.recv_timeout(POLL) {
                     Ok(line) => break line,
                     Err(RecvTimeoutError::Disconnected) => return Ok(Answer::End),
                     Err(RecvTimeoutError::Timeout) if interrupted.is_set() => return Ok(Answer::End),

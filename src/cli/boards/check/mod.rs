@@ -1,4 +1,4 @@
-//! `sonoglyph check`: brings a board up, step by step, and writes down what was found.
+//! `sonoglyph check`: brings up a board step by step, and reports the findings.
 
 mod answers;
 
@@ -21,14 +21,14 @@ use crate::solver;
 use crate::studio::bring_up::{HEIGHT, Report, Verdict, focus_scene, survey_line};
 use crate::studio::output::{self, Files, note, say, warn};
 
-/// How long an element sounds where the answers are not asked for.
-const GLANCE: Duration = Duration::from_millis(40);
-/// How long the focus sounds.
+/// Duration of an element without questions.
+const ELEMENT: Duration = Duration::from_millis(40);
+/// Duration of the focus.
 const FOCUS: Duration = Duration::from_secs(2);
-/// A board plays what is wanted within this.
-const PATIENCE: Duration = Duration::from_secs(5);
-/// How often events and keys are looked at.
-const LOOK: Duration = Duration::from_millis(5);
+/// Limit of the wait for content to play, or for the emergency stop.
+const TIMEOUT: Duration = Duration::from_secs(5);
+/// Interval of polling.
+const POLL: Duration = Duration::from_millis(5);
 
 pub fn run(args: &CheckArgs) -> anyhow::Result<()> {
     let mut files = Files::new();
@@ -76,7 +76,7 @@ impl Check {
         self.report.findings.last().map_or(Ok(()), |finding| say!("{finding}"))
     }
 
-    /// Who answers, and what the line carries; the bit rate to go on with.
+    /// Identifies the board and surveys its line; returns the bit rate of the next steps.
     fn line(&mut self, args: &CheckArgs) -> anyhow::Result<Option<u32>> {
         let mut said = Ok(());
         let fastest = finish(survey_line(&args.port, self.profile, &mut |verdict, what| {
@@ -88,7 +88,7 @@ impl Check {
         Ok(args.baud.or(fastest))
     }
 
-    /// What is seen and heard.
+    /// The audible steps.
     fn board(&mut self, args: &CheckArgs, baud: Option<u32>) -> anyhow::Result<()> {
         let settings = Settings { port: args.port.clone(), profile: self.profile, baud };
         let link = Link::open(settings, Box::new(|| {}))?;
@@ -103,7 +103,7 @@ impl Check {
 
     fn wait_until_ready(&mut self, link: &Link) -> anyhow::Result<Option<Found>> {
         while !self.interrupted.is_set() {
-            match link.event_within(LOOK) {
+            match link.event_within(POLL) {
                 Some(Event::Ready(found)) => return Ok(Some(found)),
                 Some(Event::Lost(why)) => bail!(why),
                 Some(Event::Notice(text)) => warn(&text),
@@ -113,12 +113,12 @@ impl Check {
         Ok(None)
     }
 
-    /// Whether what is shown was played in time; what the link has to say goes to standard error.
+    /// Whether the content plays in time. Notices of the link go to standard error.
     fn plays(&self, link: &Link, content: Content) -> bool {
         link.show(content);
-        let until = Instant::now() + PATIENCE;
+        let until = Instant::now() + TIMEOUT;
         while Instant::now() < until && !self.interrupted.is_set() {
-            if let Some(Event::Notice(text) | Event::Lost(text)) = link.event_within(LOOK) {
+            if let Some(Event::Notice(text) | Event::Lost(text)) = link.event_within(POLL) {
                 warn(&text);
             }
             if link.health().in_place {
@@ -128,13 +128,13 @@ impl Check {
         false
     }
 
-    /// One element at a time, in the array's numbering.
+    /// Plays one element at a time, in the array's numbering.
     fn walk(&mut self, link: &Link) -> anyhow::Result<()> {
         let elements = self.profile.elements();
         let columns = self.profile.shape().map_or(16, |[columns, _]| columns as usize);
         if self.answers.listen() {
             say!(
-                "One element sounds at a time. Enter: heard. n: silent. r: again. b: one back. q: no more."
+                "One element plays at a time. Enter: audible, n: silent, r: repeat, b: back, q: skip the rest."
             )?;
         }
         let mut element = 0;
@@ -144,7 +144,7 @@ impl Check {
                 return self.note(Verdict::Failed, format!("element {element} was not played"));
             }
             if !self.answers.listen() {
-                std::thread::sleep(GLANCE);
+                std::thread::sleep(ELEMENT);
                 element += 1;
                 continue;
             }
@@ -169,7 +169,7 @@ impl Check {
         match (self.answers.listen(), silent.is_empty()) {
             (false, _) => self.note(
                 Verdict::Passed,
-                format!("{elements} elements were played one by one; --listen asks which of them are heard"),
+                format!("{elements} elements were played one by one; --listen asks which are audible"),
             ),
             (true, true) => {
                 self.note(Verdict::Passed, format!("{element} of {elements} elements were heard"))
@@ -206,12 +206,12 @@ impl Check {
             };
         }
         while Instant::now() < until && !self.interrupted.is_set() {
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL);
         }
         self.note(Verdict::Passed, format!("{what}, played for {} s", FOCUS.as_secs()))
     }
 
-    /// Pressed, it silences the board, and it stays silent until it is told to play again.
+    /// Tests the emergency stop: it must silence the board until new content.
     fn stop(&mut self, link: &Link) -> anyhow::Result<()> {
         if !self.profile.answers() {
             return self.note(Verdict::Noted, "emergency stop: this board cannot report one");
@@ -219,16 +219,16 @@ impl Check {
         if !self.answers.listen() {
             return self.note(Verdict::Noted, "emergency stop: not tried; --listen asks you to press it");
         }
-        say!("Press the emergency stop and release it, then Enter; q leaves this out.")?;
+        say!("Press the emergency stop and release it, then Enter; q skips this step.")?;
         if self.answers.ask("emergency stop: ", &self.interrupted)? == Answer::End {
-            return self.note(Verdict::Noted, "emergency stop: left out");
+            return self.note(Verdict::Noted, "emergency stop: skipped");
         }
-        let until = Instant::now() + PATIENCE;
+        let until = Instant::now() + TIMEOUT;
         while !link.health().stopped {
             if Instant::now() > until || self.interrupted.is_set() {
                 return self.note(Verdict::Failed, "emergency stop: the board did not notice");
             }
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL);
         }
         let one = Content::Still(Levels::one(self.profile, 0));
         if self.plays(link, one) {
@@ -243,7 +243,7 @@ impl Check {
 
     fn leave(&mut self, health: &Health, port: &Path) -> anyhow::Result<()> {
         if self.interrupted.is_set() {
-            self.note(Verdict::Noted, "interrupted: what follows was not tried")?;
+            self.note(Verdict::Noted, "interrupted: the remaining steps were not tried")?;
         }
         match &health.state {
             State::Lost(why) => self.note(Verdict::Failed, format!("{why}: the board was lost")),

@@ -56,7 +56,7 @@ impl Asker {
                 Some(reply) if reply.outcome == Outcome::Ok => return Ok(reply),
                 Some(_) => {
                     return Err(LinkError::Refused(
-                        Kind::of_code(packet.code).map_or("a packet", Kind::name),
+                        Kind::from_repr(packet.code).map_or("a packet", Into::into),
                     ));
                 }
                 None => {}
@@ -97,6 +97,6 @@ impl Asker {
                 Some(_) | None => {}
             }
         }
-        Err(LinkError::Refused(Kind::Reset.name()))
+        Err(LinkError::Refused(Kind::Reset.into_str()))
     }
 }

@@ -316,7 +316,7 @@ impl Session<'_> {
 
     fn task_taken(&mut self, task: &Task, wanted: &Wanted) {
         let is_wanted = task.generation == self.generation;
-        let is = |kind| Kind::of_code(task.packet.code) == Some(kind);
+        let is = |kind| Kind::from_repr(task.packet.code) == Some(kind);
         if is(Kind::Enable) {
             self.enabling &= !self.enabled();
         } else if is(Kind::Stop) && self.all_stopped() {
@@ -346,8 +346,8 @@ impl Session<'_> {
             Purpose::Task(mut task) => {
                 task.attempts += 1;
                 if task.attempts >= ATTEMPTS {
-                    let kind = Kind::of_code(task.packet.code);
-                    return Err(LinkError::Refused(kind.map_or("a packet", Kind::name)));
+                    let kind = Kind::from_repr(task.packet.code);
+                    return Err(LinkError::Refused(kind.map_or("a packet", Into::into)));
                 }
                 let is_wanted = task.generation == self.generation || !serves_one_wish(&task.packet);
                 if is_wanted && !self.is_outdated(&task.packet) {
@@ -363,7 +363,7 @@ impl Session<'_> {
 /// Whether a packet is useless for a newer wish.
 fn serves_one_wish(packet: &Packet) -> bool {
     matches!(
-        Kind::of_code(packet.code),
+        Kind::from_repr(packet.code),
         Some(Kind::Phases | Kind::Frame | Kind::Play | Kind::Stop | Kind::Enable)
     )
 }

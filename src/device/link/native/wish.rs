@@ -143,7 +143,7 @@ impl Session<'_> {
     /// Whether a newer packet of its kind has superseded it.
     pub(super) fn is_outdated(&self, packet: &Packet) -> bool {
         let Table { values, step } = self.modulation;
-        let is = |kind| Kind::of_code(packet.code) == Some(kind);
+        let is = |kind| Kind::from_repr(packet.code) == Some(kind);
         (is(Kind::Envelope) && packet.payload != values)
             || (is(Kind::Rate) && packet.arguments[..3] != step.to_le_bytes()[..3])
     }
@@ -202,9 +202,9 @@ impl Session<'_> {
 
     /// Whether all devices have acknowledged STOP.
     pub(super) fn all_stopped(&self) -> bool {
-        let is_stop = |packet: &Packet| Kind::of_code(packet.code) == Some(Kind::Stop);
+        let is_stop = |packet: &Packet| Kind::from_repr(packet.code) == Some(Kind::Stop);
         let waits = self.tasks.iter().any(|task| is_stop(&task.packet));
-        !waits && !self.on_the_way.iter().any(|sent| Kind::of_code(sent.code) == Some(Kind::Stop))
+        !waits && !self.on_the_way.iter().any(|sent| Kind::from_repr(sent.code) == Some(Kind::Stop))
     }
 
     /// Hz
@@ -224,7 +224,7 @@ fn playing(levels: &Levels, address: u8, slot: u8, commit: bool) -> Packet {
 }
 
 fn is_of_modulation(task: &Task) -> bool {
-    matches!(Kind::of_code(task.packet.code), Some(Kind::Envelope | Kind::Rate))
+    matches!(Kind::from_repr(task.packet.code), Some(Kind::Envelope | Kind::Rate))
 }
 
 /// Of the elements that sound.

@@ -1,4 +1,4 @@
-//! Lines of `sonoglyph batch`: each is answered, with finite numbers or an error that names it.
+//! Lines of `sonoglyph batch`: each answer holds finite numbers, or an error that names the line.
 
 use serde_json::Value;
 
@@ -7,7 +7,7 @@ use sonoglyph::cli::batch::task::Task;
 use sonoglyph::field::{Evaluator, Stages};
 use sonoglyph::scene::{Scene, file, outline};
 
-/// Elements times foci squared that are solved.
+/// Limit of elements times squared foci, beyond which lines are not solved.
 const MOST_WORK: usize = 20_000;
 
 pub fn run(bytes: &[u8]) {
@@ -24,7 +24,7 @@ pub fn run(bytes: &[u8]) {
         assert_eq!(answer.get("id"), tables.as_ref().and_then(|tables| tables.get("id")));
         match answer.get("error") {
             Some(error) => {
-                let error = error.as_str().expect("an error is a text");
+                let error = error.as_str().expect("the error is a string");
                 assert!(error.starts_with(&format!("line {}: ", line.number)), "{error}");
             }
             None => is_a_solution(&answer),
@@ -47,7 +47,7 @@ fn is_much_work(tables: &Value) -> bool {
 }
 
 fn is_a_solution(answer: &Value) {
-    let elements = answer["elements"].as_u64().expect("a number of elements") as usize;
+    let elements = answer["elements"].as_u64().expect("the number of elements") as usize;
     for key in ["phases", "amplitudes"] {
         assert_eq!(answer[key].as_array().map(Vec::len), Some(elements), "{key}");
     }
@@ -56,13 +56,13 @@ fn is_a_solution(answer: &Value) {
     }
 }
 
-/// What is not finite is `null` in JSON.
+/// JSON writes non-finite numbers as `null`.
 fn is_finite(value: &Value, of: &str) {
-    /// |p| does not fall to half on every line through a focus.
+    /// |p| does not fall to half in every direction from a focus.
     const MAY_LACK: [&str; 4] = ["lateral_x", "lateral_y", "axial", "area"];
     match value {
         Value::Null if MAY_LACK.contains(&of) => {}
-        Value::Null => panic!("{of} holds a number that is none"),
+        Value::Null => panic!("{of} holds a non-finite number"),
         Value::Array(values) => values.iter().for_each(|value| is_finite(value, of)),
         Value::Object(values) => values.iter().for_each(|(key, value)| is_finite(value, key)),
         _ => {}

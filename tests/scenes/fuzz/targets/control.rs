@@ -1,4 +1,4 @@
-//! What other programs say: it is refused with a line, or leaves a scene that is within its limits.
+//! Messages of other programs: refused in one line, or leaving a scene within its limits.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use sonoglyph::scene::{Scene, Shape, Target, file};
 
 use super::is_one_line;
 
-/// A point and a text, which words may be about.
+/// A point and a text, as objects of edits.
 fn wish() -> Wish {
     let at = glam::DVec3::new(0.0, 0.0, 0.1);
     let text = Shape::Text { text: "A".to_owned(), at, height: 0.02 };
@@ -45,7 +45,7 @@ pub fn osc(bytes: &[u8]) {
         }
         Err(error) => {
             is_one_line(&error);
-            assert!(osc::words(&osc::error(&error)).is_err(), "an answer is no word");
+            assert!(osc::words(&osc::error(&error)).is_err(), "an answer is not a command");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Drawings: SVG, PNG, JPEG and BMP. What is read is bounded, and its targets make a scene.
+//! Drawings: SVG, PNG, JPEG and BMP. Their size is bounded, and their targets make a scene.
 
 use glam::DVec3;
 
@@ -8,7 +8,7 @@ use sonoglyph::scene::{Sampling, Scene, file, outline};
 
 use super::is_one_line;
 
-/// Points that a drawing keeps.
+/// Limit of points in a drawing.
 const MOST_POINTS: usize = 20_000;
 
 pub fn run(bytes: &[u8]) {
@@ -43,11 +43,11 @@ fn becomes_a_scene(drawing: &Drawing, sampling: Sampling) {
     let placement = Placement { at, x: DVec3::X, y: DVec3::Y, side: 0.08, sampling };
     let Ok(targets) = placement.targets(drawing) else { return };
     let read = file::parse_targets(&file::write_targets(&targets));
-    assert_eq!(read.as_ref(), Some(&targets), "targets that a file holds");
+    assert_eq!(read.as_ref(), Some(&targets), "the file holds the same targets");
     if targets.is_empty() {
         return;
     }
-    let foci = outline::foci(&Scene { targets, ..Scene::default() }).expect("targets that can be played");
+    let foci = outline::foci(&Scene { targets, ..Scene::default() }).expect("the targets have foci");
     assert!((1..=MOST_FOCI).contains(&foci.len()), "{} foci", foci.len());
     for focus in foci {
         assert!((focus.position - at).abs().max_element() < 0.0401, "{focus:?}");

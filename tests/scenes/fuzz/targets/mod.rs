@@ -1,4 +1,4 @@
-//! What is fuzzed: each target takes any bytes, and panics where the program does not keep its word on them.
+//! The fuzz targets: each takes any bytes, and panics if the program breaks a promise.
 //!
 //! `tests/scenes/fuzz/mod.rs` runs them on the corpus and on mutations of it, and `fuzz/` under libFuzzer.
 
@@ -14,10 +14,10 @@ mod stock;
 mod tables;
 mod waveform;
 
-/// Takes any bytes.
+/// A target takes any bytes.
 type Target = fn(&[u8]);
 
-/// The targets by their names, which their corpora have too.
+/// The targets by name; a corpus has the name of its target.
 pub const TARGETS: [(&str, Target); 16] = [
     ("scene", scene::run),
     ("points", tables::points),
@@ -40,18 +40,18 @@ pub const TARGETS: [(&str, Target); 16] = [
 /// Runs the target of this name.
 ///
 /// # Panics
-/// Another name, and what the target finds.
+/// An unknown name, and failures of the target.
 pub fn run(name: &str, bytes: &[u8]) {
-    let (_, target) = TARGETS.iter().find(|(own, _)| *own == name).expect("a target of this name");
+    let (_, target) = TARGETS.iter().find(|(own, _)| *own == name).expect("no target of this name");
     target(bytes);
 }
 
-/// Asserts that a message can be shown in a line.
+/// Asserts that a message is one non-empty line.
 fn is_one_line(message: &str) {
     assert!(!message.trim().is_empty() && !message.contains('\n'), "{message:?}");
 }
 
-/// Asserts that a text has a line of this number, counted from 1.
+/// Asserts that a text has a line with this number, counted from 1.
 fn has_line(bytes: &[u8], line: usize) {
     let lines = bytes.iter().filter(|&&byte| byte == b'\n').count() + 1;
     assert!((1..=lines).contains(&line), "line {line} of {lines}");

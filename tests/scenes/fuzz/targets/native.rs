@@ -1,4 +1,4 @@
-//! The native protocol: what is accepted encodes to what came, and the device answers every packet.
+//! The native protocol: accepted packets encode to the received bytes, and the device answers every packet.
 
 use sonoglyph::device::native::line::{self, LONGEST, Splitter, Spoiled};
 use sonoglyph::device::native::model::Model;
@@ -8,7 +8,7 @@ use sonoglyph::device::native::packet::{Kind, Packet, REPLY, Reply};
 const HEAD: usize = 7;
 const CRC: usize = 4;
 const REPLY_BYTES: usize = 16;
-/// The byte of a reply that means nothing.
+/// The unused byte of a reply.
 const UNUSED: usize = 15;
 
 pub fn run(bytes: &[u8]) {
@@ -20,7 +20,7 @@ pub fn run(bytes: &[u8]) {
     answers_every_packet(bytes);
 }
 
-/// What stands between two delimiters.
+/// The bytes between two delimiters, if a valid packet, are its encoding.
 fn is_what_it_encodes_to(part: &[u8]) {
     if let Ok(packet) = Packet::of_line(part) {
         assert_eq!(Packet::of_line(&undelimited(packet.to_line())), Ok(packet));
@@ -36,7 +36,7 @@ fn undelimited(mut line: Vec<u8>) -> Vec<u8> {
     line
 }
 
-/// Bytes as the body of a good frame.
+/// Any bytes survive framing.
 fn comes_back_from_its_frame(body: &[u8]) {
     let line = undelimited(line::framed(body.to_vec()));
     let fits = body.len() <= LONGEST - CRC;
@@ -58,15 +58,16 @@ fn comes_back_from_its_frame(body: &[u8]) {
     }
 }
 
-/// Bytes as the life of a device: packets, and periods between them.
+/// Any bytes as a sequence of packets and the periods between them.
 fn answers_every_packet(bytes: &[u8]) {
     let Some((&[bits], script)) = bytes.split_first_chunk() else { return };
     let mut model = Model::new(5 + bits % 4).with_address(bits >> 4 & 7);
     model.follow(bits >> 7 == 1);
     for &[kind, seq, a, b, c, d, fill, periods] in script.as_chunks().0 {
-        let code = Kind::ALL.get(usize::from(kind) % 32).map_or(kind, |kind| kind.code());
-        let length = Kind::of_code(code).map_or(usize::from(fill), Kind::payload);
-        // One in sixteen is too short.
+        let known = (0..REPLY).filter_map(Kind::from_repr).nth(usize::from(kind) % 32);
+        let code = known.map_or(kind, Kind::code);
+        let length = Kind::from_repr(code).map_or(usize::from(fill), Kind::payload);
+        // One in sixteen is one byte short.
         let length = if fill % 16 == 7 { length.saturating_sub(1) } else { length };
         let payload = (0..length).map(|n| fill.wrapping_mul(n.to_le_bytes()[0] | 1)).collect();
         let packet = Packet { code, address: seq % 16, seq, arguments: [a, b, c, d], payload };

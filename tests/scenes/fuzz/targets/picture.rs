@@ -1,4 +1,4 @@
-//! Pictures whose brightness is a target: PNG, JPEG and BMP. What is read is bounded and finite, and can be played.
+//! Pictures as targets: PNG, JPEG and BMP. Their size is bounded, their values are finite, and they have foci.
 
 use glam::DVec3;
 
@@ -18,7 +18,7 @@ pub fn run(bytes: &[u8]) {
     let at = DVec3::new(0.0, 0.01, 0.1);
     let shape = Shape::Picture { file: String::new(), at, width: 0.05, pixels: Pixels::new(grey) };
     let scene = Scene { targets: vec![Target::new(shape)], ..Scene::default() };
-    // A picture may be too long for its width, which is said in a line.
+    // A picture too tall for its width is an error of one line.
     match outline::foci(&scene) {
         Ok(foci) => assert!(foci.len() <= MOST_FOCI && foci.iter().all(|focus| focus.position.is_finite())),
         Err(error) => is_one_line(&error.to_string()),

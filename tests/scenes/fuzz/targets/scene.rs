@@ -1,4 +1,4 @@
-//! Scene files: what is read is within its limits and survives being written, rewritten and sent as JSON.
+//! Scene files: accepted scenes are within their limits and survive writing, rewriting and JSON.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use sonoglyph::scene::{Listener, Method, Scene, motion, outline, rewrite};
 
 use super::{has_line, is_one_line};
 
-/// Focal points of all frames that are looked at.
+/// Limit of focal points over all frames that are checked.
 const MOST_MOVED: usize = 20_000;
 
 pub fn run(bytes: &[u8]) {
@@ -26,18 +26,18 @@ fn parse(text: &str) -> Scene {
     file::parse(text, Path::new("b.toml")).unwrap_or_else(|error| panic!("{error} in {text}"))
 }
 
-/// The message names the file, a line of it, and the value that stands there.
+/// The message names the file, a line of it, and a value in that line.
 fn is_located(text: &str, error: &FileError) {
     let message = error.to_string();
     is_one_line(&message);
     let (FileError::Syntax { line, .. } | FileError::Value { line, .. }) = error else {
-        panic!("{message}: nothing was to be read")
+        panic!("{message}: only syntax and values are expected errors")
     };
     has_line(text.as_bytes(), *line);
     assert!(message.starts_with(&format!("a.toml:{line}: ")), "{message}");
     if let FileError::Value { key, value, .. } = error {
         assert!(message.contains(key), "{message}");
-        let own = text.split('\n').nth(line - 1).expect("there is such a line");
+        let own = text.split('\n').nth(line - 1).expect("the line exists");
         assert!(value.as_ref().is_none_or(|value| own.contains(value.trim_end())), "{message} in {own}");
     }
 }
@@ -47,7 +47,7 @@ fn is_within_limits(scene: &Scene) {
         assert!(outline::foci(scene).is_err());
         return;
     }
-    let foci = outline::foci(scene).expect("a scene that was read has focal points");
+    let foci = outline::foci(scene).expect("a valid scene has foci");
     assert!((1..=MOST_FOCI).contains(&foci.len()), "{} foci", foci.len());
     for focus in &foci {
         assert!(focus.position.is_finite() && focus.position.z > 0.0 && focus.target > 0.0, "{focus:?}");
@@ -55,7 +55,7 @@ fn is_within_limits(scene: &Scene) {
     if motion::count(scene) * foci.len() > MOST_MOVED {
         return;
     }
-    let frames = motion::frames(scene).expect("a scene that was read has frames");
+    let frames = motion::frames(scene).expect("a valid scene has frames");
     assert_eq!(frames.len(), motion::count(scene));
     for focus in frames.iter().flatten() {
         assert!(focus.position.is_finite() && focus.position.z > 0.0, "{focus:?}");
@@ -65,9 +65,9 @@ fn is_within_limits(scene: &Scene) {
 fn survives(text: &str, scene: &Scene) {
     assert_eq!(parse(&file::write(scene)), *scene, "{text}");
     assert_eq!(file::parse_targets(&file::write_targets(&scene.targets)).as_ref(), Some(&scene.targets));
-    let json = serde_json::to_string(scene).expect("a scene is plain values");
-    let tables: serde_json::Value = serde_json::from_str(&json).expect("what was written is JSON");
-    assert_eq!(file::from_tables(tables).expect("the same tables"), *scene, "{json}");
+    let json = serde_json::to_string(scene).expect("a scene serialises");
+    let tables: serde_json::Value = serde_json::from_str(&json).expect("the text is JSON");
+    assert_eq!(file::from_tables(tables).expect("the tables are a scene"), *scene, "{json}");
     assert_eq!(rewrite::rewrite(text, scene), text);
     for edit in EDITS {
         let mut edited = scene.clone();
@@ -80,7 +80,7 @@ fn survives(text: &str, scene: &Scene) {
     }
 }
 
-/// What a window may do to a scene.
+/// Edits that a window may do.
 const EDITS: [fn(&mut Scene); 7] = [
     |scene| scene.solver.method = if scene.solver.method == Method::Gs { Method::Wgs } else { Method::Gs },
     |scene| scene.targets.reverse(),

@@ -1,4 +1,4 @@
-//! The window's settings: whatever the file says, they are within their limits and survive being written.
+//! The window's settings: any file gives values within their limits, which survive writing.
 
 use sonoglyph::app::settings::Settings;
 
@@ -17,6 +17,6 @@ pub fn run(bytes: &[u8]) {
     assert!((50.0..=1000.0).contains(&settings.section_height), "{settings:?}");
     assert!((1e-4..=0.1).contains(&settings.grid), "{settings:?}");
     assert!(settings.recent.len() <= 10, "{settings:?}");
-    let written = toml::to_string(&settings).expect("settings are plain values");
+    let written = toml::to_string(&settings).expect("settings serialise");
     assert_eq!(Settings::parse(&written), Ok(settings));
 }

@@ -1,4 +1,4 @@
-//! The boards people own: whatever they heard, they fall silent when they are told, and then play what they are sent.
+//! Boards with stock firmware: after any bytes they fall silent when told, and then play correctly.
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,7 +21,7 @@ pub fn run(bytes: &[u8]) {
     }
     assert_eq!(twin.shown(), Levels::off(profile));
     let levels = levels(profile, drive);
-    // One board reads its bytes in batches of a frame, so that after noise the end of a frame waits for the next.
+    // One board reads its bytes in batches of a frame: after noise, the end of a frame waits for the next.
     let times = if profile == Profile::Acoustophoretic512 { 2 } else { 1 };
     let frames = stock::frame(&levels).repeat(times);
     let heard: Vec<_> =
@@ -31,7 +31,7 @@ pub fn run(bytes: &[u8]) {
     sounds(&levels);
 }
 
-/// What an array plays has amplitudes and phases in their ranges.
+/// Amplitudes and phases are in their ranges.
 fn sounds(levels: &Levels) {
     assert_eq!(levels.elements.len(), levels.profile.elements());
     for Level { delay, .. } in levels.elements.iter().flatten() {
@@ -43,7 +43,7 @@ fn sounds(levels: &Levels) {
     }
 }
 
-/// A byte for the phase and one for the amplitude of each element, from the first on again where they end.
+/// A byte for the phase and one for the amplitude of each element, repeated cyclically.
 fn levels(profile: Profile, bytes: &[u8]) -> Levels {
     let mut bytes = bytes.iter().cycle().map(|&byte| f64::from(byte) / 255.0);
     let mut next = || bytes.next().unwrap_or(0.0);

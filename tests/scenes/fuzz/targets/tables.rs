@@ -1,4 +1,4 @@
-//! CSV: points, drives, calibrations and elements. Numbers are within their limits, and errors name a line.
+//! CSV files of points, drives, calibrations and elements: numbers are within their limits, errors name a line.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -18,7 +18,7 @@ use sonoglyph::table::TableError;
 use super::{has_line, is_one_line};
 
 const ELEMENTS: usize = 4;
-/// Points at which the field is computed.
+/// Limit of points with a computed field.
 const MOST_POINTS: usize = 64;
 
 static APERTURE: LazyLock<Aperture> = LazyLock::new(|| {
@@ -39,7 +39,7 @@ pub fn points(bytes: &[u8]) {
     };
     let mut text = String::from("x,y,z\n");
     for point in &samples.columns {
-        writeln!(text, "{:?},{:?},{:?}", point.x, point.y, point.z).expect("a String grows");
+        writeln!(text, "{:?},{:?},{:?}", point.x, point.y, point.z).expect("writing to a String");
     }
     assert_eq!(Samples::read(text.as_bytes()), Ok(samples.clone()));
     if samples.len() > MOST_POINTS {
@@ -47,7 +47,8 @@ pub fn points(bytes: &[u8]) {
     }
     let drive = Drive { amplitudes: vec![1.0; ELEMENTS], phases: vec![0.5, -3.0, PI, 0.0] };
     for evaluator in [Evaluator::Reference, Evaluator::Cpu] {
-        let pressures = evaluator.pressure(&APERTURE, &drive, &samples).expect("no GPU is asked for");
+        let pressures =
+            evaluator.pressure(&APERTURE, &drive, &samples).expect("the CPU evaluators do not fail");
         for (point, p) in samples.columns.iter().zip(pressures) {
             assert!(p.is_finite(), "{p} at {point} by {evaluator:?}");
         }
@@ -75,7 +76,11 @@ pub fn calibration(bytes: &[u8]) {
             for (amplitude, phase) in rows {
                 assert!((0.0..=1.0).contains(&amplitude) && phase.abs() <= 2.0 * PI, "{amplitude} {phase}");
             }
-            assert_eq!(calibration.corrected(ELEMENTS, 0.5, 0.5), (0.5, 0.5), "there are no more elements");
+            assert_eq!(
+                calibration.corrected(ELEMENTS, 0.5, 0.5),
+                (0.5, 0.5),
+                "elements beyond the table are unchanged"
+            );
         }
     }
 }
@@ -94,7 +99,8 @@ pub fn elements(bytes: &[u8]) {
     }
     let array = Array { placed: Elements::new(placed.clone(), None), ..Array::default() };
     let scene = Scene { array, ..Scene::default() };
-    let written = elements::read(elements::of_scene(&scene).as_bytes()).expect("a table that was written");
+    let written =
+        elements::read(elements::of_scene(&scene).as_bytes()).expect("the written table can be read");
     let apart =
         written.iter().zip(&placed).map(|(a, b)| a.at.distance(b.at).max(a.normal.distance(b.normal)));
     assert!(written.len() == placed.len() && apart.fold(0.0, f64::max) < 1e-9, "{placed:?}");

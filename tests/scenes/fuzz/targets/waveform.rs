@@ -1,4 +1,4 @@
-//! Waveforms of modulations (WAV). What is read is bounded, and its envelope stays between silence and full amplitude.
+//! Waveforms of modulations (WAV): their length is bounded, and the envelope stays between 0 and 1.
 
 use sonoglyph::scene::wave::{Samples, Wave};
 use sonoglyph::scene::{Envelope, Modulation};
