@@ -155,7 +155,8 @@ impl OnCpu {
         values.resize(width * height, 0.0);
         match job.frame {
             Frame::Pixels { raster, weights: None } if double && has_differences(job) => {
-                self.work += Work { superposition: 1, forming: 1, ..Work::default() };
+                self.work.superposition += 1;
+                self.work.forming += 1;
                 in_f64(job, raster, values)
             }
             Frame::Pixels { raster, weights } => {

@@ -1,6 +1,6 @@
 //! Counters of stage runs, which show that no work is repeated.
 
-use std::ops::{Add, AddAssign};
+use std::ops::Add;
 
 /// How often each stage ran.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -54,11 +54,5 @@ impl Add for Work {
 
     fn add(self, other: Self) -> Self {
         self.with(other, |own, other| own + other)
-    }
-}
-
-impl AddAssign for Work {
-    fn add_assign(&mut self, other: Self) {
-        *self = *self + other;
     }
 }
