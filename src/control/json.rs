@@ -47,7 +47,7 @@ pub struct MapWish {
 /// Not a JSON object, an unknown key, or an invalid value.
 pub fn message(text: &str, id: &mut Option<Value>) -> Result<Message, EditError> {
     let read: Result<Value, _> = serde_json::from_str(text);
-    let value = read.map_err(|error| EditError::Value(format!("no JSON: {error}")))?;
+    let value = read.map_err(|error| EditError::Value(format!("invalid JSON: {error}")))?;
     let Value::Object(mut keys) = value else { return wrong("a message is an object, {…}") };
     *id = keys.remove("id");
     let mut message = Message { id: id.clone(), ..Message::default() };

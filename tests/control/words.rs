@@ -180,7 +180,7 @@ fn impossible_json_requests_are_answered_and_change_nothing() {
     let mut web = serving.web();
     for (text, part) in [
         ("[1]", "a message is an object"),
-        ("{", "no JSON"),
+        ("{", "invalid JSON"),
         (r#"{"colour": 1}"#, "colour: there is no such key"),
         (r#"{"targets": {"3": {"at": [0, 0, 0.1]}}}"#, "target 3: the scene has 2"),
         (r#"{"targets": {"1": {"at": [0, 0, 0.1], "radius": 1}}}"#, "can be set alone"),
