@@ -58,8 +58,8 @@ pub fn playable(profile: Profile, modulation: &Modulation) -> Result<(), String>
         | Profile::UltrainoSimpleFpga => match modulation.shape {
             Envelope::Off | Envelope::Sine | Envelope::Square => Ok(()),
             Envelope::Tones | Envelope::File => Err(format!(
-                "{} is switched on and off at one frequency and plays no modulation.shape = \"{}\": take \"square\" or \"sine\", \
-                 and a frequency",
+                "{} only switches on and off at one frequency, which excludes modulation.shape = \"{}\": use \"square\" or \"sine\" \
+                 with a frequency",
                 profile.name(),
                 modulation.shape.into_str()
             )),
@@ -78,8 +78,8 @@ fn fits(modulation: &Modulation) -> Result<(), String> {
                 return Ok(());
             }
             Err(format!(
-                "a modulation is a table of {STEPS} steps that is repeated: all tones have to be multiples of one frequency, and the \
-                 fastest at most {} times that; {fastest} Hz is {periods:.0} times the common frequency of these tones",
+                "a modulation is a repeated table of {STEPS} steps: all tones must be multiples of one frequency, the fastest at \
+                 most {} times it; {fastest} Hz is {periods:.0} times the common frequency of these tones",
                 STEPS as f64 / STEPS_PER_PERIOD
             ))
         }
@@ -89,8 +89,7 @@ fn fits(modulation: &Modulation) -> Result<(), String> {
                 0 => Err("modulation.file is not loaded".to_owned()),
                 1..=STEPS => Ok(()),
                 _ => Err(format!(
-                    "a modulation is a table of {STEPS} steps that is repeated, and modulation.file has {count} samples: a period \
-                     of at most {STEPS} samples is played"
+                    "a modulation is a repeated table of {STEPS} steps: modulation.file has {count} samples, the limit is {STEPS}"
                 )),
             }
         }

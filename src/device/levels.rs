@@ -141,6 +141,6 @@ pub fn carrier_notice(carrier: f64, frequency: f64) -> Option<String> {
     /// Tolerance for rounding to mHz, below the uncertainty of air.
     const SAME: f64 = 1e-6;
     ((carrier - frequency).abs() > SAME * frequency).then(|| {
-        format!("the board plays {carrier} Hz, the scene is made for {frequency} Hz: the drive is found for the board's")
+        format!("the board plays {carrier} Hz, the scene {frequency} Hz: the drive is computed for the board's frequency")
     })
 }

@@ -252,7 +252,7 @@ impl Profile {
                 "its gateware is not published: every element may sound from power-up until a program connects",
             ),
             Self::SonicSurfaceTactile => Some(
-                "the phase corrections in its published gateware are taken off; for gateware built without them give the \
+                "the phase corrections of its published gateware are compensated; for gateware built without them use the \
                  calibration sonicsurface-tactile-zero-table.csv",
             ),
             Self::Acoustophoretic512 => Some(

@@ -153,8 +153,8 @@ impl Sphere {
     pub fn warning(&self) -> Option<String> {
         (self.ka > SMALL).then(|| {
             format!(
-                "the bead's ka is {:.2}: forces are those of a bead that is small against the wavelength, and estimates above \
-                 {SMALL}",
+                "the bead's ka is {:.2}: the force model assumes a bead much smaller than the wavelength; above {SMALL} it is an \
+                 estimate",
                 self.ka
             )
         })

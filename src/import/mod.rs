@@ -43,7 +43,7 @@ pub struct Drawing {
 /// Reasons for a file without a drawing.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ImportError {
-    #[error("the file has {} MiB, and {} are the most", .0 >> 20, MOST_BYTES >> 20)]
+    #[error("the file has {} MiB, the limit is {}", .0 >> 20, MOST_BYTES >> 20)]
     TooLarge(usize),
     #[error("this is neither an SVG nor a PNG, JPEG or BMP picture")]
     UnknownFormat,
@@ -51,7 +51,7 @@ pub enum ImportError {
     Compressed,
     #[error("the SVG cannot be read: {0}")]
     Svg(String),
-    #[error("the SVG holds no path that is painted{}", if *.has_text { "; its text has to be turned into paths first" } else { "" })]
+    #[error("the SVG has no painted path{}", if *.has_text { "; convert its text to paths first" } else { "" })]
     NoPaths { has_text: bool },
     #[error("the picture cannot be read: {}", echo::line(.0.trim_end()))]
     Picture(String),
@@ -61,9 +61,9 @@ pub enum ImportError {
         "the picture has no dark strokes on light paper: it seems to be a photograph or a painted surface"
     )]
     NoStrokes,
-    #[error("the drawing has {0} lines, and {MOST_LINES} are the most that an array could play")]
+    #[error("the drawing has {0} lines, the limit is {MOST_LINES}")]
     TooManyLines(usize),
-    #[error("the drawing has {0} points, and {MOST_READ} are the most that are read: simplify it first")]
+    #[error("the drawing has {0} points, the limit is {MOST_READ}: simplify it first")]
     TooDetailed(usize),
 }
 

@@ -116,7 +116,7 @@ impl Pace {
 #[derive(Debug, thiserror::Error)]
 pub enum AnimationError {
     #[error(
-        "cannot encode {frames} frames of {width} x {height} pixels: a side is 1 to {largest}, and there is a frame at least"
+        "cannot encode {frames} frames of {width} x {height} pixels: needs at least 1 frame, and sides of 1 to {largest} pixels"
     )]
     Size { width: usize, height: usize, largest: usize, frames: u32 },
     #[error("cannot encode: {0}")]

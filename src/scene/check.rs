@@ -153,7 +153,7 @@ fn disk(scene: &Scene) -> Result<(), KeyError> {
         return Ok(());
     }
     let message = format!(
-        "an exact piston may have at most {widest:.4} m at this frequency, {:.0} wavelengths: take `piston`, the far field",
+        "an exact piston may have at most {widest:.4} m at this frequency, {:.0} wavelengths: use `piston`, the far-field model",
         WIDEST_DISK / TAU
     );
     refuse("element_radius", message)
@@ -288,8 +288,7 @@ fn aim(scene: &Scene) -> Result<(), KeyError> {
     if normal.truncate().length() < LEVEL {
         return Ok(());
     }
-    let message = "a depression is drawn on the scene's plane, which has to be parallel to the array: `plane.x_axis` and \
-                   `plane.y_axis` are not level";
+    let message = "a depression needs a scene plane parallel to the array: `plane.x_axis` and `plane.y_axis` are not level";
     refuse("target", message)
 }
 

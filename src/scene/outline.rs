@@ -130,8 +130,8 @@ fn traps_beside_points(scene: &Scene, foci: &[Vec<Focus>]) -> Result<(), KeyErro
     if is_alone {
         return Ok(());
     }
-    let message = "traps stand beside points and separate focal points only: give strokes `points` or `spacing`, and leave out \
-                   areas, `[[quiet]]`, `solver.frames` and `solver.target`";
+    let message = "traps combine only with points and separate focal points: give strokes `points` or `spacing`, and remove areas, \
+                   `[[quiet]]`, `solver.frames` and `solver.target`";
     Err(KeyError::new([Key::from("target"), Key::from(index), Key::from("trap")], message))
 }
 

@@ -236,8 +236,7 @@ pub(crate) fn check(scene: &Scene) -> Result<(), KeyError> {
     let all = scene.elements() as u64;
     if all > MOST_ELEMENTS {
         let (boards, each) = (scene.boards.len(), scene.array.elements());
-        let message =
-            format!("{boards} boards of {each} elements have {all}, and {MOST_ELEMENTS} in all are the most");
+        let message = format!("{boards} boards of {each} elements have {all}: the limit is {MOST_ELEMENTS}");
         return refuse("board", message);
     }
     if scene.liquid.reflects
@@ -377,8 +376,8 @@ fn converges(scene: &Scene) -> Result<(), KeyError> {
     for mirror in scene.mirrors() {
         let is_between = scene.standing().iter().any(|board| mirror.faces(board));
         if is_between && (own * mirror.coefficient).abs() > MOST {
-            let message = "the series of reflections between the array's face and a reflector that is as perfect does not \
-                           converge: give one of them less than 1";
+            let message = "the reflections between the array's face and an equally perfect reflector do not converge: one of \
+                           them must be below 1";
             return Err(KeyError::new([Key::from("array"), Key::from("reflectivity")], message));
         }
     }

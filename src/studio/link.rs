@@ -24,7 +24,7 @@ const NAME: &str = "link";
 #[derive(Debug, Error)]
 pub enum LinkError {
     #[error(
-        "this is not a whole Sonoglyph link: it begins with “sonoglyph:#”, or with a page and #, and holds letters, digits, - and _"
+        "incomplete Sonoglyph link: must be “sonoglyph:#” or a page with #, followed by letters, digits, - and _"
     )]
     Broken,
     #[error("the scene in this link is larger than {} MiB", LONGEST >> 20)]

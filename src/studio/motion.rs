@@ -40,8 +40,8 @@ fn warn_of_rates(scene: &Scene) {
         let (asked, played) = (group.asked(), cycle.played(group));
         if let Some(target) = group.target.filter(|_| (played / asked - 1.0).abs() > APART) {
             warn(&format!(
-                "target {} goes round {played:.3} times a second, not {asked:.3}: a whole number of its rounds, {}, fits into \
-                 the cycle of {:.3} per second",
+                "target {} makes {played:.3} rounds per second instead of {asked:.3}: the common cycle of {:.3} per second holds a \
+                 whole number of its rounds, {}",
                 target + 1,
                 group.rounds,
                 cycle.rate

@@ -143,8 +143,8 @@ impl Reading {
     pub fn warning(&self) -> Option<String> {
         (self.spl() > LIMIT).then(|| {
             format!(
-                "it is louder than {LIMIT:.0} dB at the listener, the most that an ear may be exposed to between 25 and 50 kHz \
-                 for less than 4 hours: go further away, shield it, or drive less"
+                "above {LIMIT:.0} dB at the listener, the exposure limit between 25 and 50 kHz for less than 4 hours: increase the \
+                 distance, shield the array, or reduce the drive"
             )
         })
     }

@@ -59,7 +59,7 @@ pub enum Warning {
     TurnedAway(usize),
     /// Remainder of a truncated series of reflections, relative to the direct sound.
     #[error(
-        "The reflections between the array's face and what it faces converge slowly: what is left out after {faces} of them is up to \
+        "The reflections between the array's face and the reflectors converge slowly: the remainder after {faces} of them is up to \
          {rest:.1e} of the direct sound"
     )]
     CutShort { faces: usize, rest: f64 },

@@ -181,7 +181,7 @@ impl Look {
         if width * height > MOST_PIXELS {
             let mebibytes = (width * height * 8) >> 20;
             bail!(
-                "{width} x {height} pixels need {mebibytes} MiB for their field; {MOST_PIXELS} pixels are the most"
+                "{width} x {height} pixels need {mebibytes} MiB for their field: the limit is {MOST_PIXELS} pixels"
             );
         }
         let bytes = width * height * BYTES_PER_PIXEL;

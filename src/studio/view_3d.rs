@@ -61,7 +61,7 @@ impl Wish {
         let pixels = width.saturating_mul(height);
         if pixels > MOST_PIXELS || !memory::holds(pixels.saturating_mul(16)) {
             bail!(
-                "{width} x {height} pixels in space: {MOST_PIXELS} are the most, and memory must hold them"
+                "{width} x {height} pixels in space: the limit is {MOST_PIXELS}, and they must fit into memory"
             );
         }
         Ok((width, height))

@@ -58,7 +58,7 @@ fn solve_states_whether_a_trap_holds() {
     assert!(trap["stiffness"][0]["stiffness"].as_f64().unwrap() > 1e-4, "{trap}");
     let refused = refuse(folder.path(), &["solve", "stroke.toml"]);
     assert!(
-        refused.contains("stroke.toml:10: target[1].trap = \"standing\": traps stand beside points"),
+        refused.contains("stroke.toml:10: target[1].trap = \"standing\": traps combine only with points"),
         "{refused}"
     );
     let refused = refuse(folder.path(), &["solve", "turns.toml"]);

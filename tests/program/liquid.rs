@@ -221,7 +221,7 @@ fn impossible_depressions_are_refused() {
         refuse(folder.path(), &[&["render", scene, "-o", output, "--quantity", "depression"], more].concat())
     };
     for (message, part) in [
-        (refused("upright.toml", &[]), "lies parallel to the array"),
+        (refused("upright.toml", &[]), "must have no z component"),
         (refused("low.toml", &[]), "nearer than a wavelength"),
         (refused("empty.toml", &[]), "liquid.density = 0"),
         (refused("stretched.toml", &[]), "liquid.surface_tension = -1"),

@@ -183,7 +183,7 @@ fn foci_run_along_drawn_strokes() {
     let folder = folder_with(&[("a.toml", OUTLINE)]);
     let output = run(folder.path(), &["solve", "a.toml", "--motion", "--json"]);
     let warning = String::from_utf8(output.stderr).unwrap();
-    assert!(warning.contains("target 3 goes round 75.000 times a second, not 90.000"), "{warning}");
+    assert!(warning.contains("target 3 makes 75.000 rounds per second instead of 90.000"), "{warning}");
     let value: Value = serde_json::from_slice(&output.stdout).unwrap();
     for (key, expected) in [("rate", 37.5), ("length", 0.16), ("speed", 6.0), ("frames_per_second", 600.0)] {
         assert!((value[key].as_f64().unwrap() - expected).abs() < 1e-9, "{key}: {}", value[key]);
@@ -308,7 +308,7 @@ fn bad_arguments_are_refused() {
     let folder = folder_with(&[("a.toml", SQUARE), ("file", "")]);
     let render = |rest: &[&'static str]| [&["render", "a.toml", "--motion", "-o"][..], rest].concat();
     for (args, part) in [
-        (render(&["a.avi"]), "a.avi: an animation goes into FILE.gif"),
+        (render(&["a.avi"]), "a.avi: an animation is written as FILE.gif"),
         (render(&["a"]), "FOLDER/"),
         (render(&["no/a.gif"]), "no/a.gif: cannot write"),
         (render(&["file/"]), "cannot make the folder"),

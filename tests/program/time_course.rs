@@ -186,7 +186,7 @@ fn modulations_are_refused_for_boards_that_cannot_play_them() {
     let tones = "[modulation]\nshape = \"tones\"\ntones = [{ frequency = 199, depth = 0.5 }, { frequency = 200, depth = 0.5 }]\n";
     let folder = folder_with(&format!("{SCENE}{tones}"));
     for (profile, part) in [
-        ("sonicsurface", "is switched on and off at one frequency"),
+        ("sonicsurface", "only switches on and off at one frequency"),
         ("native", "200 Hz is 200 times the common frequency of these tones"),
     ] {
         let message =

@@ -131,7 +131,7 @@ fn invalid_3d_views_are_refused() {
         (&["--view", "3d", "--slice", "w=1"], "an axis and a place in metres"),
         (&["--view", "3d", "--quantity", "phase"], "shows the RMS pressure"),
         (&["--view", "3d", "--motion"], "is a still picture"),
-        (&["--view", "3d", "--size", "100000"], "are the most"),
+        (&["--view", "3d", "--size", "100000"], "the limit is"),
         (&["--box", "1,1,1,0,0,0"], "add --volume or --view 3d"),
         (&["--light"], "add --figure or --view 3d"),
     ] {

@@ -85,7 +85,7 @@ fn an_invalid_drawing_leaves_the_scene_and_gives_a_reason() {
         ("empty.svg", String::new(), "neither an SVG nor"),
         ("broken.svg", "<svg".to_owned(), "cannot be read"),
         ("deep.svg", deep, "cannot be read"),
-        ("blank.svg", svg(""), "no path that is painted"),
+        ("blank.svg", svg(""), "no painted path"),
         ("text.svg", svg("<text>Hi</text>"), "turned into paths"),
         ("nan.svg", svg("<path d='M nan 1e999 L 1 2' stroke='red'/>"), ""),
         ("far.svg", svg("<path d='M -1e300 0 L 1e300 1e300' stroke='red'/>"), ""),

@@ -295,7 +295,7 @@ fn a_scene_goes_through_a_link() {
     assert!(screen.state().editor().document.is_unsaved());
     type_path(&mut screen, Modifiers::COMMAND, Key::O, &link[..link.len() - 9]);
     key(&mut screen, Key::Enter);
-    assert!(screen.query_by_label_contains("not a whole Sonoglyph link").is_some());
+    assert!(screen.query_by_label_contains("incomplete Sonoglyph link").is_some());
 }
 
 #[test]

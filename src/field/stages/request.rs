@@ -201,9 +201,9 @@ pub enum By {
 /// Errors of a map.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FieldError {
-    #[error("a map of {0} x {1} pixels: it has one at least, and {MOST_PIXELS} at most")]
+    #[error("a map of {0} x {1} pixels: must have 1 to {MOST_PIXELS} pixels")]
     NoPixels(usize, usize),
-    #[error("the drive does not give every element of the array an amplitude and a phase that are numbers")]
+    #[error("the drive must give every element of the array a finite amplitude and phase")]
     NoDrive,
     #[error("a map needs a drive, a moment, and a part from 0 to 1 of the steady pressure")]
     NoMean,
@@ -215,13 +215,11 @@ pub enum FieldError {
         "the plane comes nearer than a wavelength to the array: the surface of a liquid must stay clear of it"
     )]
     TooNear,
-    #[error(
-        "a liquid's surface is level: its plane lies parallel to the array, `x_axis` and `y_axis` without a part along z"
-    )]
+    #[error("a liquid's surface is level: `x_axis` and `y_axis` of its plane must have no z component")]
     NotLevel,
     #[error(
-        "the plane and the margin that a depression needs around it, 14 capillary lengths √(σ/ρg), are too wide: take a \
-         smaller plane, or a liquid with less tension or more weight"
+        "the plane and the margin of a depression, 14 capillary lengths √(σ/ρg), are too wide: use a smaller plane, or a \
+         liquid of lower surface tension or higher density"
     )]
     TooManyCells,
     #[error(transparent)]

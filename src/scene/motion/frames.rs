@@ -183,8 +183,7 @@ impl<'a> Score<'a> {
         if foci > MOST_FOCI
             && let Some((group, _)) = self.ways.iter().find(|(_, way)| matches!(way, Way::Run(_)))
         {
-            let message =
-                format!("a frame has {foci} with those of other targets, and {MOST_FOCI} are the most");
+            let message = format!("a frame has {foci} with those of other targets: the limit is {MOST_FOCI}");
             return refuse(group.target, "foci", message);
         }
         let leader = cycle.groups[cycle.leader].target;

@@ -69,7 +69,7 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
         let message = match target {
             Some(_) => "this target has no outline to run along: it is a point",
             None => {
-                "there is no outline to run along: points, hidden targets and targets with their own motion do not count"
+                "no outline to run along: points, hidden targets and targets with their own motion have none"
             }
         };
         return refuse(target, "path", message);
@@ -79,7 +79,7 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
             None => return refuse(target, "speed", "the path has no length: give `rate`"),
             Some(rate) if !RATES.contains(&rate) => {
                 let message = format!(
-                    "a path of {length} m at {speed} m/s is run through {rate} times per second, and {} to {} can be",
+                    "a path of {length} m at {speed} m/s makes {rate} cycles per second: must be {} to {}",
                     RATES.start(),
                     RATES.end()
                 );
@@ -94,8 +94,8 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
             Tempo::Speed(_) => "speed",
         };
         let message = format!(
-            "{rounds} rounds in one cycle of {frames} frames leave fewer than {FEWEST} frames for each: take more frames \
-             per cycle, or go slower"
+            "{rounds} rounds in one cycle of {frames} frames leave fewer than {FEWEST} frames each: use more frames per cycle, \
+             or a lower rate"
         );
         return refuse(target, tempo, message);
     }

@@ -103,8 +103,8 @@ impl Target {
         match Kind::of(output) {
             Some(kind) => Ok(Self::File(output.to_owned(), kind)),
             None => bail!(
-                "{}: an animation goes into FILE.gif, FILE.png or FILE.apng, as a video into FILE.mp4 or FILE.webm, or as a PNG \
-                 per frame into FOLDER/",
+                "{}: an animation is written as FILE.gif, FILE.png or FILE.apng, a video as FILE.mp4 or FILE.webm, and a PNG per \
+                 frame into FOLDER/",
                 output.display()
             ),
         }

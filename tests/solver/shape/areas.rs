@@ -176,7 +176,7 @@ fn a_depression_fits_better_as_the_target_than_by_pressure() {
     assert!(figures.areas.unwrap().error < 0.45, "{figures:?}");
     stroke.plane.x_axis = dvec3(1.0, 0.0, 0.1);
     let error = check::check(&stroke).unwrap_err().to_string();
-    assert!(error.starts_with("solver.target: a depression is drawn on the scene's plane"), "{error}");
+    assert!(error.starts_with("solver.target: a depression needs a scene plane"), "{error}");
     stroke.plane.x_axis = DVec3::X;
     stroke.plane.centre.z = 0.12;
     let error = solver::solve(&stroke).unwrap_err().to_string();

@@ -81,8 +81,7 @@ impl<'a> Session<'a> {
         if address > 0 && !reply.flags.follows {
             self.in_step = false;
             self.shared.notice(&format!(
-                "board {address} receives no sync: it plays at a phase of its own until `sync` of board 0 is wired to its \
-                 `sync_in`"
+                "board {address} receives no sync, so its phase drifts: wire `sync` of board 0 to its `sync_in`"
             ));
         }
         Ok(())

@@ -154,8 +154,8 @@ impl Session<'_> {
                 "; {played:.0} of {rate:.0} frames/s are played: each takes {costs:.1} ms on the line"
             ),
             lost => format!(
-                "; {played:.0} of {rate:.0} frames/s are played, and {lost} of {} pulses are left out for each: it takes \
-                 {costs:.1} ms on the line",
+                "; {played:.0} of {rate:.0} frames/s are played, and each frame ({costs:.1} ms on the line) replaces {lost} of \
+                 {} pulses",
                 (10.0 * frequency / played).round() / 10.0
             ),
         }
