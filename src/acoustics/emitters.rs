@@ -257,8 +257,10 @@ impl<const ORDER: usize> Kernel for Sum<'_, ORDER> {
             let f2 = lanes::<LANES>(|i| f[i] * f[i]);
             let size = lanes::<LANES>(|i| heard[i] * decayed[i] * r[i] * inverse[i]);
             let size = lanes::<LANES>(|i| f64::from_bits(size[i].to_bits() ^ (rounded[i].to_bits() << 63)));
-            let (c, s) = (horner::<I, 9>(&COSINE, &f2), horner::<I, 9>(&SINE, &f2));
-            let turn = [lanes::<LANES>(|i| size[i] * c[i]), lanes::<LANES>(|i| size[i] * f[i] * s[i])];
+            let (c, s) = (horner::<I, 7>(&COSINE, &f2), horner::<I, 7>(&SINE, &f2));
+            let s = lanes::<LANES>(|i| f[i] * s[i]);
+            let part = lanes::<LANES>(|i| size[i] * s[i]);
+            let turn = [lanes::<LANES>(|i| size[i] - part[i] * s[i]), lanes::<LANES>(|i| part[i] * c[i])];
             let wave = times(&turn, &played);
             // Derivatives of e^{-γr}/r by Q over its value, γ = α + jk: (1/r d/dr)ⁿ.
             let x = lanes::<LANES>(|i| attenuation * r[i]);

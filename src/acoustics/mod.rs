@@ -27,6 +27,7 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::scene::{Placed, Reflector, Scene};
 
@@ -191,17 +192,28 @@ impl Aperture {
     /// # Panics
     /// Other than a value per driven element and drive.
     pub fn pressures(&self, points: &[DVec3], drives: &[Complex64]) -> Vec<Complex64> {
-        /// Rows of some hundred elements that stay in the nearest cache.
-        const RUN: usize = 8;
+        /// Points per task of a thread.
+        const TASK: usize = 128;
+        /// Rows of some hundred elements that stay in the nearest cache, with their drive.
+        const RUN: usize = 4;
         let rows = Rows::new(self);
-        let mut transfer = Transfer::zeros(RUN.min(points.len()), self.driven.len());
+        let room = |points: usize| Transfer::zeros(points, self.driven.len());
         let drives: Vec<_> =
-            drives.chunks(self.driven.len().max(1)).map(|drive| transfer.played(drive)).collect();
-        let of_run = |points: &[DVec3]| {
-            rows.fill(points, &mut transfer);
-            transfer.taking_turns(&drives)
+            drives.chunks(self.driven.len().max(1)).map(|drive| room(0).played(drive)).collect();
+        let of_task = |(points, pressures): (&[DVec3], &mut [Complex64])| {
+            let mut transfer = room(RUN.min(points.len()));
+            for (points, to) in points.chunks(RUN).zip(pressures.chunks_mut(RUN)) {
+                rows.fill(points, &mut transfer);
+                to.copy_from_slice(&transfer.taking_turns(&drives));
+            }
         };
-        points.chunks(RUN).flat_map(of_run).collect()
+        let mut pressures = vec![Complex64::ZERO; points.len()];
+        if points.len() <= TASK {
+            of_task((points, &mut pressures));
+        } else {
+            points.par_chunks(TASK).zip(pressures.par_chunks_mut(TASK)).for_each(of_task);
+        }
+        pressures
     }
 
     /// The resolution (m) near a point: λ/(2 NA), NA the sine of half the angle subtended by the wider side of the

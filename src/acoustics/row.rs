@@ -1,6 +1,6 @@
 //! Rows of the transfer matrix, many elements to one point: [`Element::transfer`] in vector registers, in f64.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 use std::ops::Range;
 
 use glam::DVec3;
@@ -19,33 +19,31 @@ const FEW_TERMS: usize = 11;
 const MANY_TERMS: usize = 18;
 /// Terms of the Taylor series: an error of 1e-19 for ka up to 10.
 const TAYLOR_TERMS: usize = 27;
-/// cos(πf) in f² for |f| ≤ 1/2, 1e-16 off. These polynomials agree with their function at the Chebyshev nodes.
-pub(super) const COSINE: [f64; 9] = [
-    1.0,
-    -4.934_802_200_544_676,
-    4.058_712_126_416_497,
-    -1.335_262_768_843_447,
-    0.235_330_630_129_532_87,
-    -0.025_806_888_737_002_202,
-    0.001_929_556_257_248_171_4,
-    -0.000_104_566_553_387_487_38,
-    4.149_564_353_942_586e-6,
+/// √2 cos(πf/2) in f² for |f| ≤ 1/2, 1e-16 off. These polynomials agree with their function at the Chebyshev nodes.
+pub(super) const COSINE: [f64; 7] = [
+    SQRT_2,
+    -1.744_716_049_909_693_6,
+    0.358_742_858_432_497_7,
+    -0.029_505_417_413_671_225,
+    0.001_300_029_888_695_330_7,
+    -3.563_837_306_438_805e-5,
+    6.583_583_005_207_542e-7,
 ];
-/// sin(πf)/f in f² for |f| ≤ 1/2, 4e-17 off.
-pub(super) const SINE: [f64; 9] = [
-    PI,
-    -5.167_712_780_049_969,
-    2.550_164_039_877_300_7,
-    -0.599_264_529_318_944_7,
-    0.082_145_886_573_102_9,
-    -0.007_370_430_505_936_943,
-    0.000_466_299_816_189_839_4,
-    -2.190_349_707_462_601_8e-5,
-    7.697_826_768_224_191e-7,
+/// √2 sin(πf/2)/f in f² for |f| ≤ 1/2, 7e-17 off.
+pub(super) const SINE: [f64; 7] = [
+    2.221_441_469_079_183,
+    -0.913_531_187_499_427_1,
+    0.112_702_392_858_284_1,
+    -0.006_621_000_189_652_891,
+    0.000_226_898_051_342_352_55,
+    -5.089_250_235_931_372e-6,
+    7.967_585_563_362_772e-8,
 ];
 /// e^x for |x| ≤ 0.1: 3e-15 off.
 const DECAY: [f64; 9] = inverse_factorials();
 const MOST_DECAY: f64 = 0.1;
+/// m: powers of the square of a height up to this are finite.
+const HIGHEST: f64 = 1e6;
 /// ka/2 limits for few and for many terms.
 const FEW: f64 = 2.0;
 const MANY: f64 = 5.0;
@@ -74,7 +72,7 @@ pub struct Elements<'a> {
     half_ka: f64,
     /// 1/m: k/π, and what rounding takes from it.
     half_turns_per_metre: [f64; 2],
-    /// 2 J1(x)/x in sin²θ, x = ka sinθ, as far as it is a series.
+    /// 2 J1(x)/x in cos²θ, x = ka sinθ, as far as it is a series.
     directivity: [f64; MANY_TERMS],
 }
 
@@ -124,6 +122,7 @@ impl<'a> Elements<'a> {
         };
         let is_series = has_series
             && half_ka <= MANY
+            && point.z <= HIGHEST
             && element.attenuation * self.reach <= MOST_DECAY
             && (point.z >= -NEAREST || self.normals.is_some());
         if !is_series {
@@ -245,7 +244,14 @@ impl<const TERMS: usize, const FLAT: bool, const ABSORBS: bool> Kernel for Row<'
         // e^{-αr} relative to what it is at the origin.
         let middle = point.with_z(z).length();
         let strength = element.strength * (-element.attenuation * middle).exp();
-        let directivity: [f64; TERMS] = std::array::from_fn(|n| elements.directivity[n]);
+        // Of a flat board in 1/r², of others in cos²θ.
+        let scale = if FLAT { z * z } else { 1.0 };
+        let mut power = strength;
+        let mut directivity = [0.0; TERMS];
+        for (to, term) in directivity.iter_mut().zip(elements.directivity) {
+            *to = term * power;
+            power *= scale;
+        }
         let [turning, turning_rest] = elements.half_turns_per_metre;
         let attenuation = element.attenuation;
         for n in 0..count {
@@ -253,12 +259,12 @@ impl<const TERMS: usize, const FLAT: bool, const ABSORBS: bool> Kernel for Row<'
             let dz = if FLAT { z } else { z - zs[n] };
             let r2 = fused64::<I>(dx, dx, fused64::<I>(dy, dy, dz * dz));
             let r = r2.sqrt();
-            let inverse = 1.0 / r;
+            let inverse2 = 1.0 / r2;
+            let inverse = r * inverse2;
             let height =
-                if FLAT { dz } else { fused64::<I>(dx, nxs[n], fused64::<I>(dy, nys[n], dz * nzs[n])) };
-            let cos = height * inverse;
-            let mut amplitude =
-                strength * inverse * value::<I, TERMS>(&directivity, fused64::<I>(-cos, cos, 1.0));
+                if FLAT { 1.0 } else { fused64::<I>(dx, nxs[n], fused64::<I>(dy, nys[n], dz * nzs[n])) };
+            let variable = if FLAT { inverse2 } else { height * height * inverse2 };
+            let mut amplitude = inverse * value::<I, TERMS>(&directivity, variable);
             if ABSORBS {
                 amplitude *= value::<I, 9>(&DECAY, attenuation * (middle - r));
             }
@@ -270,8 +276,11 @@ impl<const TERMS: usize, const FLAT: bool, const ABSORBS: bool> Kernel for Row<'
             let f2 = f * f;
             // An odd number of half-turns changes both signs.
             let amplitude = f64::from_bits(amplitude.to_bits() ^ (rounded.to_bits() << 63));
-            re[n] = amplitude * f * value::<I, 9>(&SINE, f2);
-            im[n] = amplitude * value::<I, 9>(&COSINE, f2);
+            // sin 2x = 2 sin x cos x and cos 2x = 1 - 2 sin² x: half the angle takes fewer terms.
+            let sine = f * value::<I, 7>(&SINE, f2);
+            let part = amplitude * sine;
+            re[n] = part * value::<I, 7>(&COSINE, f2);
+            im[n] = fused64::<I>(-part, sine, amplitude);
         }
     }
 }
@@ -307,15 +316,16 @@ pub(super) fn horner<I: Instructions, const N: usize>(
     sum
 }
 
-/// 2 J1(x)/x = Σ (-1)^n (x/2)^{2n}/(n! (n+1)!) in s = sin²θ, x = ka sinθ, economised to `terms` terms: for 0 ≤ s ≤ 1
-/// the highest power is successively replaced by its remainder against the shifted Chebyshev polynomial of that
-/// degree (Lanczos, Applied Analysis, 1956, chapter 7).
+/// 2 J1(x)/x, x = ka sinθ, = Σ (ka/2)^{2n}/(n! (n+1)!) Λₙ₊₁(ka) cos^{2n}θ with Λₙ(x) = n! (2/x)ⁿ Jₙ(x), by the multiplication
+/// theorem, economised to `terms` terms: the highest power is successively replaced by its remainder against the
+/// shifted Chebyshev polynomial of that degree (Lanczos, Applied Analysis, 1956, chapter 7).
 fn directivity(quarter_ka2: f64, terms: usize) -> [f64; MANY_TERMS] {
+    let lambdas = lambdas(quarter_ka2);
     let mut series = [0.0; TAYLOR_TERMS];
-    let mut term = 1.0;
+    let mut factor = 1.0;
     for (n, coefficient) in series.iter_mut().enumerate() {
-        *coefficient = term;
-        term *= -quarter_ka2 / ((n + 1) * (n + 2)) as f64;
+        *coefficient = factor * lambdas[n + 1];
+        factor *= quarter_ka2 / ((n + 1) * (n + 2)) as f64;
     }
     for degree in (terms..TAYLOR_TERMS).rev() {
         let chebyshev = shifted_chebyshev(degree);
@@ -324,6 +334,23 @@ fn directivity(quarter_ka2: f64, terms: usize) -> [f64; MANY_TERMS] {
         series.iter_mut().zip(chebyshev).take(degree).for_each(|(lower, c)| *lower -= part * c);
     }
     std::array::from_fn(|n| series[n])
+}
+
+/// n! (2/x)ⁿ Jₙ(x) by the recurrence of Bessel functions from high orders down, where it is stable.
+fn lambdas(quarter_x2: f64) -> [f64; TAYLOR_TERMS + 2] {
+    let series = |order: usize| {
+        let next =
+            |(m, term): &(usize, f64)| Some((m + 1, -term * quarter_x2 / ((m + 1) * (order + m + 1)) as f64));
+        std::iter::successors(Some((0, 1.0)), next).take(40).map(|(_, term)| term).sum::<f64>()
+    };
+    let mut lambdas = [0.0; TAYLOR_TERMS + 2];
+    for n in (0..lambdas.len()).rev() {
+        lambdas[n] = match lambdas.get(n + 2) {
+            Some(above) => lambdas[n + 1] - quarter_x2 / ((n + 1) * (n + 2)) as f64 * above,
+            None => series(n),
+        };
+    }
+    lambdas
 }
 
 /// T(2s - 1) of a degree, in powers of s.

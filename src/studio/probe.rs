@@ -37,10 +37,8 @@ pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<
 
 /// The pressures of [`readings`].
 pub fn pressures(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Complex64> {
-    /// Points per task of a thread.
-    const RUN: usize = 128;
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
-    points.par_chunks(RUN).flat_map_iter(|points| aperture.pressures(points, &played)).collect()
+    aperture.pressures(points, &played)
 }
 
 /// The same at one point.
