@@ -27,9 +27,10 @@ use sonoglyph::solver::{self, frames};
 use sonoglyph::studio::{opening, output, probe, reach, space};
 use strum::VariantNames;
 
+use crate::evaluator::Cached;
 use crate::map::{self, Map};
 use crate::motion::Motion;
-use crate::solution::Solution;
+use crate::solution::{self, Solution};
 use crate::{convert, drives, error, evaluator, work};
 
 /// Pixels of a map along x, unless its size is given.
@@ -108,8 +109,7 @@ impl Scene {
             Some(solution) => solution,
             None => {
                 let scene = Arc::clone(&this.scene);
-                let solved = work::run(slf.py(), progress, move |_| solver::solve(&scene))?;
-                let solution = Arc::new(solved.map_err(|error| error::of_solving(&error))?);
+                let solution = Arc::new(solution::solved(slf.py(), progress, scene)?);
                 *this.own.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&solution));
                 solution
             }
@@ -248,8 +248,7 @@ impl Scene {
             Arc::make_mut(&mut scene).solver.search = search;
             scene::check::check(&scene).map_err(|error| error::of_key(&error))?;
         }
-        let solved = work::run(slf.py(), progress, move |_| solver::solve(&scene))?;
-        let solution = solved.map_err(|error| error::of_solving(&error))?;
+        let solution = solution::solved(slf.py(), progress, scene)?;
         Ok(Solution::new(Arc::new(solution), slf.clone().unbind()))
     }
 
@@ -294,15 +293,10 @@ impl Scene {
             }
         };
         let (quantity, plane) = (request.quantity, request.plane.clone());
-        let map = move |gauge: &Gauge| {
-            evaluator::with(backend, |stages| {
-                stages.show_progress(gauge.clone());
-                let map = stages.take_map(&request);
-                stages.show_progress(Gauge::default());
-                map
-            })
-        };
-        Map::new(slf.py(), quantity, plane, work::run(slf.py(), progress, map)??)
+        let evaluator = Cached::take(backend);
+        let is_brief = evaluator.is_brief(&request);
+        let map = move |gauge: &Gauge| evaluator.map(&request, gauge);
+        Map::new(slf.py(), quantity, plane, work::run(slf.py(), progress, is_brief, map)??)
     }
 
     /// The depression of the liquid's surface on the scene's plane, m, positive downwards: `field("depression")`.
@@ -367,12 +361,12 @@ impl Scene {
             let mut values = Vec::with_capacity(points as usize);
             for z in 0..counts[2] {
                 request.plane = lattice.layer(z, tolerance);
-                values.extend(evaluator::with(backend, |stages| stages.take_map(&request))?.values);
+                values.extend(Cached::take(backend).map(&request, &Gauge::default())?.values);
                 gauge.tell(z as usize + 1, counts[2] as usize);
             }
             PyResult::Ok(values)
         };
-        let values = work::run(slf.py(), progress, volume)??;
+        let values = work::run(slf.py(), progress, false, volume)??;
         values.into_pyarray(slf.py()).reshape([counts[2], counts[1], counts[0]].map(|count| count as usize))
     }
 
@@ -390,7 +384,7 @@ impl Scene {
         let drives = Self::played(slf, drive, false, progress)?;
         let scene = Arc::clone(&slf.get().scene);
         let read = move |_: &Gauge| probe::pressures(&Aperture::new(&scene), &drives, &points);
-        work::run(slf.py(), progress, read)?.into_pyarray(slf.py()).reshape(shape)
+        work::run(slf.py(), progress, false, read)?.into_pyarray(slf.py()).reshape(shape)
     }
 
     /// The transfer H from every element to points, Pa (peak) per unit of drive, including reflections: complex128, shape
@@ -431,7 +425,7 @@ impl Scene {
             points.par_iter().map(|&point| levitation.forces(point)).collect::<Vec<_>>()
         };
         let py = slf.py();
-        let all = work::run(py, progress, feel)?;
+        let all = work::run(py, progress, false, feel)?;
         let gorkov: Vec<_> = all.iter().map(|forces| forces.gorkov).collect();
         let force: Vec<_> = all.iter().flat_map(|forces| forces.force.to_array()).collect();
         let stiffness = |forces: &sonoglyph::force::Forces| forces.stiffness.transpose().to_cols_array();
@@ -450,7 +444,7 @@ impl Scene {
         let scene = Arc::clone(&slf.get().scene);
         let rate = motion::cycle(&scene).map_or(0.0, |cycle| cycle.frames_per_second());
         let follow = move |gauge: &Gauge| frames::follow_with(&scene, gauge);
-        let sequence = work::run(slf.py(), progress, follow)?;
+        let sequence = work::run(slf.py(), progress, false, follow)?;
         Ok(Motion::new(Arc::new(sequence.map_err(|error| error::of_solving(&error))?), rate))
     }
 
