@@ -69,18 +69,18 @@ impl Cached {
         self.brief.as_ref().is_some_and(|brief| *brief == alike(request))
     }
 
-    /// Makes a map. A failed evaluator is dropped; unless a GPU was requested by name, the CPU takes over.
+    /// Makes a map, if possible in this memory. A failed evaluator is dropped; unless a GPU was requested by name, the CPU takes over.
     ///
     /// # Errors
     /// A missing GPU, or an error of the map.
-    pub fn map(self, request: &Request, gauge: &Gauge) -> PyResult<Map> {
+    pub fn map(self, request: &Request, memory: Vec<f32>, gauge: &Gauge) -> PyResult<Map> {
         let Self { backend, stages, .. } = self;
         let mut stages = stages.map_or_else(|| open(backend), Ok)?;
         let begun = Instant::now();
-        let mut made = map(&mut stages, request, gauge);
+        let mut made = map(&mut stages, request, memory, gauge);
         if backend == Backend::Auto && matches!(made, Err(FieldError::Gpu(_))) {
             stages = Stages::new(Evaluator::Cpu);
-            made = map(&mut stages, request, gauge);
+            made = map(&mut stages, request, Vec::new(), gauge);
         }
         let made = made.map_err(|error| error::of_field(&error))?;
         let brief = (begun.elapsed() < work::BRIEF).then(|| alike(request));
@@ -97,9 +97,9 @@ impl Cached {
     }
 }
 
-fn map(stages: &mut Stages, request: &Request, gauge: &Gauge) -> Result<Map, FieldError> {
+fn map(stages: &mut Stages, request: &Request, memory: Vec<f32>, gauge: &Gauge) -> Result<Map, FieldError> {
     stages.show_progress(gauge.clone());
-    let map = stages.take_map(request);
+    let map = stages.take_map(request, memory);
     stages.show_progress(Gauge::default());
     map
 }

@@ -2,6 +2,7 @@
 
 #![expect(clippy::needless_pass_by_value, reason = "paths come as values from Python")]
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -295,7 +296,8 @@ impl Scene {
         let (quantity, plane) = (request.quantity, request.plane.clone());
         let evaluator = Cached::take(backend);
         let is_brief = evaluator.is_brief(&request);
-        let map = move |gauge: &Gauge| evaluator.map(&request, gauge);
+        let memory = map::memory(request.size);
+        let map = move |gauge: &Gauge| evaluator.map(&request, memory, gauge);
         Map::new(slf.py(), quantity, plane, work::run(slf.py(), progress, is_brief, map)??)
     }
 
@@ -358,10 +360,11 @@ impl Scene {
         let tolerance = request.plane.tolerance;
         request.size = (counts[0] as usize, counts[1] as usize);
         let volume = move |gauge: &Gauge| {
-            let mut values = Vec::with_capacity(points as usize);
+            let (mut values, mut layer) = (Vec::with_capacity(points as usize), Vec::new());
             for z in 0..counts[2] {
                 request.plane = lattice.layer(z, tolerance);
-                values.extend(Cached::take(backend).map(&request, &Gauge::default())?.values);
+                layer = Cached::take(backend).map(&request, layer, &Gauge::default())?.values;
+                values.extend_from_slice(&layer);
                 gauge.tell(z as usize + 1, counts[2] as usize);
             }
             PyResult::Ok(values)
@@ -486,7 +489,8 @@ fn places(points: &Bound<'_, PyAny>) -> PyResult<(Vec<DVec3>, Vec<usize>)> {
         return refused("an array of shape (..., 3), in metres");
     };
     // In row order, for any strides.
-    let flat: Vec<f64> = array.as_array().iter().copied().collect();
+    let view = array.as_array();
+    let flat: Cow<'_, [f64]> = view.as_slice().map_or_else(|| view.iter().copied().collect(), Cow::Borrowed);
     if flat.len() / 3 > MOST_PLACES {
         return refused("50 000 000 at most");
     }
