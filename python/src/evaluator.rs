@@ -1,23 +1,25 @@
 //! Field evaluators by name, cached between calls together with their plans and tables.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{self, Evaluator, Stages};
+use sonoglyph::field::{Evaluator, FieldError, Map, Request, Stages};
+use sonoglyph::gauge::Gauge;
 use sonoglyph::simd::Isa;
 use sonoglyph::studio::evaluator::Backend;
 
-use crate::error;
+use crate::{error, work};
 
 /// The idle evaluators; at most one of each backend per thread.
-static IDLE: Mutex<Vec<(Backend, Stages)>> = Mutex::new(Vec::new());
+static IDLE: Mutex<Vec<Cached>> = Mutex::new(Vec::new());
 /// Limit of idle evaluators.
 const KEPT: usize = 8;
 
-fn idle() -> MutexGuard<'static, Vec<(Backend, Stages)>> {
+fn idle() -> MutexGuard<'static, Vec<Cached>> {
     IDLE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -35,42 +37,71 @@ pub fn named(name: &str) -> PyResult<Backend> {
     }
 }
 
-/// Runs work on an evaluator. A failed evaluator is dropped; unless a GPU was requested by name, the CPU takes over.
-///
-/// # Errors
-/// A missing GPU, or an error of the work.
-pub fn with<T>(backend: Backend, work: impl Fn(&mut Stages) -> Result<T, field::FieldError>) -> PyResult<T> {
-    let mut stages = match take(backend) {
-        Some(stages) => stages,
-        None => open(backend)?,
-    };
-    match work(&mut stages) {
-        Ok(made) => {
-            give_back(backend, stages);
-            Ok(made)
+/// An evaluator with its plans and tables.
+#[derive(Debug)]
+pub struct Cached {
+    backend: Backend,
+    /// `None` before its first map.
+    stages: Option<Stages>,
+    /// What its last map was of, if that took less than [`work::BRIEF`].
+    brief: Option<Alike>,
+}
+
+/// A request without its drives, and their number: maps that agree in it take about the same time.
+type Alike = (Request, usize);
+
+fn alike(request: &Request) -> Alike {
+    (Request { drives: Arc::from([]), ..request.clone() }, request.drives.len())
+}
+
+impl Cached {
+    /// An idle evaluator, or a new one.
+    pub fn take(backend: Backend) -> Self {
+        let mut idle = idle();
+        match idle.iter().rposition(|kept| kept.backend == backend) {
+            Some(at) => idle.remove(at),
+            None => Self { backend, stages: None, brief: None },
         }
-        Err(field::FieldError::Gpu(_)) if backend == Backend::Auto => {
-            let mut stages = Stages::new(Evaluator::Cpu);
-            let made = work(&mut stages).map_err(|error| error::of_field(&error))?;
-            give_back(backend, stages);
-            Ok(made)
+    }
+
+    /// Whether its last map was like this one, and brief.
+    pub fn is_brief(&self, request: &Request) -> bool {
+        self.brief.as_ref().is_some_and(|brief| *brief == alike(request))
+    }
+
+    /// Makes a map, if possible in this memory. A failed evaluator is dropped; unless a GPU was requested by name, the CPU takes over.
+    ///
+    /// # Errors
+    /// A missing GPU, or an error of the map.
+    pub fn map(self, request: &Request, memory: Vec<f32>, gauge: &Gauge) -> PyResult<Map> {
+        let Self { backend, stages, .. } = self;
+        let mut stages = stages.map_or_else(|| open(backend), Ok)?;
+        let begun = Instant::now();
+        let mut made = map(&mut stages, request, memory, gauge);
+        if backend == Backend::Auto && matches!(made, Err(FieldError::Gpu(_))) {
+            stages = Stages::new(Evaluator::Cpu);
+            made = map(&mut stages, request, Vec::new(), gauge);
         }
-        Err(error) => Err(error::of_field(&error)),
+        let made = made.map_err(|error| error::of_field(&error))?;
+        let brief = (begun.elapsed() < work::BRIEF).then(|| alike(request));
+        Self { backend, stages: Some(stages), brief }.give_back();
+        Ok(made)
+    }
+
+    fn give_back(self) {
+        let mut idle = idle();
+        idle.push(self);
+        if idle.len() > KEPT {
+            idle.remove(0);
+        }
     }
 }
 
-fn take(backend: Backend) -> Option<Stages> {
-    let mut idle = idle();
-    let at = idle.iter().rposition(|(kept, _)| *kept == backend)?;
-    Some(idle.remove(at).1)
-}
-
-fn give_back(backend: Backend, stages: Stages) {
-    let mut idle = idle();
-    idle.push((backend, stages));
-    if idle.len() > KEPT {
-        idle.remove(0);
-    }
+fn map(stages: &mut Stages, request: &Request, memory: Vec<f32>, gauge: &Gauge) -> Result<Map, FieldError> {
+    stages.show_progress(gauge.clone());
+    let map = stages.take_map(request, memory);
+    stages.show_progress(Gauge::default());
+    map
 }
 
 fn open(backend: Backend) -> PyResult<Stages> {

@@ -2,6 +2,7 @@
 
 #![expect(clippy::needless_pass_by_value, reason = "paths come as values from Python")]
 
+use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -27,9 +28,10 @@ use sonoglyph::solver::{self, frames};
 use sonoglyph::studio::{opening, output, probe, reach, space};
 use strum::VariantNames;
 
+use crate::evaluator::Cached;
 use crate::map::{self, Map};
 use crate::motion::Motion;
-use crate::solution::Solution;
+use crate::solution::{self, Solution};
 use crate::{convert, drives, error, evaluator, work};
 
 /// Pixels of a map along x, unless its size is given.
@@ -108,8 +110,7 @@ impl Scene {
             Some(solution) => solution,
             None => {
                 let scene = Arc::clone(&this.scene);
-                let solved = work::run(slf.py(), progress, move |_| solver::solve(&scene))?;
-                let solution = Arc::new(solved.map_err(|error| error::of_solving(&error))?);
+                let solution = Arc::new(solution::solved(slf.py(), progress, scene)?);
                 *this.own.lock().unwrap_or_else(PoisonError::into_inner) = Some(Arc::clone(&solution));
                 solution
             }
@@ -248,8 +249,7 @@ impl Scene {
             Arc::make_mut(&mut scene).solver.search = search;
             scene::check::check(&scene).map_err(|error| error::of_key(&error))?;
         }
-        let solved = work::run(slf.py(), progress, move |_| solver::solve(&scene))?;
-        let solution = solved.map_err(|error| error::of_solving(&error))?;
+        let solution = solution::solved(slf.py(), progress, scene)?;
         Ok(Solution::new(Arc::new(solution), slf.clone().unbind()))
     }
 
@@ -294,15 +294,11 @@ impl Scene {
             }
         };
         let (quantity, plane) = (request.quantity, request.plane.clone());
-        let map = move |gauge: &Gauge| {
-            evaluator::with(backend, |stages| {
-                stages.show_progress(gauge.clone());
-                let map = stages.take_map(&request);
-                stages.show_progress(Gauge::default());
-                map
-            })
-        };
-        Map::new(slf.py(), quantity, plane, work::run(slf.py(), progress, map)??)
+        let evaluator = Cached::take(backend);
+        let is_brief = evaluator.is_brief(&request);
+        let memory = map::memory(request.size);
+        let map = move |gauge: &Gauge| evaluator.map(&request, memory, gauge);
+        Map::new(slf.py(), quantity, plane, work::run(slf.py(), progress, is_brief, map)??)
     }
 
     /// The depression of the liquid's surface on the scene's plane, m, positive downwards: `field("depression")`.
@@ -364,15 +360,16 @@ impl Scene {
         let tolerance = request.plane.tolerance;
         request.size = (counts[0] as usize, counts[1] as usize);
         let volume = move |gauge: &Gauge| {
-            let mut values = Vec::with_capacity(points as usize);
+            let (mut values, mut layer) = (Vec::with_capacity(points as usize), Vec::new());
             for z in 0..counts[2] {
                 request.plane = lattice.layer(z, tolerance);
-                values.extend(evaluator::with(backend, |stages| stages.take_map(&request))?.values);
+                layer = Cached::take(backend).map(&request, layer, &Gauge::default())?.values;
+                values.extend_from_slice(&layer);
                 gauge.tell(z as usize + 1, counts[2] as usize);
             }
             PyResult::Ok(values)
         };
-        let values = work::run(slf.py(), progress, volume)??;
+        let values = work::run(slf.py(), progress, false, volume)??;
         values.into_pyarray(slf.py()).reshape([counts[2], counts[1], counts[0]].map(|count| count as usize))
     }
 
@@ -390,7 +387,7 @@ impl Scene {
         let drives = Self::played(slf, drive, false, progress)?;
         let scene = Arc::clone(&slf.get().scene);
         let read = move |_: &Gauge| probe::pressures(&Aperture::new(&scene), &drives, &points);
-        work::run(slf.py(), progress, read)?.into_pyarray(slf.py()).reshape(shape)
+        work::run(slf.py(), progress, false, read)?.into_pyarray(slf.py()).reshape(shape)
     }
 
     /// The transfer H from every element to points, Pa (peak) per unit of drive, including reflections: complex128, shape
@@ -431,7 +428,7 @@ impl Scene {
             points.par_iter().map(|&point| levitation.forces(point)).collect::<Vec<_>>()
         };
         let py = slf.py();
-        let all = work::run(py, progress, feel)?;
+        let all = work::run(py, progress, false, feel)?;
         let gorkov: Vec<_> = all.iter().map(|forces| forces.gorkov).collect();
         let force: Vec<_> = all.iter().flat_map(|forces| forces.force.to_array()).collect();
         let stiffness = |forces: &sonoglyph::force::Forces| forces.stiffness.transpose().to_cols_array();
@@ -450,7 +447,7 @@ impl Scene {
         let scene = Arc::clone(&slf.get().scene);
         let rate = motion::cycle(&scene).map_or(0.0, |cycle| cycle.frames_per_second());
         let follow = move |gauge: &Gauge| frames::follow_with(&scene, gauge);
-        let sequence = work::run(slf.py(), progress, follow)?;
+        let sequence = work::run(slf.py(), progress, false, follow)?;
         Ok(Motion::new(Arc::new(sequence.map_err(|error| error::of_solving(&error))?), rate))
     }
 
@@ -492,7 +489,8 @@ fn places(points: &Bound<'_, PyAny>) -> PyResult<(Vec<DVec3>, Vec<usize>)> {
         return refused("an array of shape (..., 3), in metres");
     };
     // In row order, for any strides.
-    let flat: Vec<f64> = array.as_array().iter().copied().collect();
+    let view = array.as_array();
+    let flat: Cow<'_, [f64]> = view.as_slice().map_or_else(|| view.iter().copied().collect(), Cow::Borrowed);
     if flat.len() / 3 > MOST_PLACES {
         return refused("50 000 000 at most");
     }

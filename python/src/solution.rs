@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::Value;
 use sonoglyph::acoustics::Aperture;
+use sonoglyph::scene::{self, ElementModel, Shape};
 use sonoglyph::solver::{self, Limits, Problem, room};
 use sonoglyph::studio::json;
 
@@ -15,6 +16,7 @@ use crate::convert;
 use crate::error;
 use crate::map::Map;
 use crate::scene::{Pixels, Scene};
+use crate::work;
 
 /// The function and arguments that rebuild a pickled solution.
 type Pickled<'py> = (Bound<'py, PyAny>, (Py<Scene>, Bound<'py, PyBytes>));
@@ -29,6 +31,34 @@ pub struct Solution {
     pub scene: Py<Scene>,
     /// Computed on demand: the limits of foci and array take as long as the solution itself.
     quality: OnceLock<Value>,
+}
+
+/// Solves a scene.
+///
+/// # Errors
+/// Those of the solver, and of [`work::run`].
+pub fn solved(
+    py: Python<'_>,
+    progress: Option<&Bound<'_, PyAny>>,
+    scene: Arc<scene::Scene>,
+) -> PyResult<solver::Solution> {
+    let is_brief = is_brief(&scene);
+    let solved = work::run(py, progress, is_brief, move |_| solver::solve(&scene))?;
+    solved.map_err(|error| error::of_solving(&error))
+}
+
+/// Whether a scene is surely solved within [`work::BRIEF`]: few points for a usual array.
+fn is_brief(scene: &scene::Scene) -> bool {
+    const FEW: usize = 16;
+    const MOST_PAIRS: usize = 1 << 14;
+    let scene::Solver { iterations, search, frames, .. } = scene.solver;
+    let points = scene.targets.len();
+    points <= FEW
+        && points * scene.elements() <= MOST_PAIRS
+        && scene.targets.iter().all(|target| matches!(target.shape, Shape::Point { .. }))
+        && (scene.quiet.is_empty() && scene.reflectors.is_empty() && !scene.aims_at_depression())
+        && (iterations <= 100 && search == 0.0 && frames == 1)
+        && scene.array.element != ElementModel::ExactPiston
 }
 
 impl Solution {

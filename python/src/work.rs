@@ -13,6 +13,9 @@ use sonoglyph::gauge::Gauge;
 /// Interval of checks for Ctrl-C and of progress reports.
 const LOOK: Duration = Duration::from_millis(40);
 
+/// Work of less time is done by the caller: Ctrl-C can wait for it, and handing it over may take as long.
+pub const BRIEF: Duration = Duration::from_millis(10);
+
 type Task = Box<dyn FnOnce() + Send>;
 
 /// Idle threads: starting one costs a tenth of a millisecond, and fresh memory.
@@ -44,15 +47,24 @@ fn hand_over(task: Task) -> std::io::Result<()> {
     worker.send(task).map_err(|_| std::io::Error::other("a thread of Sonoglyph has ended"))
 }
 
-/// Runs work on a separate thread and reports its completed fraction, 0 to 1, to `progress`.
+fn bug() -> PyErr {
+    PyRuntimeError::new_err("a bug of Sonoglyph: see standard error")
+}
+
+/// Runs work without the GIL and reports its completed fraction, 0 to 1, to `progress`: on this thread if it `is_brief`, otherwise on a
+/// separate one.
 ///
 /// # Errors
 /// Ctrl-C (the work ends at its next progress report), and exceptions of `progress`.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
+    is_brief: bool,
     work: impl FnOnce(&Gauge) -> T + Send + 'static,
 ) -> PyResult<T> {
+    if is_brief && progress.is_none() {
+        return py.detach(|| catch_unwind(AssertUnwindSafe(|| work(&Gauge::default())))).map_err(|_| bug());
+    }
     let (stop, part) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
     let (stopped, told) = (Arc::clone(&stop), Arc::clone(&part));
     let gauge = Gauge::new(move |part| {
@@ -78,7 +90,7 @@ pub fn run<T: Send + 'static>(
         match py.detach(wait) {
             Ok(Ok(made)) => return Ok(made),
             Ok(Err(_)) | Err(RecvTimeoutError::Disconnected) => {
-                return Err(PyRuntimeError::new_err("a bug of Sonoglyph: see standard error"));
+                return Err(bug());
             }
             Err(RecvTimeoutError::Timeout) => {
                 let now = part.load(Ordering::Relaxed);

@@ -220,11 +220,14 @@ impl Stages {
         Ok(&self.map.value)
     }
 
-    /// The map by value: requesting it again recomputes it from the earlier stages.
+    /// The map by value, if possible in this memory: requesting it again recomputes it from the earlier stages.
     ///
     /// # Errors
     /// As [`Stages::map`].
-    pub fn take_map(&mut self, request: &Request) -> Result<Map, FieldError> {
+    pub fn take_map(&mut self, request: &Request, memory: Vec<f32>) -> Result<Map, FieldError> {
+        if self.map.key.is_none() {
+            self.map.value.values = memory;
+        }
         self.map(request)?;
         self.map.key = None;
         Ok(std::mem::take(&mut self.map.value))
