@@ -122,7 +122,7 @@ fn drawings() {
 
 #[test]
 fn batch_lines() {
-    fuzz("batch", 4000);
+    fuzz("batch", 1500);
 }
 
 #[test]
