@@ -496,14 +496,3 @@ fn type_in(screen: &mut Screen, name: &str, text: &str) {
     screen.step();
     key(screen, Key::Enter);
 }
-
-fn drag_briskly(screen: &mut Screen, from: Pos2, to: Pos2) {
-    screen.hover_at(from);
-    screen.step();
-    screen.drag_at(from);
-    screen.step();
-    screen.hover_at(to);
-    screen.step();
-    screen.drop_at(to);
-    screen.step();
-}

@@ -176,6 +176,17 @@ fn tiny_windows_and_empty_scenes_work() {
     assert!(screen.state().shown().map.is_some() && screen.state().shown().problem.is_none());
 }
 
+fn drag_briskly(screen: &mut Screen, from: Pos2, to: Pos2) {
+    screen.hover_at(from);
+    screen.step();
+    screen.drag_at(from);
+    screen.step();
+    screen.hover_at(to);
+    screen.step();
+    screen.drop_at(to);
+    screen.step();
+}
+
 fn place_in(rect: Rect, dice: &mut Dice) -> Pos2 {
     rect.min + vec2(dice.unit() as f32 * rect.width(), dice.unit() as f32 * rect.height())
 }
