@@ -3,7 +3,6 @@
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
-use std::time::Instant;
 
 use rosc::OscType;
 use sonoglyph::device::board::{Board, Setup};
@@ -12,18 +11,11 @@ use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
 use sonoglyph::solver;
 
-use crate::{PATIENCE, Udp, floats, message, scene};
+use crate::waiting::{PATIENCE, eventually};
+use crate::{Udp, floats, message, scene};
 
 const PROFILE: Profile = Profile::SonicSurface;
 const SCENE: &str = "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[[target]]\nat = [-0.02, 0, 0.12]\n";
-
-fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
-    let until = Instant::now() + PATIENCE;
-    while !condition() {
-        assert!(Instant::now() < until, "timed out waiting for {what}");
-        std::thread::sleep(std::time::Duration::from_millis(5));
-    }
-}
 
 fn is_silent(board: &Board) -> bool {
     let playing = board.report().playing;

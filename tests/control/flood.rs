@@ -12,8 +12,10 @@ use sonoglyph::control::json;
 use sonoglyph::control::osc::{self, Word};
 use sonoglyph::control::ultraino::Draft;
 
-use crate::mutation::{Dice, mutated};
-use crate::{PATIENCE, Serving, TWO, floats, message, scene};
+use crate::dice::Dice;
+use crate::mutation::mutated;
+use crate::waiting::PATIENCE;
+use crate::{Serving, TWO, floats, message, scene};
 
 /// Packets of a default run; `SONOGLYPH_MUTATIONS=10` makes ten times as many.
 const PACKETS: u64 = 1_000_000;
@@ -72,8 +74,8 @@ fn packet(corpus: &[Vec<u8>], words: &[Vec<u8>], seed: u64) -> Vec<u8> {
             bytes[place] ^= 1 << (mixed >> 5 & 7);
             bytes
         }
-        0 => mutated(&[vec![b'\xa5'; (seed / 8 % 600) as usize]], words, &mut Dice(seed)),
-        _ => mutated(corpus, words, &mut Dice(seed)),
+        0 => mutated(&[vec![b'\xa5'; (seed / 8 % 600) as usize]], words, &mut Dice::seeded(seed)),
+        _ => mutated(corpus, words, &mut Dice::seeded(seed)),
     }
 }
 

@@ -5,11 +5,16 @@
 
 #[cfg(feature = "serial")]
 mod board;
+#[path = "../dice/mod.rs"]
+#[expect(dead_code, reason = "used by other test binaries")]
+mod dice;
 mod doors;
 mod flood;
 #[path = "../scenes/fuzz/mutation.rs"]
 #[expect(dead_code, reason = "the fuzz targets have a dictionary")]
 mod mutation;
+#[path = "../waiting/mod.rs"]
+mod waiting;
 mod words;
 
 use std::net::{SocketAddr, TcpStream, UdpSocket};
@@ -17,7 +22,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
 use serde_json::Value;
@@ -28,9 +33,7 @@ use sonoglyph::scene::{Scene, file};
 use sonoglyph::solver;
 use tungstenite::stream::MaybeTlsStream;
 use tungstenite::{Message, WebSocket};
-
-/// Upper limit of every wait, for slow machines.
-const PATIENCE: Duration = Duration::from_secs(20);
+use waiting::{PATIENCE, eventually};
 
 const TWO: &str =
     "format = 1\n[[target]]\nat = [-0.02, 0, 0.1]\n[[target]]\nkind = \"text\"\ntext = \"A\"\npoints = 6\n";
@@ -100,12 +103,7 @@ impl Serving {
             .map(|focus| focus.position)
             .zip(expected.pressures.iter().map(|p| p.norm()))
             .collect();
-        let until = Instant::now() + PATIENCE;
-        while self.desk.report().foci() != expected {
-            let found = self.desk.report().foci();
-            assert!(Instant::now() < until, "{found:?} is not {expected:?}");
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        eventually(&format!("the foci of {text}"), || self.desk.report().foci() == expected);
     }
 }
 

@@ -2,6 +2,9 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+#[path = "../dice/mod.rs"]
+#[expect(dead_code, reason = "used by other test binaries")]
+mod dice;
 mod field;
 mod gateware;
 mod native;

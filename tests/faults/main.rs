@@ -20,20 +20,19 @@ mod requirement;
 mod running;
 mod screen;
 mod signal;
+#[path = "../waiting/mod.rs"]
+mod waiting;
 #[cfg(feature = "window")]
 mod window;
 
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
-use std::time::{Duration, Instant};
 
 use program::{PROGRAM, SCENE, at_home, program, program_after};
 use running::Running;
 use tempfile::TempDir;
-
-/// Upper limit of every wait, for slow machines.
-const PATIENCE: Duration = Duration::from_secs(60);
+use waiting::eventually;
 
 /// A folder with the scene `a.toml` in it.
 fn folder() -> TempDir {
@@ -67,12 +66,4 @@ fn succeed(command: &mut Command) -> String {
     let output = command.output().unwrap();
     assert!(output.status.success(), "{:?}: {}", output.status, String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
-}
-
-fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
-    let start = Instant::now();
-    while !condition() {
-        assert!(start.elapsed() < PATIENCE, "timed out waiting for {what}");
-        std::thread::sleep(Duration::from_millis(2));
-    }
 }

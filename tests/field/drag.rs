@@ -98,7 +98,7 @@ fn figures(stages: &mut Stages, request: &Request) -> Map {
 
 #[test]
 fn a_drag_reads_back_only_figures_and_allocates_nothing() {
-    const DRIVES: u64 = 200;
+    const DRIVES: u64 = 40;
     const SIZE: (usize, usize) = (120, 90);
     let (scene, _) = three_foci();
     for quantity in ON_GPU {

@@ -56,7 +56,7 @@ fn evaluators_agree_on_every_scene() {
         let path = entry.unwrap().path();
         let scene = file::read(&path).unwrap();
         let drive = solver::solve(&scene).unwrap().drive;
-        let samples = Samples::on_plane(&scene.plane, 96, 96).unwrap();
+        let samples = Samples::on_plane(&scene.plane, 49, 47).unwrap();
         assert_evaluators_agree(&path.display().to_string(), &scene, &drive, &samples, gpu.as_ref());
         scenes += 1;
     }
@@ -93,7 +93,8 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
         for (array_name, rows, columns, off) in arrays {
             for model in [ElementModel::Piston, ElementModel::ExactPiston, ElementModel::Point] {
                 // An odd number of samples, so that the last block and workgroup are partly empty.
-                let samples = Samples::on_plane(plane, 41, 27).unwrap();
+                let (width, height) = if rows * columns > 2000 { (21, 13) } else { (41, 27) };
+                let samples = Samples::on_plane(plane, width, height).unwrap();
                 let mut scene = Scene { plane: plane.clone(), ..Scene::default() };
                 scene.array.rows = rows;
                 scene.array.columns = columns;

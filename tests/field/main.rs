@@ -5,6 +5,7 @@
 mod caustic;
 mod depression;
 #[path = "../dice/mod.rs"]
+#[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
 mod drag;
 mod evaluators;

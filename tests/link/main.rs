@@ -9,6 +9,8 @@ mod motions;
 mod requirement;
 #[path = "../running/mod.rs"]
 mod running;
+#[path = "../waiting/mod.rs"]
+mod waiting;
 
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
@@ -22,9 +24,7 @@ use sonoglyph::device::port::{Port, PortError};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock;
 use sonoglyph::device::task::finish;
-
-/// Upper limit of every wait, for slow machines.
-const PATIENCE: Duration = Duration::from_secs(60);
+use waiting::{PATIENCE, eventually};
 
 /// A frame with its number in every element: a torn one would hold two numbers.
 fn numbered(profile: Profile, number: u16) -> Levels {
@@ -103,14 +103,6 @@ impl Pair {
 
 fn is_silent(board: &Board) -> bool {
     board.report().playing.unwrap().drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0)
-}
-
-fn eventually(what: &str, mut condition: impl FnMut() -> bool) {
-    let until = Instant::now() + PATIENCE;
-    while !condition() {
-        assert!(Instant::now() < until, "timed out waiting for {what}");
-        std::thread::sleep(Duration::from_millis(2));
-    }
 }
 
 /// Sends frames with this pause; checks that no other frame is shown, and that the last one is.

@@ -10,6 +10,9 @@ mod brush;
 mod canvas;
 mod compare;
 mod course;
+#[path = "../dice/mod.rs"]
+#[expect(dead_code, reason = "used by other test binaries")]
+mod dice;
 #[cfg(target_os = "linux")]
 mod display;
 mod edits;
@@ -49,6 +52,9 @@ use strum::VariantArray;
 
 type Screen = Harness<'static, Window>;
 
+/// Upper limit of every wait, for slow machines.
+const PATIENCE: Duration = Duration::from_secs(300);
+
 fn open() -> Screen {
     open_by(0.25)
 }
@@ -63,17 +69,31 @@ fn open_by(step: f32) -> Screen {
     screen
 }
 
-/// Runs frames until no work is pending.
+/// Runs the frames that the window asks for, until no work is pending: background work must wake the window.
 fn rest(screen: &mut Screen) {
     let start = Instant::now();
-    screen.run_steps(3);
+    settle(screen);
     while screen.state().is_busy() {
-        assert!(start.elapsed() < Duration::from_secs(300), "a background task does not end");
-        std::thread::sleep(Duration::from_millis(5));
-        screen.run_steps(2);
+        while !screen.ctx.has_requested_repaint() {
+            assert!(
+                start.elapsed() < PATIENCE,
+                "a background task does not end, or does not wake the window"
+            );
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        settle(screen);
     }
-    // For the last results: a dialog is measured in one frame and drawn in the next.
-    screen.run_steps(3);
+}
+
+/// A frame per event, and those that the window asks for at once; an animation has a few.
+fn settle(screen: &mut Screen) {
+    screen.step();
+    for _ in 0..3 {
+        if screen.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay > Duration::ZERO {
+            break;
+        }
+        screen.step();
+    }
 }
 
 /// Turns the wheel to zoom in at a place.
@@ -475,15 +495,4 @@ fn type_in(screen: &mut Screen, name: &str, text: &str) {
     screen.event(Event::Text(text.to_owned()));
     screen.step();
     key(screen, Key::Enter);
-}
-
-fn drag_briskly(screen: &mut Screen, from: Pos2, to: Pos2) {
-    screen.hover_at(from);
-    screen.step();
-    screen.drag_at(from);
-    screen.step();
-    screen.hover_at(to);
-    screen.step();
-    screen.drop_at(to);
-    screen.step();
 }

@@ -5,6 +5,7 @@ use egui_kittest::kittest::NodeT;
 use sonoglyph::scene::{Listener, MotionPath, Target, check};
 
 use super::*;
+use crate::dice::Dice;
 
 /// All visible fields with a number, by name and index among fields of that name.
 fn fields(screen: &Screen) -> Vec<(String, usize)> {
@@ -58,7 +59,7 @@ fn mistype_everywhere(screen: &mut Screen) -> usize {
             }
             assert_eq!(editor.document.scene, before, "{field:?} = {text} cannot be taken back");
             editor.selection = [0].into();
-            rest(screen);
+            screen.step();
         }
     }
     fields.len()
@@ -66,23 +67,30 @@ fn mistype_everywhere(screen: &mut Screen) -> usize {
 
 /// The window on these targets, with a fast method.
 fn open_with(targets: Vec<Target>, motion: MotionPath) -> Screen {
-    let mut screen = open();
-    let editor = screen.state_mut().editor_mut();
     let mut scene = Scene { targets, ..Scene::default() };
     scene.solver.method = Method::Naive;
     scene.motion.path = motion;
     scene.motion.points = vec![DVec3::ZERO, DVec3::X * 0.01];
     scene.modulation.shape = sonoglyph::scene::Envelope::Sine;
     scene.listener = Some(Listener { at: DVec3::new(0.0, -0.3, 0.3) });
+    open_on(scene)
+}
+
+/// The window on a scene, with fewer elements: some numbers have every pixel of the map evaluated in f64.
+fn open_on(mut scene: Scene) -> Screen {
+    (scene.array.rows, scene.array.columns) = (4, 4);
+    let mut screen = open();
+    let editor = screen.state_mut().editor_mut();
     // As if opened from a file: without undo steps.
     editor.replace(sonoglyph::ui::document::Document::new(scene, "test"));
     editor.selection = [0].into();
-    // Wide enough for the panel beside the map.
-    screen.set_size(vec2(880.0, 480.0));
+    screen.set_size(SIZE);
     rest(&mut screen);
     screen
 }
 
+/// Wide enough for the panel beside the map.
+const SIZE: egui::Vec2 = vec2(880.0, 480.0);
 const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
 
 #[test]
@@ -168,50 +176,56 @@ fn tiny_windows_and_empty_scenes_work() {
     assert!(screen.state().shown().map.is_some() && screen.state().shown().problem.is_none());
 }
 
-/// Reproducible random numbers.
-struct Dice(u64);
+fn drag_briskly(screen: &mut Screen, from: Pos2, to: Pos2) {
+    screen.hover_at(from);
+    screen.step();
+    screen.drag_at(from);
+    screen.step();
+    screen.hover_at(to);
+    screen.step();
+    screen.drop_at(to);
+    screen.step();
+}
 
-impl Dice {
-    fn below(&mut self, count: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % count
-    }
+fn place_in(rect: Rect, dice: &mut Dice) -> Pos2 {
+    rect.min + vec2(dice.unit() as f32 * rect.width(), dice.unit() as f32 * rect.height())
+}
 
-    fn place(&mut self, rect: Rect) -> Pos2 {
-        let part = |dice: &mut Self| dice.below(1000) as f32 / 1000.0;
-        rect.min + vec2(part(self) * rect.width(), part(self) * rect.height())
-    }
+/// Commands of a default run; `SONOGLYPH_COMMANDS=20000` gives more.
+fn commands() -> usize {
+    std::env::var("SONOGLYPH_COMMANDS").map_or(400, |count| count.parse().unwrap())
 }
 
 #[test]
-fn a_thousand_random_commands_do_no_harm_and_can_be_undone() {
-    let mut screen = open();
+fn random_commands_do_no_harm_and_can_be_undone() {
+    let line = Shape::Line { from: AT, to: AT + DVec3::X * 0.02 };
+    let mut screen = open_on(Scene { targets: vec![Target::new(line)], ..Scene::default() });
     let first = scene(&screen).clone();
-    let window = Rect::from_min_size(Pos2::ZERO, vec2(1280.0, 800.0));
-    let mut dice = Dice(7);
-    for _ in 0..1000 {
+    let window = Rect::from_min_size(Pos2::ZERO, SIZE);
+    let mut dice = Dice::seeded(7);
+    for _ in 0..commands() {
         let canvas =
             screen.query_by_label("Canvas: the field on the plane").map_or(window, |node| node.rect());
-        match dice.below(12) {
+        match dice.index(12) {
             0..4 => {
-                let tool = Tool::VARIANTS[dice.below(Tool::VARIANTS.len())];
+                let tool = Tool::VARIANTS[dice.index(Tool::VARIANTS.len())];
                 screen.key_press(tool.key());
                 screen.step();
-                let (from, to) = (dice.place(canvas), dice.place(canvas));
+                let (from, to) = (place_in(canvas, &mut dice), place_in(canvas, &mut dice));
                 drag_briskly(&mut screen, from, to);
             }
             4 => {
                 let keys =
                     [Key::Delete, Key::ArrowUp, Key::Enter, Key::Num1, Key::Num2, Key::Num3, Key::M, Key::K];
-                screen.key_press(keys[dice.below(keys.len())]);
+                screen.key_press(keys[dice.index(keys.len())]);
             }
             5 => {
                 let keys = [Key::Z, Key::Y, Key::D, Key::A];
-                screen.key_press_modifiers(Modifiers::COMMAND, keys[dice.below(keys.len())]);
+                screen.key_press_modifiers(Modifiers::COMMAND, keys[dice.index(keys.len())]);
             }
             6 => {
                 let letters = ["H", "é", "7", "木", " "];
-                screen.event(Event::Text(letters[dice.below(letters.len())].to_owned()));
+                screen.event(Event::Text(letters[dice.index(letters.len())].to_owned()));
             }
             7 => {
                 let labels = [
@@ -250,7 +264,7 @@ fn a_thousand_random_commands_do_no_harm_and_can_be_undone() {
                     "Spacing",
                     "Continuous",
                 ];
-                if let Some(node) = screen.query_all_by_label(labels[dice.below(labels.len())]).next() {
+                if let Some(node) = screen.query_all_by_label(labels[dice.index(labels.len())]).next() {
                     node.click();
                 }
             }
@@ -260,14 +274,14 @@ fn a_thousand_random_commands_do_no_harm_and_can_be_undone() {
                 screen.step();
                 let count = scene(&screen).targets.len();
                 if count > 0 {
-                    screen.state_mut().editor_mut().selection = [dice.below(count)].into();
+                    screen.state_mut().editor_mut().selection = [dice.index(count)].into();
                     screen.step();
                     let index = screen.state().editor().selection.first().copied().unwrap();
                     let target = &scene(&screen).targets[index];
                     let corner = sonoglyph::scene::outline::strokes(target).unwrap_or_default().concat();
                     if let (Some(&corner), Some(map)) = (corner.first(), &screen.state().shown().map) {
                         let from = Lens { rect: map.rect, window: map.window }.screen(map.axes.flat(corner));
-                        let to = dice.place(canvas);
+                        let to = place_in(canvas, &mut dice);
                         drag_briskly(&mut screen, from, to);
                     }
                 }
@@ -275,17 +289,18 @@ fn a_thousand_random_commands_do_no_harm_and_can_be_undone() {
             11 => {
                 let copied = file::write_targets(&scene(&screen).targets);
                 let events = [Event::Copy, Event::Cut, Event::Paste(copied), Event::Paste("木".to_owned())];
-                screen.event(events[dice.below(events.len())].clone());
+                screen.event(events[dice.index(events.len())].clone());
             }
             // Anywhere beside the canvas, except the menu, which could leave the window.
             8 => {
-                let panel = Rect::from_min_max(Pos2::new(canvas.right(), 70.0), Pos2::new(1270.0, 760.0));
-                let (from, to) = (dice.place(panel), dice.place(panel));
+                let panel =
+                    Rect::from_min_max(Pos2::new(canvas.right(), 70.0), window.max - vec2(10.0, 40.0));
+                let (from, to) = (place_in(panel, &mut dice), place_in(panel, &mut dice));
                 drag_briskly(&mut screen, from, to);
             }
             _ => {
                 let wheel = vec2(0.0, dice.below(400) as f32 - 200.0);
-                screen.hover_at(dice.place(canvas));
+                screen.hover_at(place_in(canvas, &mut dice));
                 screen.event(Event::MouseWheel {
                     unit: egui::MouseWheelUnit::Point,
                     delta: wheel,

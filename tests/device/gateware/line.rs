@@ -2,7 +2,7 @@
 
 use sonoglyph::device::native::packet::{Body, Outcome, Packet};
 
-use crate::gateware::dice::Dice;
+use crate::dice::Dice;
 use crate::gateware::twins::{Twins, WINDOW};
 
 #[test]
@@ -10,7 +10,7 @@ fn a_host_with_a_clock_4_percent_off_is_understood() {
     for error in [-0.04, -0.02, 0.02, 0.04] {
         let Some(mut twins) = Twins::start(7) else { return };
         twins.simulated.baud(2e6 * (1.0 + error));
-        let mut dice = Dice::new(4);
+        let mut dice = Dice::seeded(4);
         for _ in 0..8 {
             twins.order(Packet::frame(1 + dice.below(60) as u8, &dice.pairs(), false));
         }
@@ -23,7 +23,7 @@ fn a_host_with_a_clock_4_percent_off_is_understood() {
 fn a_host_at_another_rate_does_no_harm() {
     let Some(mut twins) = Twins::start(7) else { return };
     twins.simulated.baud(1.4e6);
-    let mut dice = Dice::new(5);
+    let mut dice = Dice::seeded(5);
     for _ in 0..10 {
         twins.simulated.send(&Packet::frame(1, &dice.pairs(), true).to_line());
     }
@@ -89,7 +89,7 @@ fn damaged(dice: &mut Dice, line: &[u8]) -> Vec<u8> {
 #[test]
 fn a_damaged_frame_is_never_played_and_the_next_one_is() {
     let Some(mut twins) = Twins::start(7) else { return };
-    let mut dice = Dice::new(6);
+    let mut dice = Dice::seeded(6);
     twins.order(Packet::silencer(0xFFFF, 0xFFFF));
     twins.order(Packet::enable(1000));
     for round in 0..40 {

@@ -1,9 +1,9 @@
 //! The gateware: the simulated Verilog agrees with `device::native` byte by byte and pulse by pulse.
 
-mod dice;
 mod line;
 #[cfg(all(unix, feature = "serial"))]
 mod link;
+mod packets;
 mod play;
 mod simulated;
 mod stop;

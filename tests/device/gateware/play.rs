@@ -4,13 +4,13 @@ use sonoglyph::device::native::model::Pulse;
 use sonoglyph::device::native::packet::{Outcome, Packet, Table};
 use strum::VariantArray;
 
-use crate::gateware::dice::Dice;
+use crate::dice::Dice;
 use crate::gateware::twins::{Twins, WINDOW};
 
 /// Thousands of periods of random requests, with occasional presses of the emergency stop.
 fn random_session(phase_bits: u8, periods: u32) {
     let Some(mut twins) = Twins::start(phase_bits) else { return };
-    let mut dice = Dice::new(u64::from(phase_bits));
+    let mut dice = Dice::seeded(u64::from(phase_bits));
     // 5 Mbaud: at half this rate, half of the periods would pass without a new packet.
     let increment = if phase_bits == 8 { 4096 } else { 8192 };
     twins.order(Packet::baud(increment));

@@ -3,7 +3,7 @@
 use sonoglyph::device::native::model::Model;
 use sonoglyph::device::native::packet::{BROADCAST, Outcome, Packet, Reply};
 
-use crate::gateware::dice::Dice;
+use crate::dice::Dice;
 use crate::gateware::simulated::{Second, Simulated};
 use crate::gateware::twins::{Twin, WINDOW};
 
@@ -121,7 +121,7 @@ fn in_step(phase_bits: u8, second: Second) {
         pair.order(device, Packet::silencer(0xFFFF, 0xFFFF));
         pair.order(device, Packet::enable(1000));
     }
-    let mut dice = Dice::new(u64::from(phase_bits));
+    let mut dice = Dice::seeded(u64::from(phase_bits));
     for slot in 1..20 {
         // To the follower first, where it waits, then to the leader, which takes it in the next period.
         pair.order(1, Packet::frame(slot, &dice.pairs(), true).in_step());
@@ -185,7 +185,7 @@ fn devices_on_a_line_heed_their_address_and_broadcasts() {
 /// Random requests to two devices: every period of both agrees with the models.
 fn random_session(phase_bits: u8, second: Second, periods: u32) {
     let Some(mut pair) = Pair::start(phase_bits, second) else { return };
-    let mut dice = Dice::new(100 + u64::from(phase_bits));
+    let mut dice = Dice::seeded(100 + u64::from(phase_bits));
     pair.lock();
     while pair.twins[0].periods < periods {
         let device = dice.below(2) as usize;

@@ -14,7 +14,8 @@ use sonoglyph::scene::{Scene, file};
 use sonoglyph::solver;
 
 use crate::running::Running;
-use crate::{PATIENCE, board, eventually, is_silent};
+use crate::waiting::{PATIENCE, eventually};
+use crate::{board, is_silent};
 
 const POINT: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.01, 0.02, 0.1]\n";
 

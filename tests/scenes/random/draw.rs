@@ -11,7 +11,7 @@ use sonoglyph::scene::{
 use strum::VariantArray;
 
 use crate::dice::Dice;
-use crate::random::space;
+use crate::random::{space, traps};
 
 /// Cells of a dent, six per wavelength and 14 capillary lengths beyond the plane on every side: as many as there is time for.
 const MOST_CELLS: f64 = 3_000.0;
@@ -48,6 +48,10 @@ impl Case {
         };
         let scene = match family {
             Family::Wide => scene(&mut dice, number, true),
+            Family::Usual if number % 40 == 7 => {
+                let scene = scene(&mut dice, number, false);
+                traps::trapped(&scene, &mut dice)
+            }
             Family::Usual => scene(&mut dice, number, false),
             Family::Spatial => space::placed(&scene(&mut dice, number, false), &mut dice),
             Family::Ill => {

@@ -15,6 +15,7 @@ mod solving;
 mod space;
 mod strokes;
 mod tally;
+mod traps;
 
 use std::any::Any;
 use std::ops::Range;
@@ -34,7 +35,7 @@ use solving::Moved;
 
 const SEED: u64 = 0x0040_6B48_7A00_0001;
 /// Scenes of `./check`; `SONOGLYPH_SCENES=0..10000` runs more.
-const SCENES: usize = 4_000;
+const SCENES: usize = 2_000;
 /// Failing scenes that are printed.
 const SHOWN: usize = 3;
 
@@ -54,6 +55,7 @@ fn holds(case: &Case, evaluators: &mut Evaluators, two: &ThreadPool) {
     solving::moves_change_no_quality(&solved, &moved);
     fields::moves_change_no_field(evaluators, &solved, &moved, &mut dice);
     liquids::hold(evaluators, &solved, peak, &mut dice);
+    traps::hold(evaluators, &solved, &moved, &mut dice);
     boards::hold(&solved.solution.drive);
 }
 
@@ -151,6 +153,7 @@ fn everything_was_drawn(scenes: usize) {
         ("maps by CpuInF64, asked of the CPU", 50),
         ("ultraino-mega64", 5000),
         ("sonicsurface-2", 9000),
+        ("traps", 200),
         ("several boards", 300),
         ("reflectors", 300),
         ("reflections between a board and a reflector", 50),

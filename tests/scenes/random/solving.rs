@@ -18,6 +18,7 @@ use crate::dice::Dice;
 use crate::random::draw::{Case, Family};
 use crate::random::oracle::Oracle;
 use crate::random::tally::{count, within};
+use crate::random::traps;
 
 /// A scene with its drive, and the same model twice.
 #[derive(Debug)]
@@ -88,7 +89,7 @@ impl Solved {
         assert_eq!(again.drive, self.solution.drive, "found by another number of threads");
         if self.is_stroke_by_best() {
             count("continuous strokes by `best`");
-        } else {
+        } else if !traps::are_in(scene) {
             let targets = as_points(&self.solution.foci);
             let points = Scene { targets, motion: Motion::default(), ..scene.clone() };
             let points = solve(&points).unwrap();
@@ -332,7 +333,7 @@ fn mirrored(element: usize, columns: usize) -> usize {
 pub fn moves_change_no_quality(solved: &Solved, moved: &Moved) {
     let Solved { scene, solution, .. } = solved;
     let method = scene.solver.method;
-    if solved.is_stroke_by_best() {
+    if solved.is_stroke_by_best() || traps::are_in(scene) {
         return;
     }
     let foci: Vec<_> = solution
