@@ -5,7 +5,7 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::simd::{Instructions, Isa, Kernel, accumulate, accumulate_product, deduct_product, lanes, total};
+use crate::simd::{Instructions, Isa, Kernel, accumulate, accumulate_product, deduct_product, total};
 
 /// Rows are padded to a multiple of it.
 pub const BLOCK: usize = 16;
@@ -305,8 +305,13 @@ impl Apply<'_> {
     #[inline(always)]
     fn in_lanes<I: Instructions, const LANES: usize>(self) {
         let Self { panel, start, stride, rows } = self;
-        let between: [[Complex64; PANEL]; PANEL] =
-            std::array::from_fn(|i| std::array::from_fn(|j| product::<I>(panel[i], panel[j])));
+        // Loops rather than closures, which may be compiled apart, for the baseline.
+        let mut between = [[Complex64::ZERO; PANEL]; PANEL];
+        for later in 1..PANEL {
+            for earlier in 0..later {
+                between[later][earlier] = product::<I>(panel[earlier], panel[later]);
+            }
+        }
         let by = panel.map(|(re, im)| (re.as_chunks::<LANES>().0, im.as_chunks::<LANES>().0));
         let blocks = by[0].0.len();
         let by = by.map(|(re, im)| (&re[..blocks], &im[..blocks]));
@@ -320,13 +325,16 @@ impl Apply<'_> {
                 }
             }
             // Each reflection meets the row as those before it left it.
-            let mut factors = sums.map(|sum| -sum.total());
-            for i in 0..PANEL {
-                let before: Complex64 = (0..i).map(|j| factors[j] * between[j][i]).sum();
-                factors[i] -= before;
+            let mut factors = [Complex64::ZERO; PANEL];
+            for later in 0..PANEL {
+                let mut along = sums[later].total();
+                for earlier in 0..later {
+                    along += factors[earlier] * between[later][earlier];
+                }
+                factors[later] = -along;
             }
             for block in 0..blocks {
-                let (mut to_re, mut to_im) = (lanes(|i| re[block][i]), lanes(|i| im[block][i]));
+                let (mut to_re, mut to_im) = (re[block], im[block]);
                 for (by, factor) in by.iter().zip(factors) {
                     add_block::<I, LANES>((&mut to_re, &mut to_im), (&by.0[block], &by.1[block]), factor);
                 }

@@ -202,22 +202,24 @@ impl Pass<'_> {
                 (row.0[block], row.1[block]) = (re, im);
             }
         }
-        let along = along.map(|along| -along.total());
         let (block, lane) = (next % BLOCK / LANES, next % LANES);
         let own = Complex64::new(by_re[block][lane], by_im[block][lane]);
-        for ((row, along), x) in rows.iter().zip(along).zip(&mut *column) {
-            *x = Complex64::new(row.0[block][lane], row.1[block][lane]) + along * own;
+        // Loops rather than closures, which may be compiled apart, for the baseline.
+        let (mut by_factors, mut factors) = ([Complex64::ZERO; COUNT], [Complex64::ZERO; COUNT]);
+        for k in 0..COUNT {
+            by_factors[k] = -along[k].total();
+            column[k] = Complex64::new(rows[k].0[block][lane], rows[k].1[block][lane]) + by_factors[k] * own;
+            factors[k] = column[k].conj();
         }
-        let factors: [Complex64; COUNT] = std::array::from_fn(|k| column[k].conj());
         let (sum_re, sum_im) = (
             &mut sum.0.as_chunks_mut::<LANES>().0[..blocks],
             &mut sum.1.as_chunks_mut::<LANES>().0[..blocks],
         );
         for block in 0..blocks {
             let (mut to_re, mut to_im) = (sum_re[block], sum_im[block]);
-            for ((row, along), factor) in rows.iter_mut().zip(along).zip(factors) {
+            for ((row, by_factor), factor) in rows.iter_mut().zip(by_factors).zip(factors) {
                 let (mut re, mut im) = (row.0[block], row.1[block]);
-                add_block::<I, LANES>((&mut re, &mut im), (&by_re[block], &by_im[block]), along);
+                add_block::<I, LANES>((&mut re, &mut im), (&by_re[block], &by_im[block]), by_factor);
                 add_block::<I, LANES>((&mut to_re, &mut to_im), (&re, &im), factor);
                 (row.0[block], row.1[block]) = (re, im);
             }
