@@ -170,9 +170,9 @@ impl Pass<'_> {
     #[inline(always)]
     fn run<I: Instructions, const COUNT: usize>(&mut self, row: usize, column: &mut [Complex64]) {
         if I::WIDTH == 16 {
-            self.in_lanes::<I, COUNT, 8>(row, column)
+            self.in_lanes::<I, COUNT, 8>(row, column);
         } else {
-            self.in_lanes::<I, COUNT, 4>(row, column)
+            self.in_lanes::<I, COUNT, 4>(row, column);
         }
     }
 
