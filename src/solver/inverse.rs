@@ -1,11 +1,10 @@
 //! Methods that prescribe the complex focal field: the pseudo-inverse and its weighted iteration.
 
-use faer::Mat;
-use faer::linalg::solvers::Svd;
 use num_complex::Complex64;
 
 use crate::acoustics::Transfer;
-use crate::solver::{Excitation, Problem};
+use crate::solver::matrix::Matrix;
+use crate::solver::{Excitation, Problem, singular};
 
 /// Singular values below this fraction of the largest are noise: their directions are not inverted.
 const RANK_TOLERANCE: f64 = 1e-6;
@@ -57,9 +56,9 @@ fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, 
     let scale = if smallest.is_finite() { smallest } else { 1.0 };
     let scaled: Vec<_> =
         targets.iter().zip(&norms).map(|(target, norm)| Complex64::from(target * (scale / norm))).collect();
-    let values: Vec<_> = match Spectrum::new(&matrix) {
-        Some(spectrum) => spectrum.solve(&scaled).iter().zip(&roots).map(|(u, root)| u * root).collect(),
-        // The decomposition of finite numbers does not fail; this is a valid drive in any case.
+    // The decomposition of finite numbers does not fail; the latter is a valid drive in any case.
+    let values: Vec<_> = match singular::solve(matrix, scaled.clone(), RANK_TOLERANCE) {
+        Some(values) => values.iter().zip(&roots).map(|(u, root)| u * root).collect(),
         None => transfer.back(&scaled),
     };
     let error = transfer
@@ -76,7 +75,7 @@ fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, 
 /// and an infinite norm.
 ///
 /// Distant and near foci then have equal weight in the threshold of singular values.
-fn normalised(transfer: &Transfer, columns: &[f64]) -> (Mat<Complex64>, Vec<f64>) {
+fn normalised(transfer: &Transfer, columns: &[f64]) -> (Matrix, Vec<f64>) {
     let scaled = |m: usize, n: usize| transfer.at(m, n) * columns[n];
     let moduli = |m: usize| (0..transfer.elements).map(|n| scaled(m, n).norm()).collect::<Vec<_>>();
     let norms: Vec<_> = (0..transfer.points).map(|m| norm(&moduli(m))).collect();
@@ -86,7 +85,7 @@ fn normalised(transfer: &Transfer, columns: &[f64]) -> (Mat<Complex64>, Vec<f64>
     let entry = |m: usize, n: usize| {
         if norms[m].is_finite() { scaled(m, n) / norms[m] } else { Complex64::ZERO }
     };
-    (Mat::from_fn(transfer.points, transfer.elements, entry), norms)
+    (Matrix::from_fn(transfer.points, transfer.elements, entry), norms)
 }
 
 /// The root of the sum of squares, with the largest factored out: far from the array the squares underflow in f64.
@@ -103,7 +102,7 @@ fn norm(moduli: &[f64]) -> f64 {
 /// The condition number is limited to 1/ε, the resolution of f64.
 pub fn rank_and_condition(transfer: &Transfer) -> (usize, f64) {
     let (matrix, _) = normalised(transfer, &vec![1.0; transfer.elements]);
-    let Ok(values) = matrix.singular_values() else { return (0, 1.0 / f64::EPSILON) };
+    let Some(values) = singular::values(matrix) else { return (0, 1.0 / f64::EPSILON) };
     let largest = values.iter().copied().fold(0.0, f64::max);
     if largest == 0.0 {
         // The field of all elements is zero at all foci.
@@ -114,28 +113,6 @@ pub fn rank_and_condition(transfer: &Transfer) -> (usize, f64) {
     // More foci than elements: some combination of foci cannot be set at all.
     let smallest = if transfer.points > transfer.elements { 0.0 } else { smallest };
     (rank, largest / smallest.max(largest * f64::EPSILON))
-}
-
-struct Spectrum(Svd<Complex64>);
-
-impl Spectrum {
-    fn new(matrix: &Mat<Complex64>) -> Option<Self> {
-        matrix.thin_svd().ok().map(Self)
-    }
-
-    /// The shortest x that meets A x = b as nearly as the trusted singular values allow.
-    fn solve(&self, b: &[Complex64]) -> Vec<Complex64> {
-        let (u, v, s) = (self.0.U(), self.0.V(), self.0.S().column_vector());
-        let largest = s[0].re;
-        let mut x = vec![Complex64::ZERO; v.nrows()];
-        for i in (0..s.nrows()).filter(|&i| s[i].re > RANK_TOLERANCE * largest) {
-            let along = (0..b.len()).map(|m| u[(m, i)].conj() * b[m]).sum::<Complex64>() / s[i].re;
-            for (n, x) in x.iter_mut().enumerate() {
-                *x += v[(n, i)] * along;
-            }
-        }
-        x
-    }
 }
 
 fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {

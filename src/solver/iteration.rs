@@ -4,12 +4,11 @@
 use std::f64::consts::TAU;
 use web_time::{Duration, Instant};
 
-use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, Side};
 use num_complex::Complex64;
 
 use crate::acoustics::{PhaseJacobian, Phasors, Sums, Transfer};
 use crate::gauge::Gauge;
+use crate::solver::cholesky::Factor;
 use crate::solver::{Excitation, Problem, starts};
 
 /// Phases that the greedy search tries for every element.
@@ -319,25 +318,20 @@ impl State<'_, 1> {
             if self.spread(targets) < LEVEL {
                 return;
             }
-            let mut wanted = Mat::zeros(count, 2);
-            for (m, target) in targets.iter().enumerate() {
-                (wanted[(m, 0)], wanted[(m, 1)]) = (*target, self.modulus(m));
-            }
+            let moduli: Vec<_> = (0..count).map(|m| self.modulus(m)).collect();
             let directions: Phasors = self.pressure[0].iter().map(phase).collect();
             jacobian.update(self.transfer, &self.u[0], &directions);
             let mean = (0..count).map(|m| jacobian.product(m, m)).sum::<f64>() / count as f64;
             // A single element changes no modulus.
-            let damping = DAMPING * mean + 1e-12 * mean_square(wanted.col_as_slice(1)) + f64::MIN_POSITIVE;
-            let damped = Mat::from_fn(count, count, |i, j| {
-                if i < j { 0.0 } else { jacobian.product(i, j) + if i == j { damping } else { 0.0 } }
-            });
-            let Ok(factor): Result<Llt<f64>, _> = damped.llt(Side::Lower) else { return };
-            let mut solved = wanted.clone();
-            factor.solve_in_place(solved.as_mut());
-            let of = |column: usize| (0..count).map(|m| solved[(m, 0)] * wanted[(m, column)]).sum::<f64>();
-            let scale = of(1) / of(0);
+            let damping = DAMPING * mean + 1e-12 * mean_square(&moduli) + f64::MIN_POSITIVE;
+            let damped = |i: usize, j: usize| jacobian.product(j, i) + if i == j { damping } else { 0.0 };
+            let Some(factor) = Factor::new(count, damped) else { return };
+            let (to_targets, to_moduli) = (factor.solve(targets), factor.solve(&moduli));
+            let along =
+                |values: &[f64]| to_targets.iter().zip(values).map(|(y, value)| y * value).sum::<f64>();
+            let scale = along(&moduli) / along(targets);
             for (m, direction) in directions.iter().enumerate() {
-                self.pressure[0].set(m, direction * (scale * solved[(m, 0)] - solved[(m, 1)]));
+                self.pressure[0].set(m, direction * (scale * to_targets[m] - to_moduli[m]));
             }
             self.step(1.0);
         }

@@ -6,14 +6,18 @@
 //! iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`shape`] is `best` for continuous
 //! strokes and areas with low side lobes. [`frames`] solves motions.
 
+mod bidiagonal;
+mod cholesky;
 mod descent;
 pub mod frames;
 mod inverse;
 mod iteration;
 pub mod levels;
+mod matrix;
 mod quality;
 pub mod room;
 pub mod shape;
+mod singular;
 mod starts;
 pub mod steps;
 pub mod trap;

@@ -1,11 +1,11 @@
 //! Quality figures of a drive, and an upper bound on all drives.
 
-use faer::{Mat, Side};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Transfer;
-use crate::solver::{Excitation, Problem, Warning, inverse, iteration};
+use crate::solver::matrix::Matrix;
+use crate::solver::{Excitation, Problem, Warning, inverse, iteration, singular};
 
 /// Figures of a solution. Pressures in Pa (peak), of the played drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -144,14 +144,24 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
 /// The bound of given weights; infinite if its eigenvalue cannot be computed.
 fn dual(problem: &Problem<'_>, w: &[f64], d: &[f64]) -> f64 {
     let (transfer, targets) = (&problem.transfer, problem.targets());
+    let Some(largest) = largest_eigenvalue(transfer, w, d) else { return f64::INFINITY };
+    let wanted = w.iter().zip(&targets).map(|(w, target)| w * target * target).sum::<f64>();
+    (d.iter().sum::<f64>() * largest / wanted).sqrt()
+}
+
+/// Of D^-½ H* W H D^-½; `None` if it has no room in f64.
+fn largest_eigenvalue(transfer: &Transfer, w: &[f64], d: &[f64]) -> Option<f64> {
+    let largest = |matrix: Matrix| Some(singular::values(matrix)?.into_iter().fold(0.0, f64::max));
+    if transfer.points > transfer.elements {
+        let entry = |m: usize, n: usize| transfer.at(m, n) * (w[m] / d[n]).sqrt();
+        let value = largest(Matrix::from_fn(transfer.points, transfer.elements, entry))?;
+        return Some(value * value);
+    }
     let inverse: Vec<_> = d.iter().map(|d| 1.0 / d).collect();
     let gram = transfer.gram(Some(&inverse));
     let entry = |i: usize, j: usize| gram.at(i * transfer.points + j) * (w[i] * w[j]).sqrt();
-    let matrix = Mat::from_fn(transfer.points, transfer.points, entry);
-    let Ok(values) = matrix.self_adjoint_eigenvalues(Side::Lower) else { return f64::INFINITY };
-    let largest = values.iter().copied().fold(0.0, f64::max);
-    let wanted = w.iter().zip(&targets).map(|(w, target)| w * target * target).sum::<f64>();
-    (d.iter().sum::<f64>() * largest / wanted).sqrt()
+    // Of a positive semidefinite matrix the singular values are the eigenvalues.
+    largest(Matrix::from_fn(transfer.points, transfer.points, entry))
 }
 
 fn mean(values: &[f64]) -> f64 {
@@ -168,4 +178,42 @@ pub fn spread(values: &[f64]) -> f64 {
 /// Least over mean.
 fn evenness(values: &[f64]) -> f64 {
     values.iter().copied().fold(f64::INFINITY, f64::min) / mean(values).max(f64::MIN_POSITIVE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_drive_exceeds_the_largest_eigenvalue_and_one_reaches_it() {
+        // More elements than foci, as many, and fewer.
+        for (points, elements) in [(1, 5), (5, 40), (20, 20), (40, 7), (33, 1)] {
+            let unit = |index: usize, step: f64| ((index + 1) as f64 * step).fract();
+            let mut transfer = Transfer::zeros(points, elements);
+            for index in 0..points * elements {
+                let value = Complex64::new(unit(index, 0.618_033_988), unit(index, 0.754_877_666) - 0.5);
+                transfer.set(index / elements, index % elements, value);
+            }
+            let w: Vec<_> = (0..points).map(|m| 0.1 + unit(m, 0.41)).collect();
+            let d: Vec<_> = (0..elements).map(|n| 0.1 + unit(n, 0.37)).collect();
+            let largest = largest_eigenvalue(&transfer, &w, &d).unwrap();
+            let mut u: Vec<_> = (0..elements).map(|n| Complex64::cis(9.0 * unit(n, 0.57))).collect();
+            let mut quotient = 0.0;
+            for _ in 0..300 {
+                let weighted: Vec<_> = transfer.pressure(&u).iter().zip(&w).map(|(p, w)| p * w).collect();
+                let next: Vec<_> = transfer.back(&weighted).iter().zip(&d).map(|(u, d)| u / d).collect();
+                let of = |a: &[Complex64]| -> f64 {
+                    u.iter().zip(a).zip(&d).map(|((u, a), d)| (u.conj() * a).re * d).sum()
+                };
+                quotient = of(&next) / of(&u);
+                assert!(
+                    quotient <= largest * (1.0 + 1e-12),
+                    "{points} x {elements}: {quotient} of {largest}"
+                );
+                let norm = next.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt();
+                u = next.iter().map(|value| value / norm).collect();
+            }
+            assert!(quotient > largest * (1.0 - 1e-9), "{points} x {elements}: {quotient} of {largest}");
+        }
+    }
 }

@@ -19,7 +19,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("drive", &["num_complex", "serde"]),
     ("force", &["glam", "num_complex", "rayon"]),
     ("surface", &["num_complex", "rayon", "rustdct"]),
-    ("solver", &["faer", "glam", "num_complex", "rayon", "serde", "thiserror", "web_time"]),
+    ("solver", &["glam", "num_complex", "rayon", "serde", "thiserror", "web_time"]),
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
     (
@@ -328,7 +328,7 @@ fn the_rule_finds_violations() {
         assert_eq!(in_file(path, text).len(), 1, "{path}: {text}");
     }
     for (path, text) in [
-        ("solver/mod.rs", "use crate::acoustics::Aperture;\nuse faer::Mat;"),
+        ("solver/mod.rs", "use crate::acoustics::Aperture;\nuse rayon::prelude::*;"),
         ("solver/mod.rs", "// like wgpu::Device and crate::field::Samples"),
         ("field/gpu/mod.rs", "let d: wgpu::Device = crate::field::gpu::open();"),
         ("cli/mod.rs", "let f = crate::field::cpu::pressure;"),
