@@ -141,11 +141,11 @@ mod tests {
             assert!(error.starts_with(profile.name()) && error.contains(part), "{error}");
         };
         refused(Profile::Native, &tones(&[1.0, 200.0]), "200 Hz is 200 times the common frequency");
-        refused(Profile::Native, &tones(&[150.0, 200.000_001]), "a table of 256 steps");
+        refused(Profile::Native, &tones(&[150.0, 200.000_001]), "a repeated table of 256 steps");
         refused(Profile::Native, &file(257, 8e3), "has 257 samples");
         assert_eq!(playable(Profile::Native, &tones(&[150.0, 200.0])), Ok(()));
         assert_eq!(playable(Profile::Native, &file(256, 8e3)), Ok(()));
-        refused(Profile::SonicSurface, &tones(&[200.0]), "\"tones\": take \"square\"");
+        refused(Profile::SonicSurface, &tones(&[200.0]), "\"tones\": use \"square\"");
         refused(Profile::Acoustophoretic512, &file(10, 8e3), "\"file\"");
         let sine = Modulation { shape: Envelope::Sine, law: Law::Power, ..Modulation::default() };
         for profile in [Profile::Native, Profile::SonicSurface] {

@@ -285,7 +285,7 @@ mod tests {
             ("[motion]\nspeed = 0", 3, "motion.speed = 0: must be a number from 0.000001"),
             ("[motion]\npath = \"steps\"\nspeed = 1\n[[target]]\nstep = 0", 4, "has no length: give `rate`"),
             ("[motion]\nfoci = 0", 3, "motion.foci = 0"),
-            ("[motion]\npath = \"outline\"\n[[target]]", 3, "motion.path = \"outline\": there is no outline"),
+            ("[motion]\npath = \"outline\"\n[[target]]", 3, "motion.path = \"outline\": no outline"),
             (
                 "[[target]]\n[target.motion]\npath = \"steps\"",
                 4,

@@ -391,7 +391,7 @@ mod tests {
         for (scene, key, part) in [
             (with(outline(speed, 1), &point), own("path"), "no outline"),
             (of(outline(speed, 1), vec![Target::new(point.clone())]), "motion.path".to_owned(), "no outline"),
-            (with(outline(Tempo::Speed(1e5), 1), &ring), own("speed"), "times per second"),
+            (with(outline(Tempo::Speed(1e5), 1), &ring), own("speed"), "cycles per second"),
             (with(outline(Tempo::Rate(108.0), 1), &ring), own("rate"), "22 rounds in one cycle of 64 frames"),
             (with(outline(Tempo::Speed(120.0), 1), &line), own("speed"), "rounds in one cycle"),
             (standing, own("speed"), "no length"),
