@@ -103,8 +103,8 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         paint_map(map, &painter, lens);
     }
     if editor.view.is_shaded() {
-        shaded(shown, ui, &painter, lens);
-        words(editor, shown, &painter, lens.rect);
+        let notes = shaded(editor, shown, ui, &painter, lens);
+        words(editor, shown, &painter, lens.rect, notes);
         return;
     }
     if editor.view.grid || editor.snaps {
@@ -132,7 +132,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     if let Some(map) = shown.map.as_ref().filter(|_| !editor.is_comparing()) {
         legend::paint(editor, map, ui, lens);
     }
-    words(editor, shown, &painter, lens.rect);
+    words(editor, shown, &painter, lens.rect, notes_top(editor, lens));
     if let Some(at) = canvas.response.hover_pos().filter(|_| editor.dialog.is_none()) {
         if !editor.is_comparing() {
             probe(editor, shown, &painter, lens, at);
@@ -175,12 +175,19 @@ fn contours(map: &Map, painter: &Painter, place: Rect) {
     }
 }
 
-/// Notes on a shaded surface, which has no axes.
-fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
+/// Where notes begin: below the label of a compared map.
+fn notes_top(editor: &Editor, lens: &Lens) -> f32 {
+    lens.rect.top() + if editor.is_comparing() { 38.0 } else { 9.0 }
+}
+
+/// The note on a shaded surface, which has no axes. Returns where further notes begin.
+fn shaded(editor: &Editor, shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) -> f32 {
     let outline = Stroke::new(1.0, ui.visuals().weak_text_color());
     ui.painter().rect_stroke(lens.rect, 0.0, outline, StrokeKind::Outside);
-    let Some(map) = &shown.map else { return };
-    let Some(exaggeration) = map.exaggeration else { return };
+    let top = notes_top(editor, lens);
+    let Some((map, exaggeration)) = shown.map.as_ref().and_then(|map| Some((map, map.exaggeration?))) else {
+        return top;
+    };
     let size = lens.size() * 1e3;
     let text = format!(
         "{:.0} x {:.0} mm seen from the front, at most {} deep, drawn {exaggeration} times as deep. Targets are edited in \
@@ -189,17 +196,12 @@ fn shaded(shown: &Shown, ui: &Ui, painter: &Painter, lens: &Lens) {
         size.y,
         map.quantity.at_most(map.largest)
     );
-    wrapped_chip(
-        painter,
-        lens.rect.center_top() + vec2(0.0, 9.0),
-        lens.rect.width() - 40.0,
-        &text,
-        theme::MARK,
-    );
+    let at = pos2(lens.rect.center().x, top);
+    wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, theme::MARK).bottom() + 15.0
 }
 
-/// The message in place of a picture.
-pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect) {
+/// The message in place of a picture, below the notes or the value under the pointer.
+pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect, notes: f32) {
     let middle = rect.center();
     if editor.scene().targets.is_empty() && !editor.is_in_gesture() {
         let text = "Nothing to focus on yet.\nPick a tool on the left and draw, or open an example.";
@@ -215,15 +217,16 @@ pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect) {
             None => return,
         },
     };
-    let at = rect.center_top() + vec2(0.0, 44.0);
+    let at = pos2(rect.center().x, notes.max(rect.top() + 44.0));
     wrapped_chip(painter, at, rect.width() - 40.0, &text, colour);
 }
 
-fn wrapped_chip(painter: &Painter, top: Pos2, width: f32, text: &str, colour: Color32) {
+fn wrapped_chip(painter: &Painter, top: Pos2, width: f32, text: &str, colour: Color32) -> Rect {
     let galley = painter.layout(text.to_owned(), FontId::proportional(13.5), colour, width.max(60.0));
     let rect = Align2::CENTER_TOP.anchor_size(top, galley.size());
     painter.rect_filled(rect.expand2(vec2(8.0, 5.0)), 4.0, Color32::from_black_alpha(220));
     painter.galley(rect.min, galley, colour);
+    rect
 }
 
 /// Ticks in mm along the left and the lower edge.

@@ -48,7 +48,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, stage: &Stage) {
         describe(editor, picture, &painter, stage);
         bar(editor, picture, ui, stage);
     }
-    canvas::words(editor, shown, &painter, stage.rect);
+    canvas::words(editor, shown, &painter, stage.rect, stage.rect.top());
 }
 
 /// Names and ends of the box's axes.
