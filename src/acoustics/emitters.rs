@@ -450,3 +450,40 @@ fn add<const ORDER: usize>(sums: &mut [Lanes; COUNT], p: &Wave, vectors: &Vector
 fn block_of(values: &[f64], block: usize) -> &Lanes {
     &values.as_chunks().0[block]
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::dvec3;
+
+    use super::*;
+
+    #[test]
+    fn decay_has_the_derivatives_of_its_value() {
+        const STEP: f64 = 1e-5;
+        // Dense enough for every term to count: α = 4.2/r.
+        let (way, attenuation) = (dvec3(0.03, -0.05, 0.04), 60.0);
+        let all = decay(way, attenuation);
+        assert!((all.0[0].re - (-attenuation * way.length()).exp()).abs() < 1e-15);
+        let of_axes = |axes: &mut [usize]| -> usize {
+            axes.sort_unstable();
+            match *axes {
+                [i] => 1 + i,
+                [i, j] => SECOND[i][j],
+                _ => 10 + TRIPLES.iter().position(|triple| triple[..] == *axes).unwrap(),
+            }
+        };
+        for axis in 0..3 {
+            let step = DVec3::AXES[axis] * STEP;
+            let [low, high] = [-step, step].map(|by| decay(way + by, attenuation));
+            let check = |at: usize, axes: &mut [usize]| {
+                let slope = (high.0[at].re - low.0[at].re) / (2.0 * STEP);
+                let largest = attenuation.powi(axes.len() as i32) * all.0[0].re;
+                let own = all.0[of_axes(axes)].re;
+                assert!((own - slope).abs() < 1e-5 * largest, "{axes:?}: {own}, not {slope}");
+            };
+            check(0, &mut [axis]);
+            (0..3).for_each(|i| check(1 + i, &mut [i, axis]));
+            PAIRS.iter().enumerate().for_each(|(pair, &[i, j])| check(4 + pair, &mut [i, j, axis]));
+        }
+    }
+}

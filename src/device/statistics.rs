@@ -100,4 +100,12 @@ mod tests {
         assert_eq!(spread.jitter, Duration::from_micros(1));
         assert_eq!(spread.largest, Duration::from_secs(1));
     }
+
+    #[test]
+    fn jitter_is_the_deviation_of_95_in_100() {
+        let mut durations = Durations::default();
+        (1..=200).for_each(|n| durations.note(Duration::from_micros(n)));
+        let spread = durations.spread().unwrap();
+        assert_eq!((spread.median, spread.jitter), (Duration::from_micros(101), Duration::from_micros(95)));
+    }
 }

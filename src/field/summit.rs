@@ -251,6 +251,33 @@ mod tests {
         }
     }
 
+    /// The values of a paraboloid at a point's neighbours, and at the point.
+    fn paraboloid(height: impl Fn(DVec2) -> f64) -> ([f64; 8], f64) {
+        (SIDES.map(&height), height(DVec2::ZERO))
+    }
+
+    #[test]
+    fn the_vertex_is_the_top_of_a_hill_and_never_the_middle_of_a_valley_or_a_saddle() {
+        let (x, y) = (0.3, -0.4);
+        let top = DVec2::new(x, y);
+        let hill = |at: DVec2| {
+            let by = at - top;
+            3.0 - 0.4 * by.x * by.x - 0.3 * by.y * by.y + 0.2 * by.x * by.y
+        };
+        let (around, middle) = paraboloid(hill);
+        let (place, height) = vertex(around, middle);
+        assert!(place.distance(top) < 1e-12 && (height - 3.0).abs() < 1e-12, "{place}, {height}");
+        // Flat enough for a curvature below one in both directions.
+        let (around, middle) = paraboloid(|at| 3.0 + 0.2 * (at - top).length_squared());
+        assert_eq!(vertex(around, middle), (DVec2::ZERO, middle));
+        // Along the falling axis there is a maximum, along the other a minimum.
+        let saddle = |at: DVec2| 3.0 - 0.2 * (at.x - x).powi(2) + 0.3 * (at.y - y).powi(2);
+        let (around, middle) = paraboloid(saddle);
+        let (place, height) = vertex(around, middle);
+        assert!(place.distance(DVec2::new(x, 0.0)) < 1e-12, "{place}");
+        assert!((height - middle - 0.2 * x * x).abs() < 1e-12, "{height}, not above {middle}");
+    }
+
     #[test]
     fn what_is_positive_nowhere_has_no_summit() {
         for value in [0.0, -1.0, f64::NAN] {

@@ -225,6 +225,27 @@ fn calibration_corrects_phases_and_amplitudes() {
 }
 
 #[test]
+fn carriers_equal_to_a_millionth_need_no_notice() {
+    for (frequency, differs) in [(40_000.03, false), (39_999.97, false), (40_000.05, true), (39_999.95, true)]
+    {
+        assert_eq!(levels::carrier_notice(40_000.0, frequency).is_some(), differs, "{frequency} Hz");
+    }
+}
+
+#[test]
+fn drives_in_turn_change_as_fast_as_the_line_and_the_transducers() {
+    for (profile, baud, rate) in [
+        (Profile::Native, 9600, 1000.0),
+        (Profile::Natives(3), 9600, 1000.0),
+        (Profile::SonicSurface, 230_400, 23_040.0 / 258.0),
+        (Profile::Acoustophoretic512, 250_000, 25_000.0 / 512.0),
+        (Profile::SonicSurface, 100_000_000, 1000.0),
+    ] {
+        assert_eq!(profile.turns_per_second(baud), rate, "{} at {baud} baud", profile.name());
+    }
+}
+
+#[test]
 fn invalid_calibrations_are_refused_with_their_line() {
     let parse = |rows: &str| Calibration::parse(&format!("element,offset,gain,off\n{rows}"), 3);
     let line_of = |rows: &str| match parse(rows) {
@@ -266,5 +287,7 @@ fn modulation_is_by_the_board_or_by_the_host() {
     assert_eq!(tactile(&modulation), Modulated::ByBoard(0xA5, 1250.0 / 6.0));
     let slow = Modulation { frequency: 1.0, ..modulation.clone() };
     assert_eq!(tactile(&slow), Modulated::ByBoard(0xBF, 1250.0 / 32.0), "its slowest step");
+    let unknown = Modulation { frequency: f64::NAN, ..modulation.clone() };
+    assert_eq!(tactile(&unknown), Modulated::ByBoard(0xBF, 1250.0 / 32.0), "the slowest step");
     assert_eq!(modulated(Profile::SonicSurface, &Modulation::default()), Modulated::Steady);
 }

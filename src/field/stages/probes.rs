@@ -210,3 +210,35 @@ pub(super) fn spread(places: usize) -> impl Iterator<Item = usize> {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     (1..=SPREAD).map(move |i| ((i as f64 * GOLDEN).fract() * places as f64) as usize)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::dvec3;
+
+    use super::*;
+    use crate::drive::Drive;
+    use crate::scene::{Plane, Scene};
+
+    #[test]
+    fn elements_beside_the_plane_are_between_their_four_pixels() {
+        let plane =
+            Plane { centre: dvec3(0.001, 0.002, 0.004), size: DVec2::new(0.1, 0.08), ..Plane::default() };
+        let scene = Scene { plane: plane.clone(), ..Scene::default() };
+        let size = (120, 70);
+        let request = Request::new(&scene, vec![Drive::default()], Quantity::Rms, size);
+        let places: Vec<_> =
+            beside_elements(&SiteKey::new(&request, false), [DVec3::X, DVec3::Y, DVec3::Z], size).collect();
+        assert_eq!(places.len(), 4 * BESIDE);
+        let counts = DVec2::new(size.0 as f64, size.1 as f64);
+        let pixel = |&place: &usize| {
+            let at = DVec2::new((place % size.0) as f64, (place / size.0) as f64) + 0.5;
+            plane.centre.truncate() + (at / counts - 0.5) * plane.size
+        };
+        for four in places.chunks(4) {
+            let low = four.iter().map(pixel).fold(DVec2::INFINITY, DVec2::min);
+            let high = four.iter().map(pixel).fold(DVec2::NEG_INFINITY, DVec2::max);
+            let is_between = |at: DVec2| low.cmple(at).all() && high.cmpge(at).all();
+            assert!(request.aperture.positions.iter().any(|at| is_between(at.truncate())), "{low} to {high}");
+        }
+    }
+}

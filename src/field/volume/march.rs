@@ -387,3 +387,22 @@ impl Painter<'_> {
         (largest > 0.0).then(|| (place, self.tint(part).extend((part / OPAQUE).min(1.0))))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn edges_are_a_pixel_that_differs_and_those_beside_it() {
+        const SIDE: usize = 4;
+        for bright in 0..SIDE * SIDE {
+            let mut rgba = vec![0; 4 * SIDE * SIDE];
+            rgba[4 * bright + 1] = 255;
+            for pixel in 0..SIDE * SIDE {
+                let (x, y) = (pixel % SIDE, pixel / SIDE);
+                let apart = x.abs_diff(bright % SIDE) + y.abs_diff(bright / SIDE);
+                assert_eq!(is_edge(&rgba, SIDE, SIDE, x, y), apart <= 1, "{bright}: {pixel}");
+            }
+        }
+    }
+}

@@ -72,6 +72,15 @@ fn a_trap_from_below_is_judged_by_its_force_curve() {
     assert!(focus.modes[0].direction.z.abs() < 1e-6, "{focus:?}");
 }
 
+#[test]
+fn a_weightless_bead_in_silence_is_unstable_where_it_is() {
+    let scene = still_air();
+    let mut levitation = Levitation::new(&scene, &Aperture::new(&scene), &[]);
+    levitation.load = 0.0;
+    let hold = levitation.hold(AT);
+    assert_eq!((hold.outcome, hold.rest, hold.lift), (Outcome::Unstable, AT, f64::INFINITY));
+}
+
 /// Two facing boards, 200 mm apart.
 fn levitator() -> Scene {
     let above = Board { at: DVec3::Z * 0.2, normal: DVec3::NEG_Z, ..Board::default() };
