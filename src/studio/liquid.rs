@@ -207,8 +207,8 @@ fn envelope(scene: &Scene) -> String {
 pub fn beyond_linear_theory(slope: f64) -> Option<String> {
     (slope > STEEPEST).then(|| {
         format!(
-            "slope {} is beyond linear theory, which holds to {STEEPEST}: the picture holds up to {} of this drive's amplitude \
-             and is a sketch above it",
+            "slope {} is beyond linear theory, which holds to {STEEPEST}: true up to {} of this drive's amplitude, a \
+             sketch above it",
             at_most(slope, 2),
             holds_to(slope)
         )

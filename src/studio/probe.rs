@@ -141,7 +141,7 @@ impl Reading {
     pub fn warning(&self) -> Option<String> {
         (self.spl() > LIMIT).then(|| {
             format!(
-                "above {LIMIT:.0} dB at the listener, the exposure limit between 25 and 50 kHz for less than 4 hours: increase the \
+                "louder than {LIMIT:.0} dB at the listener, the exposure limit between 25 and 50 kHz for less than 4 hours: increase the \
                  distance, shield the array, or reduce the drive"
             )
         })
