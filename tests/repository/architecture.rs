@@ -15,7 +15,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("table", &["csv", "thiserror"]),
     ("rounding", &[]),
     ("simd", &[]),
-    ("acoustics", &["glam", "num_complex", "libm"]),
+    ("acoustics", &["glam", "libm", "num_complex", "rayon"]),
     ("drive", &["num_complex", "serde"]),
     ("force", &["glam", "num_complex", "rayon"]),
     ("surface", &["num_complex", "rayon", "rustdct"]),
