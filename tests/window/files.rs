@@ -86,7 +86,7 @@ fn an_invalid_drawing_leaves_the_scene_and_gives_a_reason() {
         ("broken.svg", "<svg".to_owned(), "cannot be read"),
         ("deep.svg", deep, "cannot be read"),
         ("blank.svg", svg(""), "no painted path"),
-        ("text.svg", svg("<text>Hi</text>"), "turned into paths"),
+        ("text.svg", svg("<text>Hi</text>"), "convert its text to paths"),
         ("nan.svg", svg("<path d='M nan 1e999 L 1 2' stroke='red'/>"), ""),
         ("far.svg", svg("<path d='M -1e300 0 L 1e300 1e300' stroke='red'/>"), ""),
         ("odd.png", "\u{89}PNG\r\n".to_owned(), "neither an SVG nor"),
