@@ -85,14 +85,15 @@ fn rest(screen: &mut Screen) {
     }
 }
 
-/// A frame per event, and those that the window asks for at once; an animation has a few.
+/// A frame per event, and those that the window asks for at once; an animation has a few, and so has a result.
 fn settle(screen: &mut Screen) {
     screen.step();
-    for _ in 0..3 {
-        if screen.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay > Duration::ZERO {
-            break;
-        }
+    let mut frames = 0;
+    while frames < 3 && screen.output().viewport_output[&egui::ViewportId::ROOT].repaint_delay.is_zero() {
+        let was_busy = screen.state().is_busy();
         screen.step();
+        let is_result = was_busy && !screen.state().is_busy();
+        frames = if is_result { 0 } else { frames + 1 };
     }
 }
 
