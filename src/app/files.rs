@@ -274,7 +274,8 @@ impl Window {
     }
 
     /// Processes finished errands.
-    pub(super) fn collect(&mut self, commands: &mut Vec<Command>) {
+    pub(super) fn collect(&mut self, commands: &mut Vec<Command>, ctx: &egui::Context) {
+        let count = self.errands.len();
         for errand in std::mem::take(&mut self.errands) {
             match errand.state() {
                 State::UnderWay => self.errands.push(errand),
@@ -284,6 +285,10 @@ impl Window {
                     self.refuse("That failed", &anyhow!("this is a fault of the program"));
                 }
             }
+        }
+        if self.errands.len() < count {
+            // The panels of this frame were drawn without the results.
+            ctx.request_repaint();
         }
         let film = |film: &Film| (film.name.clone(), film.progress.part());
         self.shown.export = self.filming.as_ref().map(film);

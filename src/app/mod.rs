@@ -459,7 +459,7 @@ impl Window {
         });
         self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);
-        self.collect(&mut commands);
+        self.collect(&mut commands, &ctx);
         self.thumbnails.collect(&mut self.shown, &ctx);
         commands.into_iter().for_each(|command| self.execute(command, &ctx));
         let is_held = ctx.input(|input| input.pointer.any_down());

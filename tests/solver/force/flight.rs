@@ -1,11 +1,11 @@
 //! Flights of beads, against closed forms.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use sonoglyph::acoustics::{Air, Aperture, viscosity};
 use sonoglyph::drive::Drive;
-use sonoglyph::force::{Carriage, Drag, Levitation};
+use sonoglyph::force::{Carriage, Drag, Flight, Levitation};
 use sonoglyph::gauge::Gauge;
 use sonoglyph::scene::{Bead, Board, Scene};
 
@@ -90,4 +90,72 @@ fn a_bead_in_silence_falls_at_terminal_speed() {
     let (time, _, velocity) = flight[flight.iter().position(|(time, ..)| *time > relaxation).unwrap()];
     let expected = levitation.load / drag.slow * (1.0 - (-time / relaxation).exp());
     assert!((-velocity.z / expected - 1.0).abs() < 0.02, "{velocity} {expected}");
+}
+
+#[test]
+fn the_drag_of_a_sphere_is_that_of_the_published_coefficients() {
+    let levitation = Levitation::new(&Scene::default(), &Aperture::new(&Scene::default()), &[]);
+    let radius = (0.75 * levitation.sphere.volume / PI).cbrt();
+    let (viscosity, density) = (1.8e-5, 1.2);
+    let drag = Drag::new(&levitation.sphere, viscosity, density);
+    assert!((drag.slow / (6.0 * PI * viscosity * radius) - 1.0).abs() < 1e-12);
+    // Clift, Grace and Weber's standard curve.
+    for (reynolds, coefficient) in [(0.1, 244.0), (1.0, 27.2), (10.0, 4.26), (100.0, 1.09), (500.0, 0.555)] {
+        let speed = reynolds * viscosity / (2.0 * radius * density);
+        let force = drag.force(DVec3::new(0.0, -speed, 0.0));
+        let expected = coefficient * 0.5 * density * speed * speed * PI * radius * radius;
+        assert!(
+            (force.y / expected - 1.0).abs() < 0.03 && force.x == 0.0 && force.z == 0.0,
+            "{reynolds}: {force}"
+        );
+    }
+}
+
+/// A bead of 20 µm in two silent fields in turn, 3 ms each, with these traps.
+fn fall(wanted: &[DVec3; 2], from: DVec3, seconds: f64) -> Flight {
+    let scene = Scene { bead: Bead { radius: 2e-5, ..Bead::default() }, ..Scene::default() };
+    let aperture = Aperture::new(&scene);
+    let silent = Drive {
+        amplitudes: vec![0.0; aperture.positions.len()],
+        phases: vec![0.0; aperture.positions.len()],
+    };
+    let fields = [0, 1].map(|_| Levitation::new(&scene, &aperture, std::slice::from_ref(&silent)));
+    let drag = drag(&scene, &fields[0]);
+    Carriage { fields: &fields, wanted, span: 0.003, drag }.fly(from, seconds, &Gauge::default())
+}
+
+#[test]
+fn fields_take_turns_of_their_span_until_the_end() {
+    let at = DVec3::new(0.0, 0.0, 0.1);
+    let wanted = [at, at + DVec3::X * 1e-3];
+    let flight = fall(&wanted, at, 0.01);
+    assert!(!flight.is_lost);
+    assert!((flight.moments.last().unwrap().time - 0.01).abs() < 1e-15);
+    assert!(flight.moments.windows(2).all(|pair| pair[0].time < pair[1].time));
+    for moment in &flight.moments[1..] {
+        // The end of a turn belongs to it.
+        let turn = ((moment.time - 1e-9) / 0.003) as usize;
+        assert_eq!(moment.wanted, wanted[turn % 2], "{moment:?}");
+    }
+    let farthest = flight.moments.iter().map(|moment| moment.at.distance(moment.wanted)).fold(0.0, f64::max);
+    assert_eq!(flight.farthest, farthest);
+    // Accuracy does not depend on the turns: the last velocity is the terminal one.
+    let fields = fall(&[at; 2], at, 0.02);
+    assert!(
+        (fields.moments.last().unwrap().velocity.z / flight.moments.last().unwrap().velocity.z - 1.0).abs()
+            < 0.1
+    );
+}
+
+#[test]
+fn a_bead_is_lost_a_wavelength_away_from_its_trap() {
+    let at = DVec3::new(0.0, 0.0, 0.1);
+    let scene = Scene::default();
+    let wavelength = Aperture::new(&scene).wavelength();
+    // In this time it falls by less than a hundredth of a wavelength.
+    for (distance, is_lost) in [(0.98, false), (1.02, true)] {
+        let flight = fall(&[at + DVec3::X * (distance * wavelength); 2], at, 0.001);
+        assert_eq!(flight.is_lost, is_lost, "{distance}");
+        assert_eq!(flight.moments.len() == 2, is_lost, "{distance}: the flight ends there");
+    }
 }
