@@ -86,6 +86,30 @@ mod tests {
         assert!((air.attenuation - 0.152).abs() < 1e-3, "{air:?}");
     }
 
+    /// ISO 9613-2, table 2: dB/km in octaves from 63 Hz to 8 kHz, by °C and %.
+    #[test]
+    fn absorption_is_that_of_the_standards_table() {
+        const PRESSURE: f64 = 101_325.0;
+        for (temperature, humidity, row) in [
+            (10.0, 70.0, [0.1, 0.4, 1.0, 1.9, 3.7, 9.7, 32.8, 117.0]),
+            (20.0, 70.0, [0.1, 0.3, 1.1, 2.8, 5.0, 9.0, 22.9, 76.6]),
+            (30.0, 70.0, [0.1, 0.3, 1.0, 3.1, 7.4, 12.7, 23.1, 59.3]),
+            (15.0, 20.0, [0.3, 0.6, 1.2, 2.7, 8.2, 28.2, 88.8, 202.0]),
+            (15.0, 50.0, [0.1, 0.5, 1.2, 2.2, 4.2, 10.8, 36.2, 129.0]),
+            (15.0, 80.0, [0.1, 0.3, 1.1, 2.4, 4.1, 8.3, 23.7, 82.8]),
+        ] {
+            for (octave, expected) in row.into_iter().enumerate() {
+                let frequency = 1000.0 * 10f64.powf(0.3 * (octave as f64 - 4.0));
+                let own = 1000.0 * absorption(frequency, temperature, humidity, PRESSURE);
+                let digit = if expected > 100.0 { 1.0 } else { 0.1 };
+                assert!(
+                    (own - expected).abs() < 0.6 * digit,
+                    "{temperature} °C, {humidity} %: {own}, not {expected}"
+                );
+            }
+        }
+    }
+
     #[test]
     fn what_the_scene_gives_goes_first() {
         let medium = Medium {

@@ -259,3 +259,23 @@ proptest! {
         prop_assert!(error < tolerance, "{:e} for {:e}: {}", error, tolerance, map.how);
     }
 }
+
+#[test]
+fn invalid_planes_have_no_plan() {
+    const NAN: f64 = f64::NAN;
+    let Scene { plane, .. } = Scene::default();
+    let aperture = Aperture::new(&Scene::default());
+    let planned = |plane: &Plane| Plan::new(&aperture, plane, Costs::CPU).is_some();
+    assert!(planned(&plane));
+    for centre in [DVec3::new(NAN, 0.0, 0.1), DVec3::new(0.0, f64::INFINITY, 0.1), DVec3::Z * 1.1e6] {
+        assert!(!planned(&Plane { centre, ..plane.clone() }), "{centre}");
+    }
+    for size in [DVec2::new(NAN, 0.1), DVec2::new(0.1, f64::INFINITY), DVec2::X, DVec2::new(0.1, 1.1e6)] {
+        assert!(!planned(&Plane { size, ..plane.clone() }), "{size}");
+    }
+    for tolerance in [NAN, -0.1, 1.1] {
+        assert!(!planned(&Plane { tolerance, ..plane.clone() }), "{tolerance}");
+    }
+    let parallel = Plane { y_axis: plane.x_axis, ..plane };
+    assert!(!planned(&parallel));
+}
