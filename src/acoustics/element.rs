@@ -214,7 +214,16 @@ mod tests {
             });
             terms.sum::<Complex64>() / nodes as f64
         };
-        for (rho, z) in [(0.3, 0.2), (0.9, 0.3), (1.5, 0.1), (3.0, 1.0), (20.0, 20.0), (40.0, 0.1)] {
+        for (rho, z) in [
+            (0.3, 0.2),
+            (0.9, 0.3),
+            (1.5, 0.1),
+            (3.0, 1.0),
+            (20.0, 20.0),
+            (40.0, 0.1),
+            (1.0, 0.03),
+            (0.98, 0.01),
+        ] {
             let truth = sum(2000, rho, z);
             for error in [1e-3, 1e-6, 1e-9] {
                 let nodes = piston_nodes(ka, rho, z, error);
@@ -228,7 +237,7 @@ mod tests {
     #[test]
     fn the_directivity_has_its_limit_and_its_null() {
         assert_eq!(directivity(0.0), 1.0);
-        assert!((directivity(1.1e-4) - directivity(0.9e-4)).abs() < 1e-8);
+        assert!(directivity(1.1e-4) < directivity(0.9e-4) && directivity(0.9e-4) < 1.0);
         assert!(directivity(3.831_705_970_207_512).abs() < 1e-15);
     }
 

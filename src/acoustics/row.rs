@@ -371,6 +371,18 @@ mod tests {
     use crate::scene::{ElementModel, Scene};
 
     #[test]
+    fn a_quotient_by_pi_has_twice_the_digits_of_an_f64() {
+        // The rests are from 60 decimal digits.
+        for (x, quotient, rest) in [
+            (732.7, 233.225_653_606_863_46, -2.074_353_701_595_344_6e-14),
+            (366.519_142_918_809_2, 116.666_666_666_666_67, -9.918_168_735_609_92e-16),
+        ] {
+            let own = over_pi(x);
+            assert!(own[0] == quotient && (own[1] / rest - 1.0).abs() < 1e-9, "{own:?}");
+        }
+    }
+
+    #[test]
     fn rows_are_the_single_transfers() {
         let models = [ElementModel::Piston, ElementModel::Point, ElementModel::ExactPiston];
         // Radii for few and many terms, and for none; absorptions for the series and not.

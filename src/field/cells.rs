@@ -169,6 +169,8 @@ fn smooth(least: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::scene::Scene;
 
@@ -187,5 +189,23 @@ mod tests {
         assert_eq!((smooth(7), smooth(121), smooth(0)), (8, 125, 1));
         let endless = Plane { size: DVec2::splat(50.0), ..scene.plane };
         assert_eq!(Cells::new(&aperture, &endless, 0.0, 1e-3), None);
+    }
+
+    #[test]
+    fn wide_elements_near_the_plane_refine_the_cells_by_their_directivity() {
+        let mut scene = Scene::default();
+        scene.array.element_radius = 0.02;
+        let aperture = Aperture::new(&scene);
+        let near = |height: f64, x_axis: DVec3| {
+            let (centre, size) = (DVec3::Z * height, DVec2::new(0.02, 0.01));
+            pattern(&aperture, &Plane { centre, size, x_axis, ..scene.plane.clone() }).unwrap()
+        };
+        let refined = |height: f64| 1f64.hypot(0.02 / height) / HIGHEST;
+        assert!((near(0.03, DVec3::X) - refined(0.03)).abs() < 1e-12);
+        // The lowest edge counts; from a wavelength on down, the wavelength.
+        let lowest = 0.03 - 0.01 * 0.6;
+        assert!((near(0.03, DVec3::new(0.8, 0.0, 0.6)) - refined(lowest)).abs() < 1e-12);
+        assert!((near(0.004, DVec3::X) - refined(aperture.wavelength())).abs() < 1e-12);
+        assert_eq!(near(0.5, DVec3::X), 1.0);
     }
 }

@@ -157,3 +157,16 @@ fn crest(before: f64, middle: f64, after: f64) -> f64 {
         middle.max(after)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crest_is_that_of_a_parabola_or_the_larger_end() {
+        let parabola = |x: f64| 3.0 - 2.0 * (x - 0.2) * (x - 0.2);
+        assert!((crest(parabola(-1.0), parabola(0.0), parabola(1.0)) - 3.0).abs() < 1e-12);
+        assert_eq!(crest(1.0, 1.0, 1.0), 1.0);
+        assert_eq!([crest(0.0, 1.0, 4.0), crest(2.0, 1.0, 0.0)], [4.0, 1.0]);
+    }
+}

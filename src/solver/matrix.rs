@@ -345,11 +345,11 @@ impl Apply<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
     /// Numbers without pattern.
-    fn scattered(index: usize) -> Complex64 {
+    pub fn scattered(index: usize) -> Complex64 {
         let unit = |step: f64| ((index + 1) as f64 * step).fract() - 0.5;
         Complex64::new(unit(0.618_033_988), unit(0.754_877_666))
     }

@@ -231,12 +231,7 @@ impl Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Numbers without pattern.
-    fn scattered(index: usize) -> Complex64 {
-        let unit = |step: f64| ((index + 1) as f64 * step).fract() - 0.5;
-        Complex64::new(unit(0.618_033_988), unit(0.754_877_666))
-    }
+    use crate::solver::matrix::tests::scattered;
 
     fn vector(seed: usize, count: usize) -> Vec<Complex64> {
         (0..count).map(|i| scattered(seed + 13 * i)).collect()

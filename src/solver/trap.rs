@@ -340,7 +340,18 @@ mod tests {
         let mut function = Stiffness::new(&problem, traps, &start);
         let x: Vec<_> = start.iter().enumerate().map(|(n, u)| u.arg() + 0.3 * (n as f64).sin()).collect();
         let (mut gradient, mut unused) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        function.evaluate(&x, &mut gradient);
+        let value = function.evaluate(&x, &mut gradient);
+        // The focus is weaker than at the start, which counts.
+        let foci = std::mem::take(&mut function.foci);
+        let without = function.evaluate(&x, &mut unused);
+        let u: Vec<_> = x.iter().map(|phase| Complex64::cis(*phase)).collect();
+        let part = problem.transfer.pressure(&u)[foci[0].0].norm_sqr() / foci[0].1;
+        assert!(foci.len() == 1 && part < 0.99, "{foci:?} {part}");
+        assert!(
+            (value - without - BESIDE * (part - 1.0).powi(2)).abs() < 1e-9 * value.abs(),
+            "{value} {without}"
+        );
+        function.foci = foci;
         for n in [0, 7, 21, 39] {
             let mut at = |step: f64| {
                 let mut x = x.clone();

@@ -273,3 +273,23 @@ pub fn smaller(a: f64, b: f64) -> f64 {
 pub fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_fall_into_the_rows_from_the_first_on() {
+        let mut coverage = Coverage::new(4, 5, 3);
+        for (place, amount) in
+            [([1.5, 6.2], 2.0), ([3.9, 5.0], 1.0), ([0.5, 4.9], 7.0), ([0.5, 8.0], 7.0), ([-0.1, 6.0], 7.0)]
+        {
+            coverage.point(place, amount);
+        }
+        let mut values = [0.0; 12];
+        let total = coverage.fill(&mut values);
+        let mut expected = [0.0; 12];
+        (expected[3], expected[5]) = (1.0, 2.0);
+        assert_eq!((values, total, coverage.span()), (expected, 3.0, [5.0, 8.0]));
+    }
+}

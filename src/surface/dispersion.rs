@@ -331,6 +331,76 @@ mod tests {
         }
     }
 
+    #[test]
+    fn creep_over_a_floor_is_slowed_as_orchard_says() {
+        for depth in [1e-3_f64, 0.004, 0.0049, 0.0051, 0.02, 0.3, 1.0, 4.0, 10.0, 30.0] {
+            let twice = 2.0 * depth;
+            let f = (twice.sinh() - twice) / (twice.cosh() + 1.0 + 2.0 * depth * depth);
+            assert!(
+                (hindrance(depth) * f / depth.tanh() - 1.0).abs() < 1e-9,
+                "{depth}: {}",
+                hindrance(depth)
+            );
+        }
+    }
+
+    #[test]
+    fn the_determinant_has_its_spurious_root_divided_away() {
+        for (depth, ratio) in [(0.3_f64, 2.0), (1.5, 0.4), (4.0, 30.0)] {
+            let floor = Floor { depth, ratio };
+            let places = [
+                (0.7, 0.2),
+                (-2.5, 0.4),
+                (0.1, 0.3),
+                (-0.2, -0.3),
+                (-0.49, 0.0),
+                (-0.51, 0.0),
+                (-1.0, 1e-10),
+            ];
+            for (re, im) in places {
+                let s = Complex64::new(re, im);
+                let plain = |z: Complex64| {
+                    let x = z.sqrt();
+                    let (c, s, t) = ((x * depth).cosh(), (x * depth).sinh() / x, depth.tanh());
+                    4.0 * (z + 1.0) / depth.cosh() + (z * z + 6.0 * z + 1.0) * t * s
+                        - (z * z + 2.0 * z + 5.0) * c
+                        - ratio * (t * c - s)
+                };
+                for left in [0.0, 0.4] {
+                    let expected = 2.0 * (-left * depth).exp() * plain(s + 1.0) / s;
+                    let own = floor.determinant(s, left);
+                    assert!(
+                        (own - expected).norm() < 1e-10 * expected.norm(),
+                        "{depth} {ratio} {s}: {own} {expected}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_remainder_is_the_determinant_at_both_roots() {
+        let floor = Floor { depth: 1.5, ratio: 2.0 };
+        for (damping, square) in [(0.3_f64, 2.0), (1.2, 0.4), (0.5, 0.25), (1e-3, 1e-6)] {
+            let [a, b] = floor.remainder(damping, square, 0.2);
+            let apart = Complex64::from(damping * damping - square).sqrt();
+            for s in [apart - damping, -apart - damping] {
+                let (own, expected) = (a * s + b, floor.determinant(s, 0.2));
+                assert!(
+                    (own - expected).norm() < 1e-6 * expected.norm(),
+                    "{damping} {square}: {own} {expected}"
+                );
+            }
+            // Where the roots meet, the slope too.
+            if apart.norm() == 0.0 {
+                let at = |s: f64| floor.determinant(Complex64::from(s), 0.2).re;
+                let by = 1e-4 * damping;
+                let slope = (at(by - damping) - at(-by - damping)) / (2.0 * by);
+                assert!((a / slope - 1.0).abs() < 1e-4, "{damping}: {a} {slope}");
+            }
+        }
+    }
+
     /// The slow rate of a mode that creeps, 1/s.
     fn creep(mode: Mode) -> f64 {
         assert!(mode.swing < 0.0, "{mode:?}");

@@ -108,6 +108,23 @@ fn bytes_follow_the_boards_formats() {
 }
 
 #[test]
+fn neighbours_of_a_checkerboard_are_in_antiphase() {
+    let profile = Profile::SonicSurface;
+    for columns in [16, 10] {
+        let levels = Levels::checkerboard(profile, columns);
+        let drive = levels.drive();
+        let apart = |a: usize, b: usize| (drive.phases[a] - drive.phases[b]).cos();
+        for n in 0..levels.elements.len() - columns {
+            assert!(apart(n, n + columns) < -0.99, "{columns}: {n} and the next row");
+            assert!(
+                n % columns == columns - 1 || apart(n, n + 1) < -0.99,
+                "{columns}: {n} and its neighbour"
+            );
+        }
+    }
+}
+
+#[test]
 fn silence_is_silent_after_any_bytes() {
     for profile in stock_profiles() {
         for seed in 0..40 {

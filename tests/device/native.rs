@@ -97,6 +97,33 @@ fn a_commit_takes_effect_as_a_whole_at_the_next_sweep() {
 }
 
 #[test]
+fn frames_with_commit_commit() {
+    let phases = |commit| Packet::phases(1, 255, &ramp(), commit);
+    assert!(phases(true).commits() && !phases(false).commits());
+    assert!(phases(false).in_step().commits());
+    let pairs = [[1, 2]; 256];
+    assert!(Packet::frame(1, &pairs, true).commits() && !Packet::frame(1, &pairs, false).commits());
+    assert!(!Packet::play(3, 5, 2, 2, true).commits() && !Packet::stop().commits());
+}
+
+#[test]
+fn a_sounding_device_is_not_reset() {
+    let reset = Packet::reset();
+    let mut model = Model::new(7);
+    apply(&mut model, &Packet::enable(1000));
+    assert_eq!(model.apply(&reset).outcome, Outcome::State, "enabled, without a frame");
+    let mut model = playing(7, &ramp());
+    apply(&mut model, &Packet::silencer(0x0300, 0x0100));
+    apply(&mut model, &Packet::mute());
+    run(&mut model, 2);
+    assert!(model.outputs_on());
+    assert_eq!(model.apply(&reset).outcome, Outcome::State, "on the way to silence");
+    run(&mut model, 1000);
+    assert!(!model.outputs_on());
+    apply(&mut model, &reset);
+}
+
+#[test]
 fn slots_in_play_cannot_be_written() {
     let mut model = playing(7, &ramp());
     let busy = |model: &mut Model, slot| model.apply(&Packet::phases(slot, 9, &[1; 256], false)).outcome;

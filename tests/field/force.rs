@@ -1,11 +1,11 @@
 //! Maps of the radiation force, against the force computed at every pixel.
 
-use glam::{DVec3, dvec3};
+use glam::{DVec3, dvec2, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{By, Evaluator, Quantity, Request, Samples, Stages};
 use sonoglyph::force::Levitation;
-use sonoglyph::scene::{Material, Plane, Scene};
+use sonoglyph::scene::{Board, Material, Plane, Scene};
 
 use crate::three_foci;
 
@@ -26,6 +26,8 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
     let level = scene.plane.clone();
     let upright = Plane { y_axis: DVec3::Z, centre: dvec3(0.0, 0.002, 0.1), ..level.clone() };
     let low = Plane { centre: dvec3(0.0, 0.0, 0.004), ..level.clone() };
+    let to_the_array =
+        Plane { y_axis: DVec3::Z, centre: dvec3(0.0, 0.002, 0.05), size: dvec2(0.08, 0.1), ..level.clone() };
     let tilted = Plane { x_axis: dvec3(1.0, 0.2, 0.4), y_axis: dvec3(0.0, 1.0, -0.5), ..level.clone() };
     for (name, plane, drives, is_direct) in [
         ("level", level.clone(), &drives[..1], false),
@@ -33,6 +35,7 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
         ("upright", upright, &drives[..1], false),
         ("tilted", tilted, &drives[..1], false),
         ("near", low, &drives[..1], true),
+        ("down to the array", to_the_array, &drives[..1], false),
     ] {
         let expected = forces(&scene, drives, &plane);
         let peak = expected.iter().copied().fold(0.0, f64::max);
@@ -45,6 +48,15 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
             println!("{name} {tolerance:e}: {off:.1e}, measured {:.1e}, {}", map.error, map.how);
             assert!(off < tolerance && map.error <= tolerance, "{name} {tolerance:e}: {off:e}, {}", map.how);
             assert_eq!(map.by == By::Reference, is_direct, "{name}: {}", map.how);
+            let said: Vec<usize> = map.how.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+            if let [columns, rows, near] = said[..] {
+                assert_eq!(map.evaluated, columns * rows + near, "{name}: {}", map.how);
+                assert!(
+                    (near > 0) == (name == "down to the array") && near < SIZE.0 * SIZE.1,
+                    "{name}: {}",
+                    map.how
+                );
+            }
         }
     }
 }
@@ -58,4 +70,16 @@ fn a_force_map_scales_with_the_envelope_and_is_exact_by_the_reference() {
     assert_eq!((map.by, map.error), (By::Reference, 0.0));
     let half = stages.map(&Request { part: 0.5, ..request }).unwrap();
     assert!((half.peak / map.peak - 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn near_is_near_a_boards_own_place() {
+    let (mut scene, drives) = three_foci();
+    scene.boards = vec![Board { at: DVec3::Z * 0.05, ..Board::default() }];
+    for (height, is_direct) in [(0.054, true), (0.1, false)] {
+        let plane = Plane { centre: DVec3::Z * height, ..scene.plane.clone() };
+        let request = Request { plane, ..Request::new(&scene, drives[..1].to_vec(), Quantity::Force, SIZE) };
+        let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
+        assert_eq!(map.by == By::Reference, is_direct, "{height} m: {}", map.how);
+    }
 }

@@ -117,3 +117,19 @@ fn planes_without_a_focus_and_planes_too_large_have_no_side_lobe() {
     scene.plane = Plane { size: DVec2::splat(20.0), ..usual };
     assert_eq!(side_lobe_of(&scene, &solution), Err(NoSideLobe::TooLarge));
 }
+
+#[test]
+fn the_sound_next_to_an_element_is_no_side_lobe() {
+    // The plane along the beam goes through a row of elements.
+    let element = dvec3(0.00525, 0.00525, 0.0);
+    let focus = dvec3(0.0, element.y, 0.15);
+    let (mut scene, solution) = solved(&[focus], Method::Focus);
+    let centre = dvec3(0.0, element.y, 0.1);
+    scene.plane = Plane { centre, y_axis: DVec3::Z, size: DVec2::new(0.1, 0.2), ..Plane::default() };
+    let found = side_lobe_of(&scene, &solution).unwrap();
+    let aperture = Aperture::new(&scene);
+    assert!(found.position.z > aperture.wavelength(), "{found:?}");
+    let above = Samples::at(vec![element + DVec3::Z * 0.001]);
+    let louder = reference::pressure(&aperture, &solution.drive, &above)[0].norm();
+    assert!(louder > 2.0 * found.pressure, "{louder} Pa, {found:?}");
+}

@@ -209,6 +209,39 @@ fn everything(clip: Block, body: Body) -> Scenery {
 }
 
 #[test]
+fn every_object_is_drawn_at_its_place() {
+    let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.002);
+    let (size, at) = ((160, 120), BLOCK.centre + DVec3::new(0.012, -0.01, 0.02));
+    let camera = Camera::of(&BLOCK, [0.6, 0.5], 1.2, false);
+    let (expected, _) = camera.projection(DVec2::new(160.0, 120.0)).screen(at).unwrap();
+    let colour = Vec4::new(0.2, 0.9, 0.6, 1.0);
+    let half = [DVec3::X * 0.006, DVec3::Y * 0.004];
+    let picture = |items: Vec<Item>| {
+        let scenery = Scenery { items, ..scenery(BLOCK, Body::Hidden) };
+        march::picture(&Shot::new(&scenery, &volume, &camera, size), &volume, &scenery.table, false)
+    };
+    let empty = picture(Vec::new());
+    for item in [
+        Item::Dot { at, radius: 6.0, colour, shine: 0.0 },
+        Item::Disc { centre: at, normal: DVec3::Z, radius: 0.005, colour },
+        Item::Panel { centre: at, half, colour },
+        Item::Slice { centre: at, half, opacity: 1.0 },
+        Item::Line { ends: [at - half[0], at + half[0]], width: 4.0, colour, shine: 0.0 },
+    ] {
+        let drawn = picture(vec![item.clone()]);
+        let pairs = drawn.as_chunks::<4>().0.iter().zip(empty.as_chunks::<4>().0);
+        let changed = pairs
+            .enumerate()
+            .filter(|(_, (own, ground))| own != ground)
+            .map(|(i, _)| DVec2::new((i % size.0) as f64 + 0.5, (i / size.0) as f64 + 0.5));
+        let changed: Vec<_> = changed.collect();
+        let middle = changed.iter().sum::<DVec2>() / changed.len() as f64;
+        assert!(changed.len() > 20, "{item:?}: {} pixels", changed.len());
+        assert!(middle.distance(expected) < 1.0, "{item:?}: at {middle}, not {expected}");
+    }
+}
+
+#[test]
 fn the_gpu_draws_what_the_cpu_draws() {
     let Some(gpu) = gpu() else { return };
     let volume = Arc::new(gaussian(&BLOCK, CENTRE, WIDTHS, 0.0013));

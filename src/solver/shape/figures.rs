@@ -246,3 +246,25 @@ fn heard(
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_edge_lies_on_the_plane_around_foci_beside_it() {
+        let (centre, axes) = (DVec3::Z * 0.1, [DVec3::X, DVec3::new(0.0, 0.8, 0.6)]);
+        let normal = axes[0].cross(axes[1]);
+        let at = |x: f64, away: f64| centre + axes[0] * x + normal * away;
+        let focus = |position| Focus { position, target: 1.0, part: Part::Point };
+        let foci = [at(0.0, 0.003), at(0.004, -0.002), at(0.04, 0.0)].map(focus);
+        let places = edge(&foci, centre, axes, 0.005);
+        assert!(places.len() > 24, "{}", places.len());
+        for place in places {
+            assert!(normal.dot(place - centre).abs() < 1e-12, "{place}");
+            let nearest =
+                foci.iter().map(|focus| focus.position.distance(place)).fold(f64::INFINITY, f64::min);
+            assert!(nearest > 0.005 && nearest < 0.00502, "{place}: {nearest}");
+        }
+    }
+}

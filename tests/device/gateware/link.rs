@@ -72,6 +72,7 @@ fn the_gateware_plays_the_frames_of_the_link() {
         // With 128 levels, half a level of delay is one of 256.
         wait("the frame", &|| farthest(&board, &levels).is_some_and(|off| off < 1.01));
     }
+    wait("the count of frames", &|| board.report().frames >= 5);
     link.stop();
     let is_silent =
         || board.report().playing.unwrap().drive().amplitudes.iter().all(|&amplitude| amplitude == 0.0);

@@ -112,6 +112,9 @@ fn traps_between_boards_hold_and_keep_the_pressure_of_foci() {
     }
     let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
     let start = trap::signature(&problem, problem.traps.as_ref().unwrap());
+    let moduli: Vec<_> = problem.transfer.pressure(&start).iter().map(|p| p.norm()).collect();
+    let [least, most] = [f64::min, f64::max].map(|of| moduli.iter().copied().reduce(of).unwrap());
+    assert!(least > 0.5 * most, "the start drives traps and focus alike: {moduli:?}");
     let before = aperture.transfer(&[focus]).pressure(&start)[0].norm();
     let pressure = solution.pressures.last().unwrap().norm();
     assert!(pressure > 0.89 * before, "{pressure} Pa of {before}");
