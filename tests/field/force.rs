@@ -75,11 +75,13 @@ fn a_force_map_scales_with_the_envelope_and_is_exact_by_the_reference() {
 #[test]
 fn near_is_near_a_boards_own_place() {
     let (mut scene, drives) = three_foci();
-    scene.boards = vec![Board { at: DVec3::Z * 0.05, ..Board::default() }];
-    for (height, is_direct) in [(0.054, true), (0.1, false)] {
+    let below = Board { at: DVec3::Z * 0.05, ..Board::default() };
+    let above = Board { at: DVec3::Z * 0.15, normal: DVec3::NEG_Z, ..Board::default() };
+    for (board, height, is_direct) in [(&below, 0.054, true), (&below, 0.1, false), (&above, 0.1, false)] {
+        scene.boards = vec![board.clone()];
         let plane = Plane { centre: DVec3::Z * height, ..scene.plane.clone() };
         let request = Request { plane, ..Request::new(&scene, drives[..1].to_vec(), Quantity::Force, SIZE) };
         let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
-        assert_eq!(map.by == By::Reference, is_direct, "{height} m: {}", map.how);
+        assert_eq!(map.by == By::Reference, is_direct, "{board:?}, {height} m: {}", map.how);
     }
 }
