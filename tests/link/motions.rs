@@ -32,6 +32,11 @@ fn the_native_device_plays_a_motion_by_itself() {
         }
     }
     assert!(phases.len() >= 10 && sent() == before, "{phases:?}, {} frames", sent() - before);
+    let until = Instant::now() + Duration::from_millis(150);
+    while Instant::now() < until {
+        assert!(!pair.is_silent(), "a slot without a frame is played");
+        std::thread::sleep(Duration::from_millis(1));
+    }
 }
 
 #[test]
