@@ -228,7 +228,7 @@ fn every_object_is_drawn_at_its_place() {
         Item::Slice { centre: at, half, opacity: 1.0 },
         Item::Line { ends: [at - half[0], at + half[0]], width: 4.0, colour, shine: 0.0 },
     ] {
-        let drawn = picture(vec![item.clone()]);
+        let drawn = picture(vec![item]);
         let pairs = drawn.as_chunks::<4>().0.iter().zip(empty.as_chunks::<4>().0);
         let changed = pairs
             .enumerate()
