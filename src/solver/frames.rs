@@ -312,7 +312,7 @@ fn turns(frames: &[Found]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::{PI, TAU};
+    use std::f64::consts::TAU;
 
     use glam::DVec3;
 
@@ -393,21 +393,6 @@ mod tests {
             assert!(steps.largest < farthest, "{method:?}: {steps:?}, more than the way in wavelengths");
             assert!(steps.rms > 0.2 * farthest, "{method:?}: {steps:?}");
         }
-    }
-
-    #[test]
-    fn the_common_phase_advances_by_the_same_part_from_frame_to_frame() {
-        let scene = scene(&ring(3), 7);
-        let aperture = Aperture::new(&scene);
-        let frames = follow(&scene).unwrap().frames;
-        let played: Vec<_> = frames.iter().map(|frame| frame.drive.excitation(&aperture.driven)).collect();
-        let step = |i: usize| {
-            let next = &played[(i + 1) % played.len()];
-            played[i].iter().zip(next).map(|(from, to)| from.conj() * to).sum::<Complex64>().arg()
-        };
-        let steps: Vec<_> = (0..played.len()).map(step).collect();
-        assert!(steps.iter().all(|step| (step - steps[0]).abs() < 1e-6), "{steps:?}");
-        assert!(steps[0].abs() <= PI / played.len() as f64 + 1e-6, "{steps:?}");
     }
 
     #[test]

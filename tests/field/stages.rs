@@ -1,7 +1,10 @@
 //! Caching of stages: a change runs only the stages that depend on it, for every quantity.
 
+use std::f64::consts::SQRT_2;
+
+use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Stages, Work};
+use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Samples, Stages, Work, reference};
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{Light, Scene};
 
@@ -214,5 +217,21 @@ fn quantities_share_one_superposition() {
         let work = shown.show(&mut stages);
         assert_eq!(work, kept, "{second:?} after {first:?}");
         assert_eq!(shown.show(&mut stages), Work::default());
+    }
+}
+
+#[test]
+fn a_map_of_more_pixels_than_are_kept_at_once_keeps_its_tolerance() {
+    let (scene, drives) = three_foci();
+    let size = (2200, 2000);
+    let request = Request::new(&scene, drives[..1].to_vec(), Quantity::Rms, size);
+    let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
+    let pixels = Samples::on_plane(&scene.plane, size.0, size.1).unwrap();
+    let chosen: Vec<_> = (0..pixels.len()).rev().step_by(9_973).collect();
+    let places = Samples::at(chosen.iter().map(|&pixel| pixels.point(pixel)).collect());
+    let exact = reference::pressure(&Aperture::new(&scene), &drives[0], &places);
+    for (pixel, p) in chosen.into_iter().zip(exact) {
+        let off = (f64::from(map.values[pixel]) - p.norm() / SQRT_2).abs() / f64::from(map.peak);
+        assert!(off < scene.plane.tolerance, "pixel {pixel}: {off:e}, {}", map.how);
     }
 }

@@ -1,11 +1,13 @@
 //! The solver's methods and figures against direct implementations of their definitions.
 
+use std::f64::consts::TAU;
+
 use glam::{DVec3, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::scene::{Focus, Method, Scene, Shape, Target};
+use sonoglyph::scene::{Focus, Method, Motion, MotionPath, Scene, Shape, Target};
 use sonoglyph::solver::levels::Reached;
-use sonoglyph::solver::{self, Limits, Problem, warning};
+use sonoglyph::solver::{self, Limits, Problem, frames, warning};
 
 const PLACES: [DVec3; 4] =
     [dvec3(-0.02, 0.004, 0.1), dvec3(-0.013, 0.004, 0.11), dvec3(0.02, 0.01, 0.12), dvec3(0.024, 0.008, 0.1)];
@@ -125,7 +127,7 @@ fn the_greedy_search_ends_at_a_coordinatewise_optimum() {
     let problem = problem(&aperture);
     let transfer = &problem.transfer;
     let u = found(&problem, Method::Greedy, 300);
-    let turn = |step: usize| Complex64::from_polar(1.0, std::f64::consts::TAU * step as f64 / 16.0);
+    let turn = |step: usize| Complex64::from_polar(1.0, TAU * step as f64 / 16.0);
     assert!(u.iter().all(|u| (0..16).any(|step| (u - turn(step)).norm() < 1e-12)), "on 16 phases");
     // The search aims at the mean level of weighted iteration.
     let level = relative(&problem, &found(&problem, Method::Wgs, 20)).iter().sum::<f64>() / 4.0;
@@ -263,4 +265,25 @@ fn warnings_count_pairs_and_name_the_closest() {
     assert!(coincident.len() == 1 && coincident[0].starts_with("1 pairs of foci coincide"), "{coincident:?}");
     let both = warnings(&[0.0, 1.0, 0.0]);
     assert!(both.len() == 2 && both[1].starts_with("2 pairs of foci are closer"), "{both:?}");
+}
+
+#[test]
+fn the_common_phase_advances_by_the_same_part_from_frame_to_frame() {
+    let focus = |i: usize| {
+        let (sin, cos) = (TAU * i as f64 / 3.0).sin_cos();
+        Target::new(Shape::Point { at: dvec3(0.02 * cos, 0.02 * sin, 0.1) })
+    };
+    let motion = Motion { path: MotionPath::Circle, frames: 7, ..Motion::default() };
+    let scene = Scene { targets: (0..3).map(focus).collect(), motion, ..Scene::default() };
+    let aperture = Aperture::new(&scene);
+    let sequence = frames::follow(&scene).unwrap();
+    let played: Vec<_> =
+        sequence.frames.iter().map(|frame| frame.drive.excitation(&aperture.driven)).collect();
+    let step = |i: usize| {
+        let next = &played[(i + 1) % played.len()];
+        played[i].iter().zip(next).map(|(from, to)| from.conj() * to).sum::<Complex64>().arg()
+    };
+    let steps: Vec<_> = (0..played.len()).map(step).collect();
+    assert!(steps.iter().all(|step| (step - steps[0]).abs() < 1e-6), "{steps:?}");
+    assert!(steps[0].abs() <= TAU / 2.0 / played.len() as f64 + 1e-6, "{steps:?}");
 }
