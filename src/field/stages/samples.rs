@@ -36,8 +36,8 @@ impl Samples {
 /// Sums over the elements at the samples of a plan, from tables if memory allows: one per contributing board.
 #[derive(Debug, Default)]
 pub(super) struct Superposition {
-    pressure: Kept<Setting, Vec<Transfer>>,
-    normal: Kept<Setting, Vec<Transfer>>,
+    pressure: Kept<(Setting, Grid), Vec<Transfer>>,
+    normal: Kept<(Setting, Grid), Vec<Transfer>>,
     pub(super) work: Work,
 }
 
@@ -72,13 +72,17 @@ impl Superposition {
             Part::Pressure | Part::AlongX | Part::AlongY => (&mut self.pressure, None),
             Part::Normal => (&mut self.normal, Some(job.site.axes[2])),
         };
-        let tables = kept.update(setting, |tables| {
-            let old = std::mem::take(tables);
+        // One plane may have several grids: quantities weigh samples against pixels differently.
+        if kept.key.as_ref().is_none_or(|(own, samples)| own != setting || samples != grid) {
+            kept.key = None;
+            let old = std::mem::take(&mut kept.value);
             if fit(&setting.aperture, grid) {
                 self.work.transfer += 1;
-                *tables = made(&setting.aperture, grid, direction, old);
+                kept.value = made(&setting.aperture, grid, direction, old);
             }
-        });
+            kept.key = Some((setting.clone(), grid.clone()));
+        }
+        let tables = &kept.value;
         if tables.is_empty() {
             return played.iter().enumerate().map(each).collect();
         }
