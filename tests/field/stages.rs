@@ -2,11 +2,12 @@
 
 use std::f64::consts::SQRT_2;
 
+use glam::{dvec2, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Samples, Stages, Work, reference};
 use sonoglyph::picture::ColourMap;
-use sonoglyph::scene::{Light, Scene};
+use sonoglyph::scene::{Array, Light, Plane, Scene};
 
 use crate::{STEP, fast_evaluators, scattered, three_foci};
 
@@ -217,6 +218,34 @@ fn quantities_share_one_superposition() {
         let work = shown.show(&mut stages);
         assert_eq!(work, kept, "{second:?} after {first:?}");
         assert_eq!(shown.show(&mut stages), Work::default());
+    }
+}
+
+#[test]
+fn quantities_in_turn_have_the_maps_that_they_have_alone() {
+    // Few pixels next to the array: the samples of a quantity at cells and of one at pixels differ.
+    let array = Array { rows: 2, columns: 5, pitch: 0.0086, frequency: 50_800.0, ..Array::default() };
+    let plane = Plane {
+        centre: dvec3(-0.0127, -0.0021, 0.0298),
+        size: dvec2(0.0038, 0.0337),
+        tolerance: 3e-3,
+        ..Plane::default()
+    };
+    let scene = Scene { array, plane, ..Scene::default() };
+    let request = |quantity| Request::new(&scene, vec![scattered(10, STEP)], quantity, (24, 96));
+    let map = |stages: &mut Stages, quantity| stages.map(&request(quantity)).unwrap().clone();
+    for evaluator in fast_evaluators() {
+        let mut stages = Stages::new(evaluator);
+        let alone = Quantity::ALL.map(|quantity| {
+            stages.forget();
+            map(&mut stages, quantity)
+        });
+        for first in Quantity::ALL {
+            for (second, alone) in Quantity::ALL.into_iter().zip(&alone) {
+                map(&mut stages, first);
+                assert!(map(&mut stages, second) == *alone, "{second:?} after {first:?}");
+            }
+        }
     }
 }
 

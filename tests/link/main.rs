@@ -412,3 +412,19 @@ fn a_sender_that_panics_leaves_silence() {
         eventually("silence", || is_silent(&board));
     }
 }
+
+#[test]
+fn a_pause_that_trips_the_watchdog_is_noticed_and_the_sound_comes_back() {
+    let pair = pair(Profile::Native);
+    let levels = numbered(Profile::Native, 7);
+    pair.link.show(Content::Still(levels.clone()));
+    pair.shown_until(&levels);
+    eventually("a frame in place", || pair.link.health().in_place);
+    pair.board.stall(true);
+    std::thread::sleep(Duration::from_millis(400));
+    pair.board.stall(false);
+    let event = wait_for(&pair.link, |event| matches!(event, Event::Notice(_) | Event::Lost(_)));
+    assert!(matches!(&event, Event::Notice(text) if text.contains("watchdog")), "{event:?}");
+    eventually("sound", || !pair.is_silent());
+    assert_eq!(pair.link.health().state, State::Ready);
+}

@@ -121,6 +121,19 @@ fn several_native_boards_on_a_line_change_frames_in_the_same_period() {
         seen.dedup();
         seen.len() > 10
     });
+    // Boards stop at different frames of two, which leaves neither slot free.
+    for n in 0..8 {
+        let frames = [10 * n + 20, 10 * n + 25].map(|n| numbered(profile, n)).to_vec();
+        pair.link.show(Content::Motion { frames, rate: 20_000.0 });
+        let mut seen = Vec::new();
+        eventually("a motion of two frames", || {
+            let now = rises(&pair.board);
+            if pair.link.health().in_place && in_step(&now) && !seen.contains(&now[0]) {
+                seen.push(now[0]);
+            }
+            seen.len() > 1
+        });
+    }
     pair.link.stop();
     pair.wait_until_silent();
 }

@@ -434,7 +434,7 @@ impl Job<'_> {
         // Where the field is weak, window leakage dominates.
         let plan = self.site.plan.direct("samples do not keep the tolerance");
         let key = self.key.direct();
-        let site = Site { plan, sampled: self.site.sampled.clone(), cells: None, axes: self.site.axes };
+        let site = Site { plan, cells: None, axes: self.site.axes };
         let frame = Frame::new(&key, &site, self.request.size).ok_or(FieldError::NoPlane)?;
         let job = Job { key: &key, site: &site, frame: &frame, ..*self };
         // If f64 does not help, f32 is not the cause.

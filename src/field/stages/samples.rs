@@ -12,7 +12,6 @@ use crate::field::plan::{Grid, TABLE_CEILING};
 use crate::field::quantity::Part;
 use crate::field::slope::part_on_cpu;
 use crate::field::stages::kept::Kept;
-use crate::field::stages::request::Setting;
 use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
 use crate::gauge::Gauge;
@@ -36,9 +35,19 @@ impl Samples {
 /// Sums over the elements at the samples of a plan, from tables if memory allows: one per contributing board.
 #[derive(Debug, Default)]
 pub(super) struct Superposition {
-    pressure: Kept<(Setting, Grid), Vec<Transfer>>,
-    normal: Kept<(Setting, Grid), Vec<Transfer>>,
+    pressure: Kept<TableKey, Vec<Transfer>>,
+    normal: Kept<TableKey, Vec<Transfer>>,
     pub(super) work: Work,
+}
+
+/// The inputs of tables. One plane may have several grids: quantities weigh samples against pixels differently.
+#[derive(Clone, Debug, PartialEq)]
+struct TableKey {
+    /// With every element driven, which makes no difference here.
+    aperture: Aperture,
+    grid: Grid,
+    /// Of a slope.
+    direction: Option<DVec3>,
 }
 
 impl Superposition {
@@ -56,7 +65,8 @@ impl Superposition {
         part: Part,
         double: bool,
     ) -> Vec<Vec<Complex32>> {
-        self.work.superposition += 1;
+        let Self { pressure, normal, work } = self;
+        work.superposition += 1;
         let aperture = &job.request.aperture;
         let played = &job.request.counted()[drives.clone()];
         let gauge = Gauge::current();
@@ -67,22 +77,18 @@ impl Superposition {
         if double {
             return played.iter().enumerate().map(each).collect();
         }
-        let setting = &job.site.sampled;
         let (kept, direction) = match part {
-            Part::Pressure | Part::AlongX | Part::AlongY => (&mut self.pressure, None),
-            Part::Normal => (&mut self.normal, Some(job.site.axes[2])),
+            Part::Pressure | Part::AlongX | Part::AlongY => (pressure, None),
+            Part::Normal => (normal, Some(job.site.axes[2])),
         };
-        // One plane may have several grids: quantities weigh samples against pixels differently.
-        if kept.key.as_ref().is_none_or(|(own, samples)| own != setting || samples != grid) {
-            kept.key = None;
-            let old = std::mem::take(&mut kept.value);
-            if fit(&setting.aperture, grid) {
-                self.work.transfer += 1;
-                kept.value = made(&setting.aperture, grid, direction, old);
+        let key = TableKey { aperture: job.key.setting.aperture.clone(), grid: grid.clone(), direction };
+        let tables = kept.update(&key, |tables| {
+            let old = std::mem::take(tables);
+            if key.fits() {
+                work.transfer += 1;
+                *tables = key.tables(old);
             }
-            kept.key = Some((setting.clone(), grid.clone()));
-        }
-        let tables = &kept.value;
+        });
         if tables.is_empty() {
             return played.iter().enumerate().map(each).collect();
         }
@@ -94,26 +100,30 @@ impl Superposition {
     }
 }
 
-/// Whether the tables of all boards may be kept.
-fn fit(aperture: &Aperture, grid: &Grid) -> bool {
-    let layouts = grid.heard.iter().map(|&(number, shared)| {
-        let face = &aperture.faces[number];
-        let samples = grid.samples.seen_from(&face.pose);
-        Wave::new(&aperture.element, &face.layout, &samples)?;
-        Some(Layout::new(face, &samples, shared))
-    });
-    let layouts: Option<Vec<_>> = layouts.collect();
-    layouts.is_some_and(|layouts| Layout::fit(&layouts, TABLE_CEILING))
-}
+impl TableKey {
+    /// Whether the tables of all boards may be kept.
+    fn fits(&self) -> bool {
+        let Self { aperture, grid, .. } = self;
+        let layouts = grid.heard.iter().map(|&(number, shared)| {
+            let face = &aperture.faces[number];
+            let samples = grid.samples.seen_from(&face.pose);
+            Wave::new(&aperture.element, &face.layout, &samples)?;
+            Some(Layout::new(face, &samples, shared))
+        });
+        let layouts: Option<Vec<_>> = layouts.collect();
+        layouts.is_some_and(|layouts| Layout::fit(&layouts, TABLE_CEILING))
+    }
 
-/// The tables of all boards, in the memory of others; none if f32 declines.
-fn made(aperture: &Aperture, grid: &Grid, direction: Option<DVec3>, old: Vec<Transfer>) -> Vec<Transfer> {
-    let mut old = old.into_iter();
-    let table = |&(number, shared): &(usize, _)| {
-        let board = (&aperture.element, &aperture.faces[number]);
-        Transfer::of_part(board, &grid.samples, shared, direction, old.next())
-    };
-    grid.heard.iter().map(table).collect::<Option<_>>().unwrap_or_default()
+    /// The tables of all boards, in the memory of others; none if f32 declines.
+    fn tables(&self, old: Vec<Transfer>) -> Vec<Transfer> {
+        let Self { aperture, grid, direction } = self;
+        let mut old = old.into_iter();
+        let table = |&(number, shared): &(usize, _)| {
+            let board = (&aperture.element, &aperture.faces[number]);
+            Transfer::of_part(board, &grid.samples, shared, *direction, old.next())
+        };
+        grid.heard.iter().map(table).collect::<Option<_>>().unwrap_or_default()
+    }
 }
 
 /// The samples of every drive required for the parts.

@@ -46,8 +46,6 @@ struct ByCells {
 #[derive(Debug)]
 pub(super) struct Site {
     pub(super) plan: Plan,
-    /// The setting of the samples.
-    pub(super) sampled: Setting,
     pub(super) cells: Option<Filled>,
     /// The plane's axes and its normal.
     pub(super) axes: [DVec3; 3],
@@ -164,7 +162,7 @@ impl Site {
             let is_coarse = plane.tolerance >= FINEST_IN_F32;
             let by_differences = key.parts & NORMAL != 0 || (key.parts != PRESSURE && plan.grid.is_none());
             plan.double |= by_differences && !is_coarse;
-            return Ok(Self { plan, sampled: key.setting.clone(), cells: None, axes });
+            return Ok(Self { plan, cells: None, axes });
         };
         if is_liquid && axes[2].z.abs() < 1.0 - 1e-9 {
             return Err(FieldError::NotLevel);
@@ -183,8 +181,7 @@ impl Site {
             return Err(FieldError::TooNear);
         }
         let weights = Weights::new(grid, key.parts, [&mut cells.places(0), &mut cells.places(1)]);
-        let sampled = Setting { aperture: aperture.clone(), plane: cells.plane.clone() };
-        Ok(Self { cells: Some(Filled { cells, weights }), plan, sampled, axes })
+        Ok(Self { cells: Some(Filled { cells, weights }), plan, axes })
     }
 }
 
