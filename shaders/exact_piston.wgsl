@@ -1,5 +1,5 @@
 // The baffled circular piston at four points, by McGough's single integral with the midpoint rule; the formula is
-// derived in `src/acoustics/element.rs`. With h = (R - z)/λ half-turns its wave is e^{-jkz} e^{-jπh}, and its sinc is
+// derived in `engine/src/acoustics/element.rs`. With h = (R - z)/λ half-turns its wave is e^{-jkz} e^{-jπh}, and its sinc is
 // that of the same angle.
 
 // cos ψ and 4 a sin²(ψ/2) at the nodes.

@@ -1,6 +1,6 @@
 // The value of the sound at a pixel, and the maximum, so that a picture can be scaled without read-back.
-// `src/field/quantity.rs` declares the formula; `formula` and `extent` are generated from it by
-// `src/field/gpu/program.rs`.
+// `engine/src/field/quantity.rs` declares the formula; `formula` and `extent` are generated from it by
+// `engine/src/field/gpu/program.rs`.
 
 struct FormParams {
     // 1/(ρc²), 1/(ρω²) and 1/(ρω).

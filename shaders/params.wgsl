@@ -1,4 +1,4 @@
-// Parameters of one run of the field besides its buffers. `src/field/gpu/program.rs` holds the same struct; a test
+// Parameters of one run of the field besides its buffers. `engine/src/field/gpu/program.rs` holds the same struct; a test
 // compares the two.
 
 struct Params {

@@ -1,4 +1,4 @@
-// Pressure, and its slopes along the plane's axes and its normal. `src/field/gpu/program.rs` defines which of them a
+// Pressure, and its slopes along the plane's axes and its normal. `engine/src/field/gpu/program.rs` defines which of them a
 // program needs, and their indices: PRESSURE, ALONG_X, ALONG_Y and NORMAL, or NOWHERE.
 struct Sound {
     p: vec2f,

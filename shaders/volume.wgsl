@@ -1,4 +1,4 @@
-// 3D pictures by ray marching: the twin of src/field/volume/march.rs. Its constants, the choice of isosurface or
+// 3D pictures by ray marching: the twin of engine/src/field/volume/march.rs. Its constants, the choice of isosurface or
 // projection, and the rays per pixel are prepended.
 
 struct ShotParams {

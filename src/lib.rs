@@ -29,7 +29,14 @@
 //! operations on scenes (named files, figures, films, boards), `cli`, `window` and `serial` (the default) the
 //! program itself, which is not part of the public interface.
 
-pub mod acoustics;
+#[cfg(target_arch = "wasm32")]
+#[doc(hidden)]
+pub use sonoglyph_engine::shelf;
+#[doc(inline)]
+pub use sonoglyph_engine::{acoustics, drive, field, force, gauge, scene, solver, surface};
+#[doc(hidden)]
+pub use sonoglyph_engine::{echo, memory, rounding, simd, source, table};
+
 #[cfg(feature = "window")]
 #[doc(hidden)]
 pub mod app;
@@ -44,38 +51,16 @@ pub mod cli;
 pub mod control;
 #[cfg(feature = "studio")]
 pub mod device;
-pub mod drive;
-#[doc(hidden)]
-pub mod echo;
-pub mod field;
-pub mod force;
-pub mod gauge;
 #[cfg(feature = "window")]
 #[doc(hidden)]
 pub mod import;
-#[doc(hidden)]
-pub mod memory;
 pub mod picture;
 #[cfg(test)]
 #[path = "../tests/requirement/mod.rs"]
 mod requirement;
-#[doc(hidden)]
-pub mod rounding;
-pub mod scene;
-#[cfg(target_arch = "wasm32")]
-#[doc(hidden)]
-pub mod shelf;
-#[doc(hidden)]
-pub mod simd;
-pub mod solver;
-#[doc(hidden)]
-pub mod source;
 #[cfg(feature = "studio")]
 #[doc(hidden)]
 pub mod studio;
-pub mod surface;
-#[doc(hidden)]
-pub mod table;
 #[cfg(feature = "window")]
 #[doc(hidden)]
 pub mod ui;

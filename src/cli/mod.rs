@@ -234,7 +234,7 @@ struct RenderArgs {
     #[arg(long, value_enum, default_value_t = View::Flat)]
     view: View,
     /// Solver method, instead of the scene's
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = names::method())]
     method: Option<Method>,
     #[command(flatten)]
     backend: BackendArgs,
@@ -353,7 +353,7 @@ enum Probed {
 #[derive(Debug, Args)]
 struct BatchArgs {
     /// Solver method, instead of the scenes'
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = names::method())]
     method: Option<Method>,
     /// Omit bound, certified, rank and condition, which take longer than the drive
     #[arg(long)]

@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use clap::ValueEnum;
-use clap::builder::PossibleValue;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use strum::VariantArray;
 
 use crate::field::Quantity;
@@ -33,14 +33,13 @@ impl ValueEnum for Diagram {
     }
 }
 
-impl ValueEnum for Method {
-    fn value_variants<'a>() -> &'a [Self] {
-        Self::VARIANTS
-    }
+/// Names of the methods, with their titles.
+pub(in crate::cli) fn of_methods() -> impl Iterator<Item = PossibleValue> {
+    Method::VARIANTS.iter().map(|method| PossibleValue::new(method.into_str()).help(method.title()))
+}
 
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.into_str()).help(self.title()))
-    }
+pub(in crate::cli) fn method() -> impl TypedValueParser<Value = Method> {
+    PossibleValuesParser::new(of_methods()).try_map(|name| name.parse::<Method>())
 }
 
 impl ValueEnum for ColourMap {

@@ -1,13 +1,12 @@
 //! `sonoglyph solve`: the drive of a scene and its quality, as a table, JSON or CSV.
 
-use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use comfy_table::{CellAlignment, Table};
 use glam::DVec3;
 use strum::VariantArray;
 
 use crate::acoustics::Aperture;
-use crate::cli::{COLUMN, SolveArgs, read_scene};
+use crate::cli::{COLUMN, SolveArgs, names, read_scene};
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
 use crate::rounding::{
     millimetres, milliseconds, pascals, pascals_at_most, percent, percent_at_least, percent_at_most,
@@ -41,9 +40,9 @@ pub enum Methods {
 }
 
 pub fn methods() -> impl TypedValueParser<Value = Methods> {
-    let names = Method::VARIANTS.iter().filter_map(ValueEnum::to_possible_value);
-    PossibleValuesParser::new(names.chain([PossibleValue::new("all").help("Every method, side by side")]))
-        .map(|name| Method::from_str(&name, false).map_or(Methods::All, Methods::One))
+    let all = PossibleValue::new("all").help("Every method, side by side");
+    PossibleValuesParser::new(names::of_methods().chain([all]))
+        .map(|name| name.parse().map_or(Methods::All, Methods::One))
 }
 
 pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {

@@ -173,10 +173,16 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// `src/field/gpu/mod.rs` is `field::gpu`.
+/// Of both packages, whose layers are one sequence.
+fn sources() -> Vec<PathBuf> {
+    ["engine/src", "src"].iter().flat_map(|folder| rust_files(&root().join(folder))).collect()
+}
+
+/// `engine/src/field/gpu/mod.rs` is `field::gpu`.
 fn module_of(path: &Path) -> String {
-    let inside = path.strip_prefix(root().join("src")).unwrap().with_extension("");
-    let mut parts: Vec<_> = inside.iter().map(|part| part.to_str().unwrap()).collect();
+    let path = path.strip_prefix(root()).unwrap().with_extension("");
+    let mut parts: Vec<_> =
+        path.iter().skip_while(|part| *part != "src").skip(1).map(|part| part.to_str().unwrap()).collect();
     if parts.last() == Some(&"mod") {
         parts.pop();
     }
@@ -281,24 +287,26 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
     found
 }
 
-/// The crates in Cargo.toml, as written in code.
+/// The crates in both packages' Cargo.toml, as written in code.
 fn outside() -> BTreeSet<String> {
-    let manifest: toml::Table =
-        toml::from_str(&fs::read_to_string(root().join("Cargo.toml")).unwrap()).unwrap();
-    let systems = manifest["target"].as_table().unwrap().values();
-    [&manifest["dependencies"]]
-        .into_iter()
-        .chain(systems.map(|system| &system["dependencies"]))
-        .flat_map(|crates| crates.as_table().unwrap().keys())
-        .map(|name| name.replace('-', "_"))
-        .chain(["sonoglyph".to_owned()])
-        .collect()
+    let crates_of = |path: &str| -> Vec<String> {
+        let manifest: toml::Table = toml::from_str(&fs::read_to_string(root().join(path)).unwrap()).unwrap();
+        let systems = manifest["target"].as_table().unwrap().values();
+        [&manifest["dependencies"]]
+            .into_iter()
+            .chain(systems.map(|system| &system["dependencies"]))
+            .flat_map(|crates| crates.as_table().unwrap().keys())
+            .map(|name| name.replace('-', "_"))
+            .collect()
+    };
+    let crates = ["engine/Cargo.toml", "Cargo.toml"].iter().flat_map(|path| crates_of(path));
+    crates.chain(["sonoglyph".to_owned()]).collect()
 }
 
 #[test]
 fn every_module_uses_only_layers_above_it() {
     let mut found = Vec::new();
-    for path in rust_files(&root().join("src")) {
+    for path in sources() {
         if !path.ends_with("src/lib.rs") {
             found.extend(violations(&path, &fs::read_to_string(&path).unwrap()));
         }
@@ -390,9 +398,11 @@ fn circles(files: &BTreeMap<String, String>) -> BTreeSet<&str> {
 
 #[test]
 fn no_files_refer_to_each_other_in_a_circle() {
-    let files: BTreeMap<_, _> = rust_files(&root().join("src"))
+    let files: BTreeMap<_, _> = sources()
         .into_iter()
-        .filter(|path| !path.ends_with("mod.rs") && path.parent().unwrap() != root().join("src"))
+        .filter(|path| {
+            !path.ends_with("mod.rs") && path.parent().is_some_and(|folder| !folder.ends_with("src"))
+        })
         .map(|path| (module_of(&path), fs::read_to_string(&path).unwrap()))
         .collect();
     assert_eq!(circles(&files), BTreeSet::new());
@@ -426,7 +436,7 @@ fn without_tests(text: &str) -> &str {
 #[test]
 fn no_source_uses_forbidden_names() {
     let mut found = Vec::new();
-    for path in rust_files(&root().join("src")) {
+    for path in sources() {
         let text = fs::read_to_string(&path).unwrap();
         for (number, line) in code_lines(without_tests(&text)) {
             let named = NOWHERE.iter().filter(|(name, _)| {
@@ -442,7 +452,7 @@ fn no_source_uses_forbidden_names() {
 
 #[test]
 fn every_file_has_a_first_line_and_a_limited_length() {
-    for folder in ["src", "tests", "benches", "fuzz/fuzz_targets"] {
+    for folder in ["engine", "src", "tests", "benches", "fuzz/fuzz_targets"] {
         for path in rust_files(&root().join(folder)) {
             let text = fs::read_to_string(&path).unwrap();
             assert!(text.starts_with("//! "), "{}: must open with a //! line", path.display());
@@ -460,7 +470,8 @@ fn every_file_has_a_first_line_and_a_limited_length() {
 #[test]
 fn tests_are_modules_of_few_binaries() {
     let is_program = |path: &PathBuf| path.is_file() || path.join("main.rs").exists();
-    let entries = fs::read_dir(root().join("tests")).unwrap().map(|entry| entry.unwrap().path());
-    let programs: Vec<_> = entries.filter(is_program).collect();
+    let entries =
+        ["tests", "engine/tests"].iter().flat_map(|folder| fs::read_dir(root().join(folder)).unwrap());
+    let programs: Vec<_> = entries.map(|entry| entry.unwrap().path()).filter(is_program).collect();
     assert!((1..=MOST_TEST_PROGRAMS).contains(&programs.len()), "{programs:?}");
 }

@@ -25,6 +25,7 @@ pub use crate::cli::boards::board::run as board;
 pub use crate::cli::boards::{check::run as check, ports::run as ports, send::run as send};
 #[cfg(not(feature = "serial"))]
 pub use crate::cli::boards::{without_ports as check, without_ports as send};
+use crate::cli::names;
 #[cfg(all(unix, feature = "serial"))]
 use crate::device::board::faults::Faults;
 #[cfg(feature = "serial")]
@@ -46,7 +47,7 @@ pub struct SendArgs {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
     /// Solver method, instead of the scene's
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = names::method())]
     method: Option<Method>,
     /// Play until Ctrl-C
     #[arg(long = "loop")]

@@ -192,9 +192,10 @@ fn is_z(normal: &DVec3) -> bool {
 }
 
 /// The `[[target]]` table as written: every key of every kind, so that stray keys are reported at their position.
+#[doc(hidden)]
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct TargetTable {
+pub struct TargetTable {
     #[serde(default)]
     kind: Kind,
     at: Option<DVec3>,
@@ -246,7 +247,10 @@ pub(super) enum Kind {
 
 impl TargetTable {
     /// The target of this table, the `index`-th in the file.
-    pub(crate) fn into_target(mut self, index: usize) -> Result<Target, KeyError> {
+    ///
+    /// # Errors
+    /// Missing keys, or keys of other kinds.
+    pub fn into_target(mut self, index: usize) -> Result<Target, KeyError> {
         let table = &mut self;
         let at = DVec3::new(0.0, 0.0, 0.1);
         let side = DVec3::new(0.02, 0.0, 0.0);

@@ -9,7 +9,6 @@ use std::ops::Range;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use clap::ValueEnum;
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
@@ -18,6 +17,7 @@ use sonoglyph::field::quantity::{Norm, PRESSURE};
 use sonoglyph::field::{Evaluator, Quantity, Request, Samples, Stages, reference};
 use sonoglyph::scene::check::check;
 use sonoglyph::scene::{Array, ElementModel, Medium, Plane, Scene, file};
+use strum::VariantArray;
 
 use crate::dice::Dice;
 use crate::{STEP, evaluators, fast_evaluators, gpu, model, scattered};
@@ -31,7 +31,7 @@ const EXACT: f64 = 2e-5;
 const FAINTEST: f64 = 1e-15;
 
 /// The difficulty of a map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, VariantArray)]
 enum Class {
     Tilted,
     Grazing,
@@ -46,8 +46,6 @@ enum Class {
     LowFrequency,
     HighFrequency,
 }
-
-use Class::*;
 
 const MODELS: [ElementModel; 3] = [ElementModel::Piston, ElementModel::Point, ElementModel::ExactPiston];
 
@@ -69,7 +67,7 @@ struct Case {
 impl Case {
     fn new(number: usize) -> Self {
         let mut dice = Dice::new(SEED, number);
-        let classes = Class::value_variants();
+        let classes = Class::VARIANTS;
         let class = classes[number % classes.len()];
         let element = MODELS[number / 12 % 3];
         let tolerance = match number / 36 % 5 {
@@ -143,6 +141,7 @@ fn quantity(scene: &Scene, dice: &mut Dice) -> Quantity {
 }
 
 fn scene(class: Class, element: ElementModel, dice: &mut Dice) -> Scene {
+    use Class::*;
     let most = if element == ElementModel::ExactPiston { 4 } else { 9 };
     let (rows, columns) = match class {
         OneElement => (1, 1),
@@ -206,6 +205,7 @@ fn scene(class: Class, element: ElementModel, dice: &mut Dice) -> Scene {
 
 /// Focused on the plane, irregular, or with elements that cancel there.
 fn drive(class: Class, scene: &Scene, dice: &mut Dice) -> Drive {
+    use Class::*;
     let aperture = Aperture::new(scene);
     let wave = aperture.element.wavenumber;
     let focus = scene.plane.centre;

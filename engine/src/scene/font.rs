@@ -13,7 +13,7 @@ use serde::Deserialize;
 const PIECES_PER_ARC: usize = 16;
 
 static FONT: LazyLock<Font> = LazyLock::new(|| {
-    Font::parse(include_str!("../../assets/stroke_font.toml"))
+    Font::parse(include_str!("../../../assets/stroke_font.toml"))
         .expect("the font in assets/ follows its own syntax")
 });
 

@@ -13,7 +13,7 @@ fn load(tank: &Tank, at: impl Fn(f64, f64) -> f64) -> Vec<f64> {
 }
 
 fn reference() -> Value {
-    serde_json::from_str(include_str!("../reference/liquid_dent.json")).unwrap()
+    serde_json::from_str(include_str!("../../../tests/reference/liquid_dent.json")).unwrap()
 }
 
 fn liquid() -> Liquid {

@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
-#[path = "../dice/mod.rs"]
+#[path = "../../../tests/dice/mod.rs"]
 #[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
 mod force;

@@ -4,7 +4,7 @@
 
 mod caustic;
 mod depression;
-#[path = "../dice/mod.rs"]
+#[path = "../../../tests/dice/mod.rs"]
 #[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
 mod drag;
@@ -15,7 +15,7 @@ mod model;
 mod plan;
 mod quantities;
 mod reference;
-#[path = "../requirement/mod.rs"]
+#[path = "../../../tests/requirement/mod.rs"]
 mod requirement;
 mod side_lobe;
 mod space;

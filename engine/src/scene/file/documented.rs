@@ -19,7 +19,7 @@ use crate::scene::{
 
 /// Read when the tests run, so that a word in it compiles nothing anew.
 static DOCUMENT: LazyLock<String> = LazyLock::new(|| {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/scene.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/scene.md");
     std::fs::read_to_string(path).unwrap()
 });
 /// Tables that stand as often as there are things of their kind.

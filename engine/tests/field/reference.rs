@@ -11,7 +11,7 @@ use sonoglyph::scene::{Array, ElementModel, Medium, Method, Scene, Shape, Solver
 use sonoglyph::solver::{self, Problem};
 
 fn reference(name: &str) -> Value {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference").join(name);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/reference").join(name);
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()
 }
 

@@ -100,9 +100,10 @@ impl Tempo {
 }
 
 /// The `[motion]` table as written: mutually exclusive keys are reported at their position.
+#[doc(hidden)]
 #[derive(Debug, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub(crate) struct MotionTable {
+pub struct MotionTable {
     path: MotionPath,
     size: Option<f64>,
     angle: f64,
@@ -116,7 +117,10 @@ pub(crate) struct MotionTable {
 
 impl MotionTable {
     /// The motion of this table.
-    pub(crate) fn into_motion(self) -> Result<Motion, KeyError> {
+    ///
+    /// # Errors
+    /// Both a rate and a speed.
+    pub fn into_motion(self) -> Result<Motion, KeyError> {
         let Self { path, size, angle, rate, speed, frames, points, keyframes, foci } = self;
         let tempo = match (rate, speed) {
             (Some(_), Some(_)) => {

@@ -52,7 +52,7 @@ fn assert_evaluators_agree(name: &str, scene: &Scene, drive: &Drive, samples: &S
 fn evaluators_agree_on_every_scene() {
     let gpu = gpu();
     let mut scenes = 0;
-    for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes")).unwrap() {
+    for entry in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenes")).unwrap() {
         let path = entry.unwrap().path();
         let scene = file::read(&path).unwrap();
         let drive = solver::solve(&scene).unwrap().drive;

@@ -97,9 +97,9 @@ pub struct PictureParams {
     pub full: f32,
 }
 
-const SOUND: &str = include_str!("../../../shaders/sound.wgsl");
-const FORM: &str = include_str!("../../../shaders/form.wgsl");
-const INTERPOLATION: &str = include_str!("../../../shaders/interpolation.wgsl");
+const SOUND: &str = include_str!("../../../../shaders/sound.wgsl");
+const FORM: &str = include_str!("../../../../shaders/form.wgsl");
+const INTERPOLATION: &str = include_str!("../../../../shaders/interpolation.wgsl");
 
 /// A program. Decisions fixed for a run are constants: lavapipe specialises on uniform-only branches at every
 /// dispatch and leaks the variants.
@@ -169,14 +169,14 @@ impl FieldProgram {
 
     fn source(self, tuning: &Tuning) -> String {
         let element = match self.waves {
-            Waves::Piston => include_str!("../../../shaders/piston.wgsl"),
-            Waves::ExactPiston => include_str!("../../../shaders/exact_piston.wgsl"),
-            Waves::Curved => include_str!("../../../shaders/curved.wgsl"),
+            Waves::Piston => include_str!("../../../../shaders/piston.wgsl"),
+            Waves::ExactPiston => include_str!("../../../../shaders/exact_piston.wgsl"),
+            Waves::Curved => include_str!("../../../../shaders/curved.wgsl"),
         };
         let elements = if self.many_elements {
-            include_str!("../../../shaders/elements_storage.wgsl")
+            include_str!("../../../../shaders/elements_storage.wgsl")
         } else {
-            include_str!("../../../shaders/elements_uniform.wgsl")
+            include_str!("../../../../shaders/elements_uniform.wgsl")
         };
         let forms = format!(
             "const MANY_TERMS: bool = {};\nconst EIGHT_SAMPLES: bool = {};\nconst IS_FLAT: bool = {};\nconst VECTORS: u32 = {}u;",
@@ -185,9 +185,9 @@ impl FieldProgram {
             self.waves != Waves::Curved,
             self.waves.vectors()
         );
-        let params = include_str!("../../../shaders/params.wgsl");
-        let phase = include_str!("../../../shaders/phase.wgsl");
-        [&forms, params, phase, elements, element, include_str!("../../../shaders/field.wgsl")].join("\n")
+        let params = include_str!("../../../../shaders/params.wgsl");
+        let phase = include_str!("../../../../shaders/phase.wgsl");
+        [&forms, params, phase, elements, element, include_str!("../../../../shaders/field.wgsl")].join("\n")
     }
 }
 
@@ -209,7 +209,7 @@ impl Program {
         let source = match self {
             Self::Field(field) => field.source(tuning),
             Self::Across => {
-                let across = include_str!("../../../shaders/across.wgsl");
+                let across = include_str!("../../../../shaders/across.wgsl");
                 [&places(PRESSURE), SOUND, across, &blocks(tuning, PRESSURE), INTERPOLATION].join("\n")
             }
             Self::Form(quantity) => {
@@ -217,16 +217,16 @@ impl Program {
                 [&declared(quantity), SOUND, FORM, &blocks, INTERPOLATION].join("\n")
             }
             Self::FormDirect(quantity) => {
-                let direct = include_str!("../../../shaders/direct.wgsl");
+                let direct = include_str!("../../../../shaders/direct.wgsl");
                 [&declared(quantity), SOUND, FORM, direct].join("\n")
             }
-            Self::Gather => include_str!("../../../shaders/gather.wgsl").to_owned(),
+            Self::Gather => include_str!("../../../../shaders/gather.wgsl").to_owned(),
             Self::Picture(scale) => {
                 let law = format!("const LOGARITHMIC: bool = {};", scale == Scale::Logarithmic);
-                [&law, include_str!("../../../shaders/picture.wgsl")].join("\n")
+                [&law, include_str!("../../../../shaders/picture.wgsl")].join("\n")
             }
             Self::Volume(seen, is_smooth) => {
-                [&space(seen, is_smooth), include_str!("../../../shaders/volume.wgsl")].join("\n")
+                [&space(seen, is_smooth), include_str!("../../../../shaders/volume.wgsl")].join("\n")
             }
         };
         [constants(), source].join("\n")
@@ -388,7 +388,7 @@ mod tests {
             .iter()
             .flat_map(|tuning| Program::all().into_iter().map(move |program| program.source(tuning)));
         let programs: String = sources.collect();
-        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/shaders");
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shaders");
         let mut files = 0;
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();

@@ -18,7 +18,7 @@ use sonoglyph::solver;
 use crate::{STEP, gpu, scattered};
 
 fn hit() -> (Scene, Drive) {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes/hit.toml");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../assets/scenes/hit.toml");
     let scene = file::read(path.as_ref()).unwrap();
     let drive = solver::solve(&scene).unwrap().drive;
     (scene, drive)

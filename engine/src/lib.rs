@@ -1,0 +1,30 @@
+//! The numbers of Sonoglyph: scenes, acoustics, solvers, and fields by CPU and GPU.
+//!
+//! Programs use the crate `sonoglyph`, which has all of this crate's modules.
+
+pub mod acoustics;
+pub mod drive;
+#[doc(hidden)]
+pub mod echo;
+pub mod field;
+pub mod force;
+pub mod gauge;
+#[doc(hidden)]
+pub mod memory;
+#[cfg(test)]
+#[path = "../../tests/requirement/mod.rs"]
+mod requirement;
+#[doc(hidden)]
+pub mod rounding;
+pub mod scene;
+#[cfg(target_arch = "wasm32")]
+#[doc(hidden)]
+pub mod shelf;
+#[doc(hidden)]
+pub mod simd;
+pub mod solver;
+#[doc(hidden)]
+pub mod source;
+pub mod surface;
+#[doc(hidden)]
+pub mod table;
