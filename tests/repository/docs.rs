@@ -96,7 +96,7 @@ fn links_between_documents_have_targets() {
 fn items(package: &str) -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut cargo = Command::new(env!("CARGO"));
-    cargo.args(["rustdoc", "--locked", "--quiet", "--lib", "--package", package, "--"]);
+    cargo.args(["rustdoc", "--locked", "--quiet", "--lib", "--all-features", "--package", package, "--"]);
     cargo.args(["-Zunstable-options", "--output-format", "json"]);
     // rustdoc's JSON output is unstable.
     let run = cargo.current_dir(root).env("RUSTDOC", root.join("tests/repository/rustdoc")).output().unwrap();
@@ -104,8 +104,7 @@ fn items(package: &str) -> Vec<String> {
     let library = package.replace('-', "_");
     let json = public_api::Builder::from_rustdoc_json(root.join(format!("target/doc/{library}.json")));
     let json = json.omit_auto_derived_impls(true).omit_auto_trait_impls(true).omit_blanket_impls(true);
-    let text =
-        |item: &public_api::PublicItem| item.to_string().replace(&format!("{library}::"), "sonoglyph::");
+    let text = |item: &public_api::PublicItem| item.to_string().replace("sonoglyph_engine::", "sonoglyph::");
     json.build().unwrap().items().map(text).collect()
 }
 

@@ -2,6 +2,7 @@
 
 use std::f64::consts::TAU;
 
+use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::shape::real::{LANES, Real, Waves, lanes};
 
 /// cos and sin of a twiddle factor.
@@ -62,22 +63,37 @@ impl<T: Real> Plan<T> {
 
     /// Transforms rows of `width`, whole blocks of lanes, in `data`; only the first `filled` rows are non-zero, and
     /// later rows need not be initialised. `spare` is as long as `data`.
-    #[inline(always)]
     pub fn run(&self, width: usize, filled: usize, data: &mut Waves<T>, spare: &mut Waves<T>) {
-        let mut filled = filled;
-        for stage in &self.stages {
-            stage.run(self.length, width, filled, data, spare);
-            filled = self.length;
-            std::mem::swap(data, spare);
-        }
+        Isa::best().run(Transform { plan: self, width, filled, data, spare });
     }
 
     /// The inverse, times the length.
-    #[inline(always)]
     pub fn run_back(&self, width: usize, data: &mut Waves<T>, spare: &mut Waves<T>) {
         data.exchange();
         self.run(width, self.length, data, spare);
         data.exchange();
+    }
+}
+
+struct Transform<'a, T> {
+    plan: &'a Plan<T>,
+    width: usize,
+    filled: usize,
+    data: &'a mut Waves<T>,
+    spare: &'a mut Waves<T>,
+}
+
+impl<T: Real> Kernel for Transform<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { plan, width, mut filled, data, spare } = self;
+        for stage in &plan.stages {
+            stage.run(plan.length, width, filled, data, spare);
+            filled = plan.length;
+            std::mem::swap(data, spare);
+        }
     }
 }
 
@@ -213,33 +229,46 @@ fn two<T: Real>(rows: [Row<'_, T>; 2], (to_re, to_im): Target<'_, T>, step: usiz
     }
 }
 
-/// The first `columns` of `rows` rows become rows: from and to rows of these strides.
-#[inline(always)]
-pub fn transpose<T: Real>(
-    from: &[T],
-    from_stride: usize,
-    [rows, columns]: [usize; 2],
-    to: &mut [T],
-    to_stride: usize,
-) {
-    for row in (0..rows).step_by(LANES) {
-        for column in (0..columns).step_by(LANES) {
-            let (high, wide) = ((rows - row).min(LANES), (columns - column).min(LANES));
-            if high < LANES || wide < LANES {
-                for i in 0..high {
-                    for j in 0..wide {
-                        to[(column + j) * to_stride + row + i] = from[(row + i) * from_stride + column + j];
+/// The first columns of rows become rows: `size` is their number and length, `strides` those of the rows of both.
+pub fn transpose<T: Real>(from: &Waves<T>, to: &mut Waves<T>, size: [usize; 2], strides: [usize; 2]) {
+    for (from, to) in [(&from.re, &mut to.re), (&from.im, &mut to.im)] {
+        Isa::best().run(Transposition { from, to, size, strides });
+    }
+}
+
+struct Transposition<'a, T> {
+    from: &'a [T],
+    to: &'a mut [T],
+    size: [usize; 2],
+    strides: [usize; 2],
+}
+
+impl<T: Real> Kernel for Transposition<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { from, to, size: [rows, columns], strides: [from_stride, to_stride] } = self;
+        for row in (0..rows).step_by(LANES) {
+            for column in (0..columns).step_by(LANES) {
+                let (high, wide) = ((rows - row).min(LANES), (columns - column).min(LANES));
+                if high < LANES || wide < LANES {
+                    for i in 0..high {
+                        for j in 0..wide {
+                            to[(column + j) * to_stride + row + i] =
+                                from[(row + i) * from_stride + column + j];
+                        }
                     }
+                    continue;
                 }
-                continue;
-            }
-            let mut block = [[T::default(); LANES]; LANES];
-            for (i, line) in block.iter_mut().enumerate() {
-                line.copy_from_slice(&from[(row + i) * from_stride + column..][..LANES]);
-            }
-            for j in 0..LANES {
-                let line = lanes(|i| block[i][j]);
-                to[(column + j) * to_stride + row..][..LANES].copy_from_slice(&line);
+                let mut block = [[T::default(); LANES]; LANES];
+                for (i, line) in block.iter_mut().enumerate() {
+                    line.copy_from_slice(&from[(row + i) * from_stride + column..][..LANES]);
+                }
+                for j in 0..LANES {
+                    let line = lanes(|i| block[i][j]);
+                    to[(column + j) * to_stride + row..][..LANES].copy_from_slice(&line);
+                }
             }
         }
     }
@@ -287,12 +316,14 @@ mod tests {
     #[test]
     fn a_transposed_matrix_has_its_columns_as_rows() {
         let (rows, columns) = (11, 19);
-        let from: Vec<f32> = (0..rows * 24).map(|i| i as f32).collect();
-        let mut to = vec![-1.0; columns * 16];
-        transpose(&from, 24, [rows, columns], &mut to, 16);
+        let re: Vec<f32> = (0..rows * 24).map(|i| i as f32).collect();
+        let from = Waves { im: re.iter().map(|re| -re).collect(), re };
+        let mut to = Waves::zeros(columns * 16);
+        transpose(&from, &mut to, [rows, columns], [24, 16]);
         for row in 0..rows {
             for column in 0..columns {
-                assert_eq!(to[column * 16 + row], from[row * 24 + column]);
+                let (to_at, from_at) = (column * 16 + row, row * 24 + column);
+                assert_eq!([to.re[to_at], to.im[to_at]], [from.re[from_at], from.im[from_at]]);
             }
         }
     }

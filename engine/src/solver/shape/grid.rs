@@ -148,22 +148,63 @@ impl<T: Real> Grid<T> {
         let driven = aperture.driven.iter().map(|n| n / elements[0] * padded + n % elements[0]).collect();
         let plans = layout.lengths.map(Plan::new);
         let room = || Waves::zeros(layout.area());
-        let spectra = Isa::best().run(Spectra {
-            fields: fields(aperture, &layout, scale / layout.area() as f64),
-            plans: &plans,
-            layout: &layout,
-        });
+        let spectra = spectra(fields(aperture, &layout, scale / layout.area() as f64), &plans);
         Self { layout, elements, driven, plans, spectra, spectrum: room(), work: room(), spare: room() }
     }
 
     /// p = H u at every sample; the padding of rows of p is undefined.
     pub fn forward(&mut self, u: &Waves<T>, p: &mut Waves<T>) {
-        Isa::best().run(Forward { grid: self, u, p });
+        let Self { layout, elements, driven, plans: [along_x, along_y], spectra, spectrum, work, spare } =
+            self;
+        let (y, samples, width) = (layout.lengths[1], layout.samples, layout.width());
+        let padded = elements[0].next_multiple_of(LANES);
+        work.clear();
+        for ((&place, &re), &im) in driven.iter().zip(&u.re).zip(&u.im) {
+            (work.re[place], work.im[place]) = (re, im);
+        }
+        along_y.run(padded, elements[1], work, spare);
+        spectrum.clear();
+        transpose(work, spectrum, [y, elements[0]], [padded, y]);
+        along_x.run(y, elements[0], spectrum, spare);
+        let values = samples[1] * width;
+        for (transfer, at) in spectra.iter().zip((0..).step_by(values)) {
+            Isa::best().run(Product { a: transfer, b: spectrum, to: work });
+            along_x.run_back(y, work, spare);
+            transpose(work, spare, [samples[0], y], [y, width]);
+            along_y.run_back(width, spare, work);
+            p.re[at..at + values].copy_from_slice(&spare.re[..values]);
+            p.im[at..at + values].copy_from_slice(&spare.im[..values]);
+        }
     }
 
-    /// b += Hᴴ y; the padding of rows of y is 0.
-    pub fn back(&mut self, y: &Waves<T>, b: &mut Waves<T>) {
-        Isa::best().run(Back { grid: self, y, b });
+    /// b += Hᴴ p; the padding of rows of p is 0.
+    pub fn back(&mut self, p: &Waves<T>, b: &mut Waves<T>) {
+        let Self { layout, elements, driven, plans: [along_x, along_y], spectra, spectrum, work, spare } =
+            self;
+        let (y, samples, width) = (layout.lengths[1], layout.samples, layout.width());
+        let padded = elements[0].next_multiple_of(LANES);
+        spectrum.clear();
+        let values = samples[1] * width;
+        for (transfer, at) in spectra.iter().zip((0..).step_by(values)) {
+            work.re[..values].copy_from_slice(&p.re[at..at + values]);
+            work.im[..values].copy_from_slice(&p.im[at..at + values]);
+            work.re[values..].fill(T::default());
+            work.im[values..].fill(T::default());
+            along_y.run(width, samples[1], work, spare);
+            transpose(work, spare, [y, samples[0]], [width, y]);
+            spare.re[samples[0] * y..].fill(T::default());
+            spare.im[samples[0] * y..].fill(T::default());
+            along_x.run(y, samples[0], spare, work);
+            Isa::best().run(Correlation { a: transfer, b: spare, to: spectrum });
+        }
+        along_x.run_back(y, spectrum, spare);
+        work.clear();
+        transpose(spectrum, work, [elements[0], y], [y, padded]);
+        along_y.run_back(padded, work, spare);
+        for ((&place, re), im) in driven.iter().zip(&mut b.re).zip(&mut b.im) {
+            *re += work.re[place];
+            *im += work.im[place];
+        }
     }
 }
 
@@ -214,139 +255,66 @@ fn fields<T: Real>(aperture: &Aperture, layout: &Layout, scale: f64) -> Vec<Wave
     (0..layout.grids * layout.grids).map(field).collect()
 }
 
-struct Spectra<'a, T> {
-    fields: Vec<Waves<T>>,
-    plans: &'a [Plan<T>; 2],
-    layout: &'a Layout,
-}
-
-impl<T: Real> Kernel for Spectra<'_, T> {
-    type Output = Vec<Waves<T>>;
-
-    #[inline(always)]
-    fn run<I: Instructions>(self) -> Vec<Waves<T>> {
-        let Self { mut fields, plans: [along_x, along_y], layout } = self;
-        let [x, y] = layout.lengths;
-        let (mut turned, mut spare) = (Waves::zeros(x * y), Waves::zeros(x * y));
-        for field in &mut fields {
-            along_x.run(y, x, field, &mut spare);
-            turn(field, y, [x, y], &mut turned, x);
-            along_y.run(x, y, &mut turned, &mut spare);
-            turn(&turned, x, [y, x], field, y);
-        }
-        fields
+/// Of the fields, with plans along x and y.
+fn spectra<T: Real>(mut fields: Vec<Waves<T>>, [along_x, along_y]: &[Plan<T>; 2]) -> Vec<Waves<T>> {
+    let [x, y] = [along_x.length, along_y.length];
+    let (mut turned, mut spare) = (Waves::zeros(x * y), Waves::zeros(x * y));
+    for field in &mut fields {
+        along_x.run(y, x, field, &mut spare);
+        transpose(field, &mut turned, [x, y], [y, x]);
+        along_y.run(x, y, &mut turned, &mut spare);
+        transpose(&turned, field, [y, x], [x, y]);
     }
+    fields
 }
 
-/// Transposes both parts.
-#[inline(always)]
-fn turn<T: Real>(from: &Waves<T>, from_stride: usize, size: [usize; 2], to: &mut Waves<T>, to_stride: usize) {
-    transpose(&from.re, from_stride, size, &mut to.re, to_stride);
-    transpose(&from.im, from_stride, size, &mut to.im, to_stride);
+/// to = a b
+struct Product<'a, T> {
+    a: &'a Waves<T>,
+    b: &'a Waves<T>,
+    to: &'a mut Waves<T>,
 }
 
-struct Forward<'a, T> {
-    grid: &'a mut Grid<T>,
-    u: &'a Waves<T>,
-    p: &'a mut Waves<T>,
-}
-
-impl<T: Real> Kernel for Forward<'_, T> {
+impl<T: Real> Kernel for Product<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        let Self { grid, u, p } = self;
-        let Grid { layout, elements, driven, plans: [along_x, along_y], spectra, spectrum, work, spare } =
-            grid;
-        let (y, samples, width) = (layout.lengths[1], layout.samples, layout.width());
-        let padded = elements[0].next_multiple_of(LANES);
-        work.clear();
-        for ((&place, &re), &im) in driven.iter().zip(&u.re).zip(&u.im) {
-            (work.re[place], work.im[place]) = (re, im);
+        let Self { a, b, to } = self;
+        let count = a.len() / LANES * LANES;
+        let ([a_re, a_im], [b_re, b_im]) = (a.blocks(0, count), b.blocks(0, count));
+        let [to_re, to_im] = to.blocks_mut(count);
+        for block in 0..to_re.len() {
+            let (c, d, e, f) = (&a_re[block], &a_im[block], &b_re[block], &b_im[block]);
+            to_re[block] = lanes(|i| T::fused::<I>(c[i], e[i], -(d[i] * f[i])));
+            to_im[block] = lanes(|i| T::fused::<I>(c[i], f[i], d[i] * e[i]));
         }
-        along_y.run(padded, elements[1], work, spare);
-        spectrum.clear();
-        turn(work, padded, [y, elements[0]], spectrum, y);
-        along_x.run(y, elements[0], spectrum, spare);
-        let values = samples[1] * width;
-        for (transfer, at) in spectra.iter().zip((0..).step_by(values)) {
-            multiply::<I, T>(transfer, spectrum, work);
-            along_x.run_back(y, work, spare);
-            turn(work, y, [samples[0], y], spare, width);
-            along_y.run_back(width, spare, work);
-            p.re[at..at + values].copy_from_slice(&spare.re[..values]);
-            p.im[at..at + values].copy_from_slice(&spare.im[..values]);
-        }
-    }
-}
-
-/// to = a b
-#[inline(always)]
-fn multiply<I: Instructions, T: Real>(a: &Waves<T>, b: &Waves<T>, to: &mut Waves<T>) {
-    let count = a.len() / LANES * LANES;
-    let ([a_re, a_im], [b_re, b_im]) = (a.blocks(0, count), b.blocks(0, count));
-    let [to_re, to_im] = to.blocks_mut(count);
-    for block in 0..to_re.len() {
-        let (c, d, e, f) = (&a_re[block], &a_im[block], &b_re[block], &b_im[block]);
-        to_re[block] = lanes(|i| T::fused::<I>(c[i], e[i], -(d[i] * f[i])));
-        to_im[block] = lanes(|i| T::fused::<I>(c[i], f[i], d[i] * e[i]));
     }
 }
 
 /// to += a* b
-#[inline(always)]
-fn accumulate<I: Instructions, T: Real>(a: &Waves<T>, b: &Waves<T>, to: &mut Waves<T>) {
-    let count = a.len() / LANES * LANES;
-    let ([a_re, a_im], [b_re, b_im]) = (a.blocks(0, count), b.blocks(0, count));
-    let [to_re, to_im] = to.blocks_mut(count);
-    for block in 0..to_re.len() {
-        let (c, d, e, f) = (&a_re[block], &a_im[block], &b_re[block], &b_im[block]);
-        let (re, im) = (to_re[block], to_im[block]);
-        let part = lanes(|i| T::fused::<I>(c[i], e[i], re[i]));
-        to_re[block] = lanes(|i| T::fused::<I>(d[i], f[i], part[i]));
-        let part = lanes(|i| T::fused::<I>(c[i], f[i], im[i]));
-        to_im[block] = lanes(|i| T::fused::<I>(-d[i], e[i], part[i]));
-    }
+struct Correlation<'a, T> {
+    a: &'a Waves<T>,
+    b: &'a Waves<T>,
+    to: &'a mut Waves<T>,
 }
 
-struct Back<'a, T> {
-    grid: &'a mut Grid<T>,
-    y: &'a Waves<T>,
-    b: &'a mut Waves<T>,
-}
-
-impl<T: Real> Kernel for Back<'_, T> {
+impl<T: Real> Kernel for Correlation<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        let Self { grid, y: field, b } = self;
-        let Grid { layout, elements, driven, plans: [along_x, along_y], spectra, spectrum, work, spare } =
-            grid;
-        let (y, samples, width) = (layout.lengths[1], layout.samples, layout.width());
-        let padded = elements[0].next_multiple_of(LANES);
-        spectrum.clear();
-        let values = samples[1] * width;
-        for (transfer, at) in spectra.iter().zip((0..).step_by(values)) {
-            work.re[..values].copy_from_slice(&field.re[at..at + values]);
-            work.im[..values].copy_from_slice(&field.im[at..at + values]);
-            work.re[values..].fill(T::default());
-            work.im[values..].fill(T::default());
-            along_y.run(width, samples[1], work, spare);
-            turn(work, width, [y, samples[0]], spare, y);
-            spare.re[samples[0] * y..].fill(T::default());
-            spare.im[samples[0] * y..].fill(T::default());
-            along_x.run(y, samples[0], spare, work);
-            accumulate::<I, T>(transfer, spare, spectrum);
-        }
-        along_x.run_back(y, spectrum, spare);
-        work.clear();
-        turn(spectrum, y, [elements[0], y], work, padded);
-        along_y.run_back(padded, work, spare);
-        for ((&place, re), im) in driven.iter().zip(&mut b.re).zip(&mut b.im) {
-            *re += work.re[place];
-            *im += work.im[place];
+        let Self { a, b, to } = self;
+        let count = a.len() / LANES * LANES;
+        let ([a_re, a_im], [b_re, b_im]) = (a.blocks(0, count), b.blocks(0, count));
+        let [to_re, to_im] = to.blocks_mut(count);
+        for block in 0..to_re.len() {
+            let (c, d, e, f) = (&a_re[block], &a_im[block], &b_re[block], &b_im[block]);
+            let (re, im) = (to_re[block], to_im[block]);
+            let part = lanes(|i| T::fused::<I>(c[i], e[i], re[i]));
+            to_re[block] = lanes(|i| T::fused::<I>(d[i], f[i], part[i]));
+            let part = lanes(|i| T::fused::<I>(c[i], f[i], im[i]));
+            to_im[block] = lanes(|i| T::fused::<I>(-d[i], e[i], part[i]));
         }
     }
 }
