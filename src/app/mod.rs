@@ -192,12 +192,6 @@ impl Window {
         self.recovery = recovery;
     }
 
-    /// The window on the first example, with the CPU's field.
-    pub fn with_example(ctx: &egui::Context) -> Self {
-        let document = example(0).unwrap_or_else(|_| Document::new(Scene::default(), "untitled"));
-        Self::new(ctx, document, Evaluator::Cpu)
-    }
-
     pub fn editor(&self) -> &Editor {
         &self.editor
     }

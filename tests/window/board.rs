@@ -7,7 +7,6 @@ use egui::{Pos2, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::DVec2;
-use sonoglyph::app::Window;
 use sonoglyph::device::board::{Board, Setup, Shown};
 use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::health::State;
@@ -19,7 +18,7 @@ use sonoglyph::ui::board::Plays;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::Lens;
 
-use super::Screen;
+use super::{Screen, window};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 const POINT: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0.1]\n";
@@ -45,9 +44,8 @@ fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
     let watch = move |frame: &Shown| drop(sender.try_send(frame.clone()));
     let board = Board::start(Setup::new(profile), Box::new(watch)).unwrap();
     let scene = sonoglyph::scene::file::parse(POINT, "point.toml".as_ref()).unwrap();
-    let mut screen = Harness::builder()
-        .with_size(vec2(1280.0, 800.0))
-        .build_eframe(|context| Window::with_example(&context.egui_ctx));
+    let mut screen =
+        Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(|context| window(&context.egui_ctx));
     let editor = screen.state_mut().editor_mut();
     editor.replace(Document::new(scene, "point"));
     editor.panel = Panel::Device;
@@ -190,9 +188,9 @@ fn a_virtual_board_is_a_port_that_is_remembered_and_reported_as_unconfirmed() {
     let open_there = || {
         let there = there.clone();
         let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
-            let mut window = Window::with_example(&context.egui_ctx);
-            window.remember_in(&there, &context.egui_ctx);
-            window
+            let mut opened = window(&context.egui_ctx);
+            opened.remember_in(&there, &context.egui_ctx);
+            opened
         });
         screen.run_steps(4);
         screen
@@ -234,7 +232,7 @@ fn a_board_can_be_emulated() {
     for profile in [Profile::Native, Profile::SonicSurface] {
         let mut screen = Harness::builder()
             .with_size(vec2(1280.0, 800.0))
-            .build_eframe(|context| Window::with_example(&context.egui_ctx));
+            .build_eframe(|context| window(&context.egui_ctx));
         let editor = screen.state_mut().editor_mut();
         editor.panel = Panel::Device;
         (editor.was_warned, editor.board.profile) = (true, profile);

@@ -9,7 +9,7 @@ use sonoglyph::studio::opening;
 use super::*;
 
 fn open_empty() -> Screen {
-    let mut screen = open();
+    let mut screen = open_best();
     screen.state_mut().editor_mut().document.scene.targets.clear();
     screen.state_mut().editor_mut().document.settle();
     rest(&mut screen);

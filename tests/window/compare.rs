@@ -17,7 +17,7 @@ fn switch(screen: &mut Screen) {
 }
 
 fn comparing() -> Screen {
-    let mut screen = open();
+    let mut screen = open_best();
     switch(&mut screen);
     screen
 }

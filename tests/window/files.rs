@@ -217,9 +217,9 @@ fn settings_are_restored_at_the_next_start() {
     let open_there = || {
         let there = folder.path().to_owned();
         let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
-            let mut window = Window::with_example(&context.egui_ctx);
-            window.remember_in(&there, &context.egui_ctx);
-            window
+            let mut opened = window(&context.egui_ctx);
+            opened.remember_in(&there, &context.egui_ctx);
+            opened
         });
         rest(&mut screen);
         screen

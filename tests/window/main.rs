@@ -43,8 +43,9 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::{DVec2, DVec3};
 use sonoglyph::app::Window;
-use sonoglyph::field::Quantity;
+use sonoglyph::field::{Evaluator, Quantity};
 use sonoglyph::scene::{Method, Scene, Shape, file};
+use sonoglyph::ui::document::Document;
 use sonoglyph::ui::tool::Tool;
 use sonoglyph::ui::view::Lens;
 use sonoglyph::ui::{Command, Dialog, Purpose};
@@ -55,16 +56,33 @@ type Screen = Harness<'static, Window>;
 /// Upper limit of every wait, for slow machines.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-fn open() -> Screen {
-    open_by(0.25)
+/// The window on the word HIT.
+fn window_by(ctx: &egui::Context, method: Method) -> Window {
+    let mut scene =
+        file::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes/hit.toml")).unwrap();
+    scene.solver.method = method;
+    Window::new(ctx, Document::new(scene, "hit"), Evaluator::Cpu)
 }
 
-/// With this time step (s) between layouts.
-fn open_by(step: f32) -> Screen {
+/// Solved by the fastest method: most tests do not look at the drive.
+fn window(ctx: &egui::Context) -> Window {
+    window_by(ctx, Method::Naive)
+}
+
+fn open() -> Screen {
+    show(0.25, window)
+}
+
+fn open_best() -> Screen {
+    show(0.25, |ctx| window_by(ctx, Method::Best))
+}
+
+/// With a time step (s) between layouts.
+fn show(step: f32, window: fn(&egui::Context) -> Window) -> Screen {
     let mut screen = Harness::builder()
         .with_size(vec2(1280.0, 800.0))
         .with_step_dt(step)
-        .build_eframe(|context| Window::with_example(&context.egui_ctx));
+        .build_eframe(|context| window(&context.egui_ctx));
     rest(&mut screen);
     screen
 }
@@ -349,7 +367,7 @@ fn a_rubber_band_selects_targets_which_move_and_are_deleted() {
 
 #[test]
 fn method_and_quantity_are_chosen_by_clicks() {
-    let mut screen = open();
+    let mut screen = open_best();
     screen.get_by_label("Solver").click();
     rest(&mut screen);
     assert!(screen.state().shown().certified.unwrap() > 0.3);

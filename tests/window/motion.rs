@@ -12,7 +12,7 @@ const AT: DVec3 = DVec3::new(0.0, 0.0, 0.1);
 /// The window on a point with this motion, with the Motion panel.
 fn open_on(motion: Motion) -> Screen {
     // A step short enough for a double click.
-    let mut screen = open_by(0.02);
+    let mut screen = show(0.02, window);
     let editor = screen.state_mut().editor_mut();
     editor.document.scene.targets = vec![Target::new(Shape::Point { at: AT })];
     editor.document.scene.motion = motion;

@@ -82,7 +82,7 @@ fn open_on(mut scene: Scene) -> Screen {
     let mut screen = open();
     let editor = screen.state_mut().editor_mut();
     // As if opened from a file: without undo steps.
-    editor.replace(sonoglyph::ui::document::Document::new(scene, "test"));
+    editor.replace(Document::new(scene, "test"));
     editor.selection = [0].into();
     screen.set_size(SIZE);
     rest(&mut screen);

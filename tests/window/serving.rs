@@ -7,12 +7,11 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::DVec3;
 use rosc::{OscMessage, OscPacket, OscType};
-use sonoglyph::app::Window;
 use sonoglyph::scene::Shape;
 use sonoglyph::ui::Panel;
 use sonoglyph::ui::document::Document;
 
-use super::Screen;
+use super::{Screen, window};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 const TWO: &str = "format = 1\n[[target]]\nat = [-0.02, 0, 0.1]\n[[target]]\nat = [0.02, 0, 0.1]\n";
@@ -22,7 +21,7 @@ fn serving() -> (Screen, UdpSocket) {
     let scene = sonoglyph::scene::file::parse(TWO, "two.toml".as_ref()).unwrap();
     let mut screen = Harness::builder()
         .with_size(egui::vec2(1280.0, 1100.0))
-        .build_eframe(|context| Window::with_example(&context.egui_ctx));
+        .build_eframe(|context| window(&context.egui_ctx));
     screen.state_mut().editor_mut().replace(Document::new(scene, "two"));
     screen.state_mut().editor_mut().panel = Panel::Device;
     screen.run_steps(4);

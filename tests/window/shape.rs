@@ -10,7 +10,7 @@ fn solution(screen: &Screen) -> &Solution {
 
 #[test]
 fn a_shape_is_even_during_a_drag_and_has_low_side_lobes_at_rest() {
-    let mut screen = open();
+    let mut screen = open_best();
     let figures = solution(&screen).figures.expect("figures at rest");
     assert!(figures.evenness > 0.85 && figures.side_lobe < 0.6, "{figures:?}");
     // HIT, dragged at its I.
@@ -40,7 +40,7 @@ fn a_shape_is_even_during_a_drag_and_has_low_side_lobes_at_rest() {
 
 #[test]
 fn the_solver_page_shows_a_shapes_figures_and_sets_quiet() {
-    let mut screen = open();
+    let mut screen = open_best();
     screen.get_by_label("Solver").click();
     rest(&mut screen);
     let figures = solution(&screen).figures.unwrap();

@@ -17,9 +17,9 @@ fn point(y: f64) -> Scene {
 fn open_after_a_crash(folder: &Path) -> Screen {
     let there = folder.to_owned();
     let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
-        let mut window = Window::with_example(&context.egui_ctx);
-        window.recover(Recovery::at(&there));
-        window
+        let mut opened = window(&context.egui_ctx);
+        opened.recover(Recovery::at(&there));
+        opened
     });
     rest(&mut screen);
     screen
@@ -154,7 +154,7 @@ fn pitch_of(screen: &mut Screen, text: &str) -> f64 {
 
 #[test]
 fn numbers_have_units_and_expressions_and_invalid_ones_are_explained() {
-    let mut screen = open_by(0.02);
+    let mut screen = show(0.02, window);
     screen.get_by_label("Array").click();
     rest(&mut screen);
     assert!((pitch_of(&mut screen, "12,5") - 0.0125).abs() < 1e-9);

@@ -14,7 +14,7 @@ use crate::requirement::found;
 
 /// Frames that fill the caches, and frames that are measured.
 const FIRST: usize = 20;
-const MORE: usize = 100;
+const MORE: usize = 60;
 /// Bytes allowed to allocators and threads.
 const ALLOWED: usize = 16 << 20;
 

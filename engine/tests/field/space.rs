@@ -252,6 +252,7 @@ fn a_rotation_of_the_whole_scene_rotates_the_field() {
 /// Maps of boards keep their tolerance at every pixel, also on planes that cross a board or lie behind one.
 #[test]
 fn maps_of_boards_keep_their_tolerance() {
+    const SIZE: (usize, usize) = (70, 50);
     let (boards, _) = tilted_boards();
     let (bowl, _) = bowl();
     let mut facing = quiet_air();
@@ -274,16 +275,16 @@ fn maps_of_boards_keep_their_tolerance() {
         ("between array and liquid", &standing, Plane { centre: DVec3::Z * 0.05, ..section }),
     ] {
         let drive = scattered(scene.elements(), STEP);
+        let samples = Samples::on_plane(&plane, SIZE.0, SIZE.1).unwrap();
+        let exact = reference::pressure(&Aperture::new(scene), &drive, &samples);
+        let peak = exact.iter().map(|p| p.norm()).fold(0.0, f64::max) / 2f64.sqrt();
         for evaluator in fast_evaluators() {
             let name = format!("{what}, {evaluator:?}");
             let request = Request {
                 plane: plane.clone(),
-                ..Request::new(scene, vec![drive.clone()], Quantity::Rms, (90, 70))
+                ..Request::new(scene, vec![drive.clone()], Quantity::Rms, SIZE)
             };
             let map = Stages::new(evaluator).map(&request).unwrap().clone();
-            let samples = Samples::on_plane(&plane, 90, 70).unwrap();
-            let exact = reference::pressure(&Aperture::new(scene), &drive, &samples);
-            let peak = exact.iter().map(|p| p.norm()).fold(0.0, f64::max) / 2f64.sqrt();
             for (value, p) in map.values.iter().zip(&exact) {
                 let off = (f64::from(*value) - p.norm() / 2f64.sqrt()).abs();
                 assert!(off <= 1.05e-3 * peak, "{name}: {off:e} of {peak} ({})", map.how);

