@@ -176,6 +176,13 @@ pub struct Between {
     wide: Vec<f32>,
 }
 
+impl Between {
+    /// That it keeps.
+    pub fn bytes(&self) -> usize {
+        self.lines.capacity() * size_of::<Aligned>() + self.wide.capacity() * size_of::<f32>()
+    }
+}
+
 /// Interpolates samples (row by row, `columns` in a row) across and up into pixels, row by row.
 pub fn interpolate<T: Value>(
     samples: &[T],

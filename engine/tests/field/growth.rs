@@ -1,14 +1,15 @@
-//! Memory of a long-running program: a drag must not allocate more from frame to frame.
+//! Memory of a long-running program: a drag must not allocate more from frame to frame, and a large map keeps none.
 //!
-//! Runs in its own process, where no other tests allocate.
+//! Each runs in its own process, where no other tests allocate.
 
 use std::fs;
 use std::process::Command;
 
+use glam::DVec2;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
 use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Stages};
-use sonoglyph::scene::{ElementModel, Scene};
+use sonoglyph::scene::{ElementModel, Plane, Scene};
 
 use crate::requirement::found;
 
@@ -17,6 +18,8 @@ const FIRST: usize = 20;
 const MORE: usize = 60;
 /// Bytes allowed to allocators and threads.
 const ALLOWED: usize = 16 << 20;
+/// Set in a process that runs one test alone.
+const ALONE: &str = "SONOGLYPH_ALONE";
 
 /// Resident memory of this process, bytes.
 fn resident() -> usize {
@@ -57,9 +60,31 @@ fn drags(evaluator: Evaluator, name: &str) {
     }
 }
 
+/// A depression of metres has millions of cells, and a map of pressure none.
+#[test]
+fn memory_of_a_large_plane_is_given_back() {
+    if std::env::var_os(ALONE).is_none() {
+        return repeated_alone("growth::memory_of_a_large_plane_is_given_back", ALONE);
+    }
+    let mut stages = Stages::new(Evaluator::Cpu);
+    let scene = Scene::default();
+    let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
+    let mut taken = |side: f64, quantity: Quantity| {
+        let plane = Plane { size: DVec2::splat(side), ..scene.plane.clone() };
+        let request = Request { plane, ..Request::new(&scene, vec![drive.clone()], quantity, (160, 120)) };
+        stages.map(&request).expect("the plane has a map");
+        resident()
+    };
+    let before = taken(0.1, Quantity::Rms);
+    let large = taken(4.0, Quantity::Depression);
+    let after = taken(0.1, Quantity::Rms);
+    let more = large - before;
+    assert!(more > 8 * ALLOWED, "a large plane takes only {} kB", more >> 10);
+    assert!(after < before + 2 * ALLOWED, "{} of {} kB stay", (after - before) >> 10, more >> 10);
+}
+
 #[test]
 fn a_drag_takes_no_more_memory_from_frame_to_frame() {
-    const ALONE: &str = "SONOGLYPH_ALONE";
     if std::env::var_os(ALONE).is_none() {
         return repeated_alone("growth::a_drag_takes_no_more_memory_from_frame_to_frame", ALONE);
     }

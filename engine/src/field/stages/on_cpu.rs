@@ -33,9 +33,13 @@ const MOST_SHARED_CELLS: usize = 1 << 22;
 const BAND: usize = 1 << 22;
 /// Points per evaluation of a formula.
 const RUN: usize = 1024;
+/// Bytes that are reused for another site.
+const MOST_REUSED: usize = 64 << 20;
 
 #[derive(Debug, Default)]
 pub(super) struct OnCpu {
+    /// Of the latest map.
+    site: Option<SiteKey>,
     superposition: Superposition,
     /// Of a single drive, in f64 or not.
     samples: Kept<SampledKey, Samples>,
@@ -79,6 +83,10 @@ impl Lattice {
     fn resize(&mut self, parts: u8, count: usize) {
         self.0.resize_with(parts.count_ones() as usize, Vec::new);
         self.0.iter_mut().for_each(|part| part.resize(count, Complex32::ZERO));
+    }
+
+    fn bytes(&self) -> usize {
+        self.0.iter().map(|part| part.capacity() * size_of::<Complex32>()).sum()
     }
 
     fn sounds(&self, parts: u8, places: Range<usize>) -> Sounds<'_> {
@@ -139,10 +147,33 @@ pub(super) struct Made {
 impl OnCpu {
     pub(super) fn forget(&mut self) {
         let old = std::mem::take(self);
-        let Self { mut superposition, mut samples, mut at_pixels, shares, between, work, .. } = old;
+        let Self { site, mut superposition, mut samples, mut at_pixels, shares, between, work, .. } = old;
         superposition.forget();
         (samples.key, at_pixels.key) = (None, None);
-        *self = Self { superposition, samples, at_pixels, shares, between, work, ..Self::default() };
+        *self = Self { site, superposition, samples, at_pixels, shares, between, work, ..Self::default() };
+    }
+
+    /// Goes to the site of a job. The memory that a very large one took is given back: the next may be small, or need
+    /// none of it.
+    fn enter(&mut self, site: &SiteKey) {
+        if self.site.as_ref() == Some(site) {
+            return;
+        }
+        if self.bytes() > MOST_REUSED {
+            let Self { superposition, work, progress, .. } = std::mem::take(self);
+            *self = Self { superposition, work, progress, ..Self::default() };
+        }
+        self.site = Some(site.clone());
+    }
+
+    /// Of the values at pixels and cells, and of those between.
+    fn bytes(&self) -> usize {
+        let of_shares = self.shares.iter().map(|Share { sums, lattice, between }| {
+            sums.capacity() * size_of::<f64>() + lattice.bytes() + between.bytes()
+        });
+        let of_cells =
+            (self.cells.value.capacity() + self.response.value.depth.capacity()) * size_of::<f64>();
+        self.at_pixels.value.bytes() + self.between.bytes() + of_cells + of_shares.sum::<usize>()
     }
 
     pub(super) fn work(&self) -> Work {
@@ -151,6 +182,7 @@ impl OnCpu {
 
     /// Computes the values of all pixels.
     pub(super) fn values(&mut self, job: &Job<'_>, double: bool, values: &mut Vec<f32>) -> Made {
+        self.enter(job.key);
         let (width, height) = job.request.size;
         values.resize(width * height, 0.0);
         match job.frame {
@@ -381,6 +413,7 @@ impl OnCpu {
 
     /// The cells of a liquid, and the surface at rest under the steady sound.
     pub(super) fn surface(&mut self, job: &Job<'_>, double: bool) -> Option<(&Tank, &Dent)> {
+        self.enter(job.key);
         let filled = job.site.cells.as_ref()?;
         let key = FormedKey::new(job, double);
         self.fill_cells(job, filled, &key);
