@@ -210,3 +210,31 @@ fn a_caustic_follows_the_screens_distance() {
     rest(&mut screen);
     assert_ne!(largest(&screen), near);
 }
+
+#[test]
+fn method_and_quantity_are_chosen_by_clicks() {
+    let mut screen = open_best();
+    screen.get_by_label("Solver").click();
+    rest(&mut screen);
+    assert!(screen.state().shown().certified.unwrap() > 0.3);
+    screen.get_by_label("Compare all methods").scroll_to_me();
+    rest(&mut screen);
+    screen.get_by_label("Compare all methods").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().shown().methods.len(), Method::VARIANTS.len());
+    let best = screen.state().shown().solution.as_ref().unwrap().quality.min_pressure;
+    screen.get_by_label("phase conjugation").scroll_to_me();
+    rest(&mut screen);
+    screen.get_by_label("phase conjugation").click();
+    rest(&mut screen);
+    assert_eq!(scene(&screen).solver.method, Method::Naive);
+    assert!(screen.state().shown().solution.as_ref().unwrap().quality.min_pressure < best);
+    key(&mut screen, Key::Num4);
+    let depression = screen.state().shown().pressed.as_ref().unwrap().figures.depression.unwrap();
+    assert!(depression.deepest > 1e-6 && depression.slope > 0.0);
+    assert_eq!(screen.state().shown().map.as_ref().unwrap().quantity, Quantity::Depression);
+    for panel in ["Drive", "Liquid", "Motion", "Device", "Scene"] {
+        screen.get_by_label(panel).click();
+        rest(&mut screen);
+    }
+}

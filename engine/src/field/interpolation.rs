@@ -177,8 +177,8 @@ pub struct Between {
 }
 
 impl Between {
-    /// That it keeps.
-    pub fn bytes(&self) -> usize {
+    /// Of memory kept.
+    pub(super) fn bytes(&self) -> usize {
         self.lines.capacity() * size_of::<Aligned>() + self.wide.capacity() * size_of::<f32>()
     }
 }

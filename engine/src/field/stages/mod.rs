@@ -8,6 +8,7 @@ mod caustic;
 mod depression;
 mod force;
 mod kept;
+mod lattice;
 mod on_cpu;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 mod on_gpu;

@@ -3,15 +3,16 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::field::interpolation::{Between, Resampling, interpolate};
-use crate::field::quantity::{Constants, Norm, Part, Sound, Sounds};
+use crate::field::quantity::{Constants, Norm, Part, Sound};
 use crate::field::slope::{Around, part_on_cpu};
 use crate::field::stages::caustic::Caustic;
 use crate::field::stages::depression::Depression;
 use crate::field::stages::kept::Kept;
+use crate::field::stages::lattice::{Lattice, RUN, Share};
 use crate::field::stages::probes::AtProbes;
 use crate::field::stages::request::Pressed;
 use crate::field::stages::samples::{Samples, Superposition, sampled};
@@ -31,8 +32,6 @@ const SHARES: usize = 8;
 const MOST_SHARED_CELLS: usize = 1 << 22;
 /// Pixels with sound in memory at the same time.
 const BAND: usize = 1 << 22;
-/// Points per evaluation of a formula.
-const RUN: usize = 1024;
 /// Bytes that are reused for another site.
 const MOST_REUSED: usize = 64 << 20;
 
@@ -75,67 +74,6 @@ struct FormedKey {
     double: bool,
 }
 
-/// The parts of the sound at a lattice, in their order; reused, since fresh memory costs more than the computation.
-#[derive(Debug, Default)]
-struct Lattice(Vec<Vec<Complex32>>);
-
-impl Lattice {
-    fn resize(&mut self, parts: u8, count: usize) {
-        self.0.resize_with(parts.count_ones() as usize, Vec::new);
-        self.0.iter_mut().for_each(|part| part.resize(count, Complex32::ZERO));
-    }
-
-    fn bytes(&self) -> usize {
-        self.0.iter().map(|part| part.capacity() * size_of::<Complex32>()).sum()
-    }
-
-    fn sounds(&self, parts: u8, places: Range<usize>) -> Sounds<'_> {
-        Sounds::of(parts, self.0.iter().map(|part| &part[places.clone()]))
-    }
-
-    fn sound(&self, parts: u8, place: usize) -> Sound {
-        let mut sound = Sound::default();
-        for (part, values) in Part::of(parts).zip(&self.0) {
-            *sound.part_mut(part) = values[place];
-        }
-        sound
-    }
-}
-
-/// Sums of the formula at the cells over some of the drives, and the sound of one of them.
-#[derive(Debug, Default)]
-struct Share {
-    sums: Vec<f64>,
-    lattice: Lattice,
-    between: Between,
-}
-
-impl Share {
-    fn sum(&mut self, job: &Job<'_>, filled: &Filled, drives: &[Samples]) {
-        let Self { sums, lattice, between } = self;
-        let (parts, constants) = (job.key.parts, job.request.constants().narrow());
-        let formula = job.request.quantity.declaration().formula;
-        let Some(grid) = &job.site.plan.grid else { return };
-        let (columns, count) = (grid.samples.columns.len(), filled.cells.len());
-        sums.clear();
-        sums.resize(count, 0.0);
-        lattice.resize(parts, count);
-        for samples in drives {
-            for (part, values) in Part::of(parts).zip(&mut lattice.0) {
-                let [across, up] = filled.weights.of(part);
-                interpolate(samples.of(part), columns, across, up, between, values);
-            }
-            sums.par_chunks_mut(RUN).enumerate().with_min_len(16).for_each(|(run, sums)| {
-                let mut of_drive = [0.0; RUN];
-                let of_drive = &mut of_drive[..sums.len()];
-                let places = run * RUN..run * RUN + sums.len();
-                formula(lattice.sounds(parts, places), &constants, of_drive);
-                sums.iter_mut().zip(of_drive).for_each(|(sum, of_drive)| *sum += f64::from(*of_drive));
-            });
-        }
-    }
-}
-
 /// The results, and those for comparison with the reference.
 pub(super) struct Made {
     pub(super) peak: f32,
@@ -168,12 +106,10 @@ impl OnCpu {
 
     /// Of the values at pixels and cells, and of those between.
     fn bytes(&self) -> usize {
-        let of_shares = self.shares.iter().map(|Share { sums, lattice, between }| {
-            sums.capacity() * size_of::<f64>() + lattice.bytes() + between.bytes()
-        });
         let of_cells =
             (self.cells.value.capacity() + self.response.value.depth.capacity()) * size_of::<f64>();
-        self.at_pixels.value.bytes() + self.between.bytes() + of_cells + of_shares.sum::<usize>()
+        let of_shares: usize = self.shares.iter().map(Share::bytes).sum();
+        self.at_pixels.value.bytes() + self.between.bytes() + of_cells + of_shares
     }
 
     pub(super) fn work(&self) -> Work {
