@@ -111,7 +111,9 @@ fn as_nobody(folder: &Path) -> Command {
         return Command::new(PROGRAM);
     }
     let copy = folder.join("program");
-    fs::copy(PROGRAM, &copy).unwrap();
+    // By another process: a child that a test beside this one starts meanwhile would inherit the open copy, which then
+    // cannot be run.
+    assert!(Command::new("cp").args([PROGRAM.as_ref(), copy.as_os_str()]).status().unwrap().success());
     let mut command = Command::new("setpriv");
     command.args(["--reuid=65534", "--regid=65534", "--clear-groups"]).arg(copy);
     command
