@@ -95,10 +95,10 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
                 // An odd number of samples, so that the last block and workgroup are partly empty. Exact pistons of
                 // large arrays are slow in f64.
                 let is_slow = model == ElementModel::ExactPiston && rows * columns > 500;
-                let (width, height) = match rows * columns > 2000 {
-                    true if is_slow => (11, 7),
-                    false if !is_slow => (41, 27),
-                    true | false => (21, 13),
+                let (width, height) = match (rows * columns > 2000, is_slow) {
+                    (false, false) => (41, 27),
+                    (true, false) | (false, true) => (21, 13),
+                    (true, true) => (11, 7),
                 };
                 let samples = Samples::on_plane(plane, width, height).unwrap();
                 let mut scene = Scene { plane: plane.clone(), ..Scene::default() };
