@@ -12,7 +12,10 @@ use futures_channel::oneshot;
 use js_sys::{Array, Uint8Array};
 use wasm_bindgen::JsCast;
 use wasm_bindgen::prelude::{Closure, JsValue, wasm_bindgen};
-use web_sys::{Blob, Event, HtmlAnchorElement, HtmlCanvasElement, HtmlInputElement, Storage, Url, window};
+use web_sys::{
+    Blob, Event, HtmlAnchorElement, HtmlCanvasElement, HtmlInputElement, Storage, Url,
+    WebGlContextAttributes, window,
+};
 
 use crate::app::recovery::Recovery;
 use crate::app::settings::Memory;
@@ -75,6 +78,11 @@ pub async fn start(canvas: HtmlCanvasElement, number: u32) -> Result<(), JsValue
         follow_address(&context.egui_ctx);
         Ok(Box::new(window))
     });
+    // The window's edges are smooth as drawn. The browser's own smoothing takes half of a frame without a hardware GPU. The
+    // canvas keeps its first context, so eframe gets this one.
+    let unsmoothed = WebGlContextAttributes::new();
+    unsmoothed.set_antialias(false);
+    canvas.get_context_with_context_options("webgl2", &unsmoothed)?;
     let options = eframe::WebOptions { dithering: false, ..Default::default() };
     let runner = eframe::WebRunner::new();
     RUNNER.with_borrow_mut(|own| *own = Some(runner.clone()));

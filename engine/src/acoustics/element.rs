@@ -73,7 +73,7 @@ impl Element {
             Radiator::Disk(_) => 0.0,
         };
         let (rho, z) = (offset.truncate().length(), offset.z.max(lowest));
-        let r = rho.hypot(z);
+        let r = (rho * rho + z * z).sqrt();
         let wave = match self.radiator() {
             Radiator::Monopole => spherical(self.wavenumber, r),
             Radiator::Piston(_) => spherical(self.wavenumber, r) * self.directivity(rho / r),

@@ -96,8 +96,8 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
                 // large arrays are slow in f64.
                 let is_slow = model == ElementModel::ExactPiston && rows * columns > 500;
                 let (width, height) = match (rows * columns > 2000, is_slow) {
-                    (false, false) => (41, 27),
-                    (true, false) | (false, true) => (21, 13),
+                    (false, false) => (31, 23),
+                    (true, false) | (false, true) => (17, 11),
                     (true, true) => (11, 7),
                 };
                 let samples = Samples::on_plane(plane, width, height).unwrap();

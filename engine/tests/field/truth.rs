@@ -87,7 +87,7 @@ impl Case {
         let declaration = quantity.declaration();
         let count = if declaration.has_mean && dice.of(0.3) { dice.whole(2, 3) } else { 1 };
         let drives = (0..count).map(|_| drive(class, &scene, &mut dice)).collect();
-        let most = if element == ElementModel::ExactPiston { 60 } else { 250 };
+        let most = if element == ElementModel::ExactPiston { 44 } else { 180 };
         let most = if declaration.parts == PRESSURE { most } else { most / 2 };
         let size = (dice.whole(8, most) as usize, dice.whole(8, most) as usize);
         let moment = dice.between(-PI, PI);

@@ -250,7 +250,7 @@ fn any_shape_has_a_playable_drive() {
         Zone { points: vec![DVec3::NAN, dvec3(0.02, 0.03, 0.09)], weight: 1e3 },
         Zone { points: line.clone(), weight: f64::NAN },
     ];
-    for aperture in [&usual, &exact, &lossy, &one] {
+    for (kind, aperture) in [&usual, &exact, &lossy, &one].into_iter().enumerate() {
         for (index, points) in [&line[..], &line[..1], &carpet, &off_plane, &mixed, &behind, &partly, &far]
             .into_iter()
             .enumerate()
@@ -258,7 +258,8 @@ fn any_shape_has_a_playable_drive() {
             let target = |i: usize| 10f64.powi(i as i32 % 3 - 1);
             let focus = |(i, &position): (usize, &DVec3)| Focus::new(position, target(i));
             let problem = Problem::new(aperture, points.iter().enumerate().map(focus).collect());
-            for (number, plane) in planes.iter().enumerate() {
+            // Half of the planes for each: every pair of the three meets.
+            for (number, plane) in planes.iter().enumerate().skip((kind + index) % 2).step_by(2) {
                 let what = format!("{} elements, points {index}, plane {number}", aperture.driven.len());
                 let quiet = [0.5, 1.0, f64::NAN, 7.0][(index + number) % 4];
                 let zones = if number % 2 == 0 { zones.clone() } else { Vec::new() };
