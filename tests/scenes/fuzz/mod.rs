@@ -67,7 +67,7 @@ fn check(target: &str, bytes: &[u8], name: &str) {
 
 #[test]
 fn scene_files() {
-    fuzz("scene", 15000);
+    fuzz("scene", 8000);
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn links() {
 
 #[test]
 fn native_packets() {
-    fuzz("native", 5000);
+    fuzz("native", 2500);
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn drawings() {
 
 #[test]
 fn batch_lines() {
-    fuzz("batch", 1500);
+    fuzz("batch", 800);
 }
 
 #[test]
