@@ -78,8 +78,8 @@ pub async fn start(canvas: HtmlCanvasElement, number: u32) -> Result<(), JsValue
         follow_address(&context.egui_ctx);
         Ok(Box::new(window))
     });
-    // The window's edges are smooth as drawn. The browser's own smoothing takes half of a frame without a hardware GPU. The
-    // canvas keeps its first context, so eframe gets this one.
+    // The window's edges are smooth as drawn; the browser's own smoothing takes a third of a frame without a hardware GPU.
+    // A canvas keeps its first context, so eframe gets this one.
     let unsmoothed = WebGlContextAttributes::new();
     unsmoothed.set_antialias(false);
     canvas.get_context_with_context_options("webgl2", &unsmoothed)?;
