@@ -1,12 +1,18 @@
-//! Conversion between Python values and the plain values of a scene file.
+//! Conversion between Python values and ours: the plain values of a scene file, and points in arrays.
 
-use pyo3::exceptions::PyTypeError;
+use std::borrow::Cow;
+
+use glam::DVec3;
+use numpy::{AllowTypeChange, IntoPyArray, PyArray2, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString};
 use serde_json::{Map, Number, Value};
 
 /// Deeper nesting is refused.
 const DEEPEST: usize = 16;
+/// Points evaluated at once.
+const MOST_PLACES: usize = 50_000_000;
 
 /// A value of a scene: numbers, strings, sequences (also of NumPy), mappings, paths and the package's own classes. `None` is left out
 /// of tables.
@@ -96,4 +102,32 @@ pub fn python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>
             table.into_any()
         }
     })
+}
+
+/// Points (m) of any shape (..., 3), and the shape (...).
+///
+/// # Errors
+/// Another shape, too many points, or a coordinate that is no usable number.
+pub fn places(points: &Bound<'_, PyAny>) -> PyResult<(Vec<DVec3>, Vec<usize>)> {
+    let array: PyArrayLikeDyn<'_, f64, AllowTypeChange> = points.extract()?;
+    let refused = |what: &str| Err(PyValueError::new_err(format!("points: {what}")));
+    let Some((3, shape)) = array.shape().split_last().map(|(last, shape)| (*last, shape.to_vec())) else {
+        return refused("an array of shape (..., 3), in metres");
+    };
+    // In row order, for any strides.
+    let view = array.as_array();
+    let flat: Cow<'_, [f64]> = view.as_slice().map_or_else(|| view.iter().copied().collect(), Cow::Borrowed);
+    if flat.len() / 3 > MOST_PLACES {
+        return refused("50 000 000 at most");
+    }
+    if !flat.iter().all(|x| x.abs() <= 1e6) {
+        return refused("every coordinate must be a number of metres from -1e6 to 1e6");
+    }
+    Ok((flat.as_chunks::<3>().0.iter().map(|&at| DVec3::from_array(at)).collect(), shape))
+}
+
+/// An array of shape (n, 3).
+pub fn rows<'py>(py: Python<'py>, values: &[DVec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let flat: Vec<_> = values.iter().flat_map(|value| value.to_array()).collect();
+    flat.into_pyarray(py).reshape([values.len(), 3])
 }

@@ -2,16 +2,12 @@
 
 #![expect(clippy::needless_pass_by_value, reason = "paths come as values from Python")]
 
-use std::borrow::Cow;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::{DVec3, UVec3};
 use num_complex::Complex64;
-use numpy::{
-    AllowTypeChange, IntoPyArray, PyArray2, PyArray3, PyArrayDyn, PyArrayLikeDyn, PyArrayMethods,
-    PyUntypedArrayMethods,
-};
+use numpy::{IntoPyArray, PyArray2, PyArray3, PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyType};
@@ -28,6 +24,7 @@ use sonoglyph::solver::{self, frames};
 use sonoglyph::studio::{opening, output, probe, reach, space};
 use strum::VariantNames;
 
+use crate::convert::{places, rows};
 use crate::evaluator::Cached;
 use crate::map::{self, Map};
 use crate::motion::Motion;
@@ -36,8 +33,6 @@ use crate::{convert, drives, error, evaluator, work};
 
 /// Pixels of a map along x, unless its size is given.
 const WIDTH: usize = 256;
-/// Points evaluated at once.
-const MOST_PLACES: usize = 50_000_000;
 
 /// Width, or width and height.
 #[derive(Clone, Copy, Debug, FromPyObject)]
@@ -479,28 +474,4 @@ fn singular(key: String) -> String {
         "targets" | "boards" | "reflectors" => key.trim_end_matches('s').to_owned(),
         _ => key,
     }
-}
-
-/// Points (m) of any shape (..., 3), and the shape (...).
-fn places(points: &Bound<'_, PyAny>) -> PyResult<(Vec<DVec3>, Vec<usize>)> {
-    let array: PyArrayLikeDyn<'_, f64, AllowTypeChange> = points.extract()?;
-    let refused = |what: &str| Err(PyValueError::new_err(format!("points: {what}")));
-    let Some((3, shape)) = array.shape().split_last().map(|(last, shape)| (*last, shape.to_vec())) else {
-        return refused("an array of shape (..., 3), in metres");
-    };
-    // In row order, for any strides.
-    let view = array.as_array();
-    let flat: Cow<'_, [f64]> = view.as_slice().map_or_else(|| view.iter().copied().collect(), Cow::Borrowed);
-    if flat.len() / 3 > MOST_PLACES {
-        return refused("50 000 000 at most");
-    }
-    if !flat.iter().all(|x| x.abs() <= 1e6) {
-        return refused("every coordinate must be a number of metres from -1e6 to 1e6");
-    }
-    Ok((flat.as_chunks::<3>().0.iter().map(|&at| DVec3::from_array(at)).collect(), shape))
-}
-
-fn rows<'py>(py: Python<'py>, values: &[DVec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let flat: Vec<_> = values.iter().flat_map(|value| value.to_array()).collect();
-    flat.into_pyarray(py).reshape([values.len(), 3])
 }

@@ -6,8 +6,11 @@ use std::path::Path;
 
 use num_complex::Complex64;
 use serde_json::Value;
+use sonoglyph::bench::field::{self, Group};
+use sonoglyph::field::gpu::adapter;
 
 use crate::process::{POINT, example, folder_with, program, refuse, run, succeed};
+use crate::requirement;
 
 #[test]
 fn solve_prints_its_json_contract() {
@@ -416,4 +419,12 @@ fn bench_writes_a_table_the_json_and_charts() {
         let message = refuse(folder.path(), &["bench", "solve", option, path]);
         assert!(message.contains(path), "{message}");
     }
+}
+
+/// In f32 a large array does not keep 1e-5 on a vertical plane: the CPU computes what the GPU declines.
+#[test]
+fn bench_ends_where_the_gpu_declines_a_map() {
+    let group = Group { evaluator: "gpu", size: 256, array: 64, plane: "vertical", tolerances: vec![1e-5] };
+    let Some(_) = requirement::found("gpu", adapter::open_best(true)) else { return };
+    assert_eq!(field::measure(&group).unwrap().len(), 1);
 }

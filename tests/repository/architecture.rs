@@ -452,7 +452,7 @@ fn no_source_uses_forbidden_names() {
 
 #[test]
 fn every_file_has_a_first_line_and_a_limited_length() {
-    for folder in ["engine", "src", "tests", "benches", "fuzz/fuzz_targets"] {
+    for folder in ["engine", "src", "python", "tests", "benches", "fuzz/fuzz_targets"] {
         for path in rust_files(&root().join(folder)) {
             let text = fs::read_to_string(&path).unwrap();
             assert!(text.starts_with("//! "), "{}: must open with a //! line", path.display());
