@@ -10,7 +10,7 @@ use sonoglyph::bench::field::{self, Group};
 use sonoglyph::field::gpu::adapter;
 
 use crate::process::{POINT, example, folder_with, program, refuse, run, succeed};
-use crate::requirement;
+use crate::requirement::found;
 
 #[test]
 fn solve_prints_its_json_contract() {
@@ -261,7 +261,7 @@ fn every_backend_renders_the_same_numbers() {
         let said = String::from_utf8_lossy(&output.stderr);
         if backend == "gpu" {
             let done = if output.status.success() { Ok(()) } else { Err(said) };
-            let Some(()) = crate::requirement::found("gpu", done) else { continue };
+            let Some(()) = found("gpu", done) else { continue };
         } else {
             assert!(output.status.success(), "{backend}: {said}");
         }
@@ -425,6 +425,6 @@ fn bench_writes_a_table_the_json_and_charts() {
 #[test]
 fn bench_ends_where_the_gpu_declines_a_map() {
     let group = Group { evaluator: "gpu", size: 256, array: 64, plane: "vertical", tolerances: vec![1e-5] };
-    let Some(_) = requirement::found("gpu", adapter::open_best(true)) else { return };
+    let Some(_) = found("gpu", adapter::open_best(true)) else { return };
     assert_eq!(field::measure(&group).unwrap().len(), 1);
 }
