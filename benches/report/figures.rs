@@ -145,9 +145,12 @@ fn origin(runs: &[Value]) -> String {
     };
     let build =
         if runs.iter().all(|run| run["optimised"] == true) { "" } else { ", partly of development builds" };
+    let number = match runs.len() {
+        1 => "One run".to_owned(),
+        more => format!("Medians of {more} runs"),
+    };
     format!(
-        "Medians of {} runs{build}: sonoglyph {}; {}.\n{}, {} threads, {}; GPU adapters: {}.",
-        runs.len(),
+        "{number}{build}: sonoglyph {}; {}.\n{}, {} threads, {}; GPU adapters: {}.",
         of("/version"),
         of("/date"),
         of("/machine/processor"),

@@ -96,8 +96,6 @@ fn links_between_documents_have_targets() {
 fn items(package: &str) -> Vec<String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut cargo = Command::new(env!("CARGO"));
-    // With a setting of its own cargo keeps this run apart from `cargo doc`; otherwise either would undo the other.
-    cargo.args(["--config", &format!("profile.dev.package.{package}.strip=true")]);
     cargo.args(["rustdoc", "--locked", "--quiet", "--lib", "--all-features", "--package", package, "--"]);
     cargo.args(["-Zunstable-options", "--output-format", "json"]);
     // rustdoc's JSON output is unstable.
