@@ -150,7 +150,7 @@ fn origin(runs: &[Value]) -> String {
         more => format!("Medians of {more} runs"),
     };
     format!(
-        "{number}{build}: sonoglyph {}; {}.\n{}, {} threads, {}; GPU adapters: {}.",
+        "{number}{build}: sonoglyph {}; {}.\n{}, {} threads, {}.\nGPU: {}.",
         of("/version"),
         of("/date"),
         of("/machine/processor"),
