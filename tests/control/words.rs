@@ -209,3 +209,26 @@ fn impossible_json_requests_are_answered_and_change_nothing() {
     // A published array is not a file.
     assert_eq!(web.ask(r#"{"scene": {"array": {"elements": "preset:tinylev-72"}}, "id": 1}"#)["done"], 2);
 }
+
+#[test]
+fn json_removes_targets_by_the_numbers_before_the_edit_in_any_order() {
+    let serving = Serving::local(TWO);
+    serving.web().ask(r#"{"id": 1, "remove": [2, 1], "add": [{"at": [0, 0.02, 0.1]}]}"#);
+    serving.has_foci_of("format = 1\n[[target]]\nat = [0, 0.02, 0.1]\n");
+}
+
+/// A shape's quick drive is replaced by the full one; many foci have no quick one.
+#[test]
+fn shapes_and_many_foci_are_solved_in_the_background() {
+    for target in ["radius = 0.02", "radius = 0.05\npoints = 130\n[solver]\nmethod = \"naive\""] {
+        let text = format!("format = 1\n[[target]]\nkind = \"circle\"\nat = [0, 0, 0.1]\n{target}\n");
+        let serving = Serving::local(&text);
+        let expected = solver::solve(&scene(&text)).unwrap().pressures;
+        eventually("the full solution", || {
+            let foci = serving.desk.report().foci();
+            let pairs = foci.iter().zip(&expected);
+            foci.len() == expected.len()
+                && pairs.into_iter().all(|((_, a), b)| (a / b.norm() - 1.0).abs() < 1e-9)
+        });
+    }
+}

@@ -236,9 +236,25 @@ fn a_replugged_board_plays_only_the_newest_frame() {
                 assert_eq!(old, None, "{}: stale", profile.name());
                 eventually("sound", || !pair.is_silent());
                 eventually("a frame in place again", || pair.link.health().in_place);
+                let events = pair.board.report().events;
+                let of_line: Vec<_> = events.iter().filter(|event| event.contains("plugged")).collect();
+                assert_eq!(of_line, ["unplugged", "plugged in"], "{}", profile.name());
             });
         }
     });
+}
+
+/// The line stays free for the next frame.
+#[test]
+fn a_still_frame_is_sent_once() {
+    let pair = pair(Profile::Native);
+    pair.link.show(Content::Still(numbered(Profile::Native, 3)));
+    eventually("a frame in place", || pair.link.health().in_place);
+    std::thread::sleep(Duration::from_millis(100));
+    let before = pair.board.report().bytes;
+    std::thread::sleep(Duration::from_millis(300));
+    let more = pair.board.report().bytes - before;
+    assert!(more < Profile::Native.elements() as u64, "{more} bytes after the frame");
 }
 
 #[test]

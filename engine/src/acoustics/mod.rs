@@ -244,7 +244,7 @@ fn flat(placed: &[Placed]) -> Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Array;
+    use crate::scene::{Array, Elements, Placed};
 
     #[test]
     fn elements_are_numbered_row_by_row_and_centred() {
@@ -268,6 +268,25 @@ mod tests {
             aperture.transfer(&[point]).at(0, 3),
             Aperture::new(&Scene::default()).transfer(&[point]).at(0, 4)
         );
+    }
+
+    #[test]
+    fn walls_touch_the_elements() {
+        let placed = |at: DVec3| Placed { at, normal: (DVec3::Z * 0.1 - at).normalize() };
+        let bowl = [(-0.05, 0.02), (0.0, 0.0), (0.04, 0.015)].map(|(x, z)| placed(DVec3::new(x, 0.0, z)));
+        let placed = Elements::new(bowl.to_vec(), None);
+        let array = Array { placed, file: Some("bowl.csv".to_owned()), ..Array::default() };
+        let curved = Aperture::new(&Scene { array, ..Scene::default() });
+        let walls = curved.walls();
+        assert_eq!(walls.len(), 3);
+        for ((at, direction), (position, normal)) in
+            walls.iter().zip(curved.positions.iter().zip(&curved.normals))
+        {
+            assert!(at.distance(*position) < 1e-12 && direction.distance(*normal) < 1e-12, "{at} {position}");
+        }
+        let flat = Aperture::new(&Scene::default());
+        let [(at, direction)] = flat.walls()[..] else { panic!("{:?}", flat.walls()) };
+        assert!(flat.positions.iter().all(|position| (position - at).dot(direction).abs() < 1e-12));
     }
 
     #[test]

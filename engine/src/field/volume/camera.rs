@@ -206,6 +206,19 @@ mod tests {
     }
 
     #[test]
+    fn lines_are_cut_in_front_of_the_eye() {
+        let projection = Camera::of(&block(), [0.4, 0.2], 1.0, true).projection(DVec2::splat(500.0));
+        let ahead = |m: f64| projection.eye + projection.forward * m + projection.right * (0.1 + m);
+        let (behind, near, far) = (ahead(-0.2), ahead(2.0 * NEAREST), ahead(0.5));
+        let [cut, end] = projection.in_front([behind, far]).unwrap();
+        assert!(cut.distance(near) < 1e-12 && end == far, "{cut}, not {near}");
+        let [start, cut] = projection.in_front([far, behind]).unwrap();
+        assert!(start == far && cut.distance(near) < 1e-12, "{cut}, not {near}");
+        assert_eq!(projection.in_front([far, ahead(0.1)]), Some([far, ahead(0.1)]));
+        assert_eq!(projection.in_front([behind, ahead(-0.1)]), None);
+    }
+
+    #[test]
     fn what_is_under_the_pointer_stays_there_when_zoomed_and_follows_it_when_panned() {
         let camera = Camera::of(&block(), [0.4, 0.2], 1.0, true);
         let size = DVec2::splat(500.0);

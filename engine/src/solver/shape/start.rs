@@ -48,3 +48,20 @@ impl Start {
         samples.iter().enumerate().map(phase).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn phases_depend_on_the_drawings_form_alone() {
+        let plane = Plane::default();
+        let form = |index: usize| DVec3::new((index % 5) as f64, (index / 5) as f64 * 0.7, 100.0);
+        let drawn = |size: f64| (0..20).map(|index| form(index) * size).collect::<Vec<_>>();
+        for number in 0..Start::VARIANTS.len() {
+            let [small, large] = [1e-3, 0.1].map(|size| Start::phases(number, &drawn(size), &plane));
+            let is_same = small.iter().zip(&large).all(|(a, b)| (a - b).abs() < 1e-9);
+            assert!(is_same && small.iter().all(|phase| phase.is_finite()), "{number}: {small:?}, {large:?}");
+        }
+    }
+}
