@@ -6,7 +6,7 @@ use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
 use sonoglyph::solver;
 use tungstenite::Message;
 
-use crate::{Serving, TWO, floats, message, scene};
+use crate::{Serving, TWO, eventually, floats, message, scene};
 
 #[test]
 fn osc_moves_types_adds_and_removes_as_the_file_would() {
