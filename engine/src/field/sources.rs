@@ -267,7 +267,7 @@ fn piston(element: &Element, a: f64, samples: &Samples) -> Piston {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{ElementModel, Plane, Scene};
+    use crate::scene::{ElementModel, Elements, Placed, Plane, Scene};
 
     fn aperture(ka: f64) -> Aperture {
         let mut aperture = Aperture::new(&Scene::default());
@@ -297,6 +297,31 @@ mod tests {
             let mut aperture = aperture(3.66);
             aperture.element.attenuation = attenuation;
             assert_eq!(wave(&aperture).map(|wave| wave.decay.terms), expected, "{attenuation} Np/m");
+        }
+    }
+
+    #[test]
+    fn every_path_is_within_the_distances() {
+        let samples = Samples::on_plane(&Plane::default(), 5, 5).unwrap();
+        let flat = Aperture::new(&Scene::default());
+        let mut bowl = Scene::default();
+        let placed = |n: i32| {
+            DVec3::new(0.01 * f64::from(n % 7 - 3), 0.01 * f64::from(n / 7 - 3), 0.002 * f64::from(n))
+        };
+        let placed = (0..49).map(placed).map(|at| Placed { at, normal: (DVec3::Z * 0.2 - at).normalize() });
+        bowl.array.placed = Elements::new(placed.collect(), None);
+        bowl.array.file = Some("bowl.csv".to_owned());
+        for aperture in [flat, Aperture::new(&bowl)] {
+            let layout = &aperture.faces[0].layout;
+            let (near, far) = distances(layout, &samples);
+            let (low, high) = samples.bounds();
+            for (at, corner) in layout
+                .positions
+                .iter()
+                .flat_map(|at| [low, high, DVec3::new(at.x, at.y, low.z)].map(|corner| (at, corner)))
+            {
+                assert!((near..=far).contains(&at.distance(corner)), "{at} {corner}: {near} to {far}");
+            }
         }
     }
 

@@ -274,3 +274,14 @@ fn a_map_of_more_pixels_than_are_kept_at_once_keeps_its_tolerance() {
         }
     }
 }
+
+#[test]
+fn a_map_taken_out_is_written_to_the_given_memory() {
+    let Shown { scene, drives, quantity, size, .. } = Shown::new(Quantity::Rms);
+    let request = Request::new(&scene, drives, quantity, size);
+    let mut stages = Stages::new(Evaluator::Cpu);
+    let first = stages.take_map(&request, Vec::new()).unwrap().values;
+    let (copy, memory) = (first.clone(), first.as_ptr());
+    let again = stages.take_map(&request, first).unwrap().values;
+    assert!(again == copy && again.as_ptr() == memory);
+}
