@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn walls_touch_the_elements() {
-        let placed = |at: DVec3| Placed { at, normal: (DVec3::Z * 0.1 - at).normalize() };
+        let placed = |at: DVec3| Placed { at, normal: (DVec3::Z * 0.1 - at).normalize_or_zero() };
         let bowl = [(-0.05, 0.02), (0.0, 0.0), (0.04, 0.015)].map(|(x, z)| placed(DVec3::new(x, 0.0, z)));
         let placed = Elements::new(bowl.to_vec(), None);
         let array = Array { placed, file: Some("bowl.csv".to_owned()), ..Array::default() };

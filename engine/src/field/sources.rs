@@ -308,7 +308,8 @@ mod tests {
         let placed = |n: i32| {
             DVec3::new(0.01 * f64::from(n % 7 - 3), 0.01 * f64::from(n / 7 - 3), 0.002 * f64::from(n))
         };
-        let placed = (0..49).map(placed).map(|at| Placed { at, normal: (DVec3::Z * 0.2 - at).normalize() });
+        let placed =
+            (0..49).map(placed).map(|at| Placed { at, normal: (DVec3::Z * 0.2 - at).normalize_or_zero() });
         bowl.array.placed = Elements::new(placed.collect(), None);
         bowl.array.file = Some("bowl.csv".to_owned());
         for aperture in [flat, Aperture::new(&bowl)] {
