@@ -279,9 +279,7 @@ fn a_map_of_more_pixels_than_are_kept_at_once_keeps_its_tolerance() {
 fn a_map_taken_out_is_written_to_the_given_memory() {
     let Shown { scene, drives, quantity, size, .. } = Shown::new(Quantity::Rms);
     let request = Request::new(&scene, drives, quantity, size);
-    let mut stages = Stages::new(Evaluator::Cpu);
-    let first = stages.take_map(&request, Vec::new()).unwrap().values;
-    let (copy, memory) = (first.clone(), first.as_ptr());
-    let again = stages.take_map(&request, first).unwrap().values;
-    assert!(again == copy && again.as_ptr() == memory);
+    let (pixels, room) = (size.0 * size.1, 10 * size.0 * size.1);
+    let map = Stages::new(Evaluator::Cpu).take_map(&request, Vec::with_capacity(room)).unwrap();
+    assert!(map.values.len() == pixels && map.values.capacity() >= room);
 }
