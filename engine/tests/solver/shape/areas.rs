@@ -80,7 +80,8 @@ fn a_filled_letter_fits_its_drawing_better_than_foci() {
     let figures = solution.figures.unwrap().areas.unwrap();
     // The samples here are entirely inside or outside; the solver weights those on edges.
     assert!((0.4 * error..error).contains(&figures.error), "{figures:?}, measured {error}");
-    assert!((0.9 * contrast..contrast).contains(&figures.contrast), "{figures:?}, measured {contrast}");
+    let expected = 0.85 * contrast..1.03 * contrast;
+    assert!(expected.contains(&figures.contrast), "{figures:?}, measured {contrast}");
 
     let steps = (-6..=6).flat_map(|y| (-5..=5).map(move |x| dvec2(f64::from(x), f64::from(y)) * 4e-3));
     let point = |at: DVec2| Target::new(Shape::Point { at: at.extend(0.1) });
