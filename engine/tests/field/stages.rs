@@ -274,12 +274,3 @@ fn a_map_of_more_pixels_than_are_kept_at_once_keeps_its_tolerance() {
         }
     }
 }
-
-#[test]
-fn a_map_taken_out_is_written_to_the_given_memory() {
-    let Shown { scene, drives, quantity, size, .. } = Shown::new(Quantity::Rms);
-    let request = Request::new(&scene, drives, quantity, size);
-    let (pixels, room) = (size.0 * size.1, 10 * size.0 * size.1);
-    let map = Stages::new(Evaluator::Cpu).take_map(&request, Vec::with_capacity(room)).unwrap();
-    assert!(map.values.len() == pixels && map.values.capacity() >= room);
-}
