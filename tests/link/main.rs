@@ -12,6 +12,7 @@ mod running;
 #[path = "../waiting/mod.rs"]
 mod waiting;
 
+use std::process::Command;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -311,6 +312,10 @@ fn ports_that_cannot_be_opened_give_a_reason() {
     assert!(lost("/dev/there-is-no-such-port".as_ref()).contains("there is no port"));
     assert!(lost(file!().as_ref()).contains("is not a serial port"));
     assert!(lost("/dev/null".as_ref()).contains("is not a serial port"));
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    assert!(lost(&pipe).contains("is not a serial port"));
     let pair = pair(Profile::SonicSurface);
     assert!(lost(pair.board.path()).contains("in use"));
 }

@@ -151,11 +151,12 @@ impl Aperture {
         self.boards().map(of_board).fold(DVec2::ZERO, DVec2::max)
     }
 
-    /// Height (m) of a point above the nearest board that it is in front of; 0 behind all boards.
+    /// Height (m) of a point above the nearest board that it is in front of; 0 behind all boards, and of a point that
+    /// is not finite.
     pub fn height(&self, point: DVec3) -> f64 {
         let heights = self.boards().map(|board| board.pose.local(point).z);
         let least = heights.filter(|height| *height > 0.0).fold(f64::INFINITY, f64::min);
-        if least.is_finite() { least } else { 0.0 }
+        if least.is_finite() && point.is_finite() { least } else { 0.0 }
     }
 
     /// The planes behind which some elements are silent: a point and the direction of radiation of each.

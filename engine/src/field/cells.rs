@@ -61,9 +61,9 @@ impl Cells {
         self.counts[0] * self.counts[1]
     }
 
-    /// Distance (m) from a point to the farthest cell of its interpolation, plus a cell.
+    /// Distance (m) from a point to the farthest cell of its interpolation.
     pub fn reach(&self) -> f64 {
-        (self.half_width + 1) as f64 * self.step
+        self.half_width as f64 * self.step
     }
 
     pub fn is_empty(&self) -> bool {

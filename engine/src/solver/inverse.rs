@@ -102,10 +102,10 @@ fn norm(moduli: &[f64]) -> f64 {
 /// The condition number is limited to 1/ε, the resolution of f64.
 pub fn rank_and_condition(transfer: &Transfer) -> (usize, f64) {
     let (matrix, _) = normalised(transfer, &vec![1.0; transfer.elements]);
-    let Some(values) = singular::values(matrix) else { return (0, 1.0 / f64::EPSILON) };
+    let values = singular::values(matrix).unwrap_or_default();
     let largest = values.iter().copied().fold(0.0, f64::max);
     if largest == 0.0 {
-        // The field of all elements is zero at all foci.
+        // The field of all elements is zero at all foci, or has no room in f64.
         return (0, 1.0 / f64::EPSILON);
     }
     let smallest = values.iter().copied().fold(f64::INFINITY, f64::min);

@@ -1,7 +1,7 @@
 //! Liquid surfaces under sound: displaced volume, invariances, errors, and moving surfaces.
 
 use glam::{DVec2, DVec3, dvec3};
-use sonoglyph::field::{Evaluator, FieldError, Pressed, Quantity, Request, Stages};
+use sonoglyph::field::{Evaluator, FieldError, Pressed, Quantity, Request, Stages, Work};
 use sonoglyph::scene::{Liquid, Plane, Shape, Target};
 use sonoglyph::solver;
 use sonoglyph::surface::Dent;
@@ -51,6 +51,19 @@ fn a_depression_displaces_the_weight_of_the_force_and_follows_the_envelope() {
         assert!((of_sine.volume / full.volume - 0.375).abs() < 1e-12);
         let (of_oil, ..) = pressed(1.0, &Liquid { surface_tension: Some(0.033), ..water });
         assert!(of_oil.depression.unwrap().deepest > 1.2 * full.deepest, "less tension, deeper depression");
+    }
+}
+
+#[test]
+fn the_surface_of_a_map_is_the_maps_own() {
+    let (scene, drives) = three_foci();
+    let request = Request::new(&scene, drives, Quantity::Depression, (64, 50));
+    for evaluator in [Evaluator::Reference, Evaluator::Cpu] {
+        let mut stages = Stages::new(evaluator);
+        stages.map(&request).unwrap();
+        let before = stages.work();
+        stages.surface(&request).unwrap();
+        assert_eq!(stages.work().since(before), Work::default(), "formed again, perhaps in other digits");
     }
 }
 

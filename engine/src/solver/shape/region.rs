@@ -75,8 +75,7 @@ impl Area {
         let along = along as i64;
         let point = |i: i64, j: i64| on_plane + x * (i as f64 * step - half) + y * (j as f64 * step - half);
         let points = (0..=along).flat_map(|j| (0..=along).map(move |i| point(i, j)));
-        let points: Vec<_> =
-            points.filter(|&point| aperture.height(point) > lowest && point.is_finite()).collect();
+        let points: Vec<_> = points.filter(|&point| aperture.height(point) > lowest).collect();
         (!points.is_empty()).then_some(Self::Points { points, spacing: step })
     }
 }
