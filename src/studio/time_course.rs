@@ -8,8 +8,8 @@ use std::fmt::Write;
 
 use glam::DVec3;
 use num_complex::Complex64;
-use rustfft::FftPlanner;
 
+use crate::fourier::coefficients;
 use crate::scene::{Envelope, Law, Modulation, Scene, motion};
 
 /// Drives in turn per second for a scene at rest.
@@ -152,7 +152,7 @@ impl Course {
         if let Some(period) = period.filter(|period| self.edges(*period) * band * period < MOST_PRODUCTS) {
             return Ok(lines(self.between_edges(&squares, band, period)));
         }
-        let harmonics = transformed(squares.into_iter().map(Complex64::from).collect());
+        let harmonics = coefficients(squares.into_iter().map(Complex64::from).collect());
         let reach = if self.rate > 0.0 { (1.0 + REACH) * band } else { band };
         let envelope = square_terms(&self.modulation, reach);
         let per_term = if cycle > 0.0 { band / cycle + 1.0 } else { 1.0 };
@@ -216,14 +216,6 @@ impl Course {
         };
         (0..=(band * period + ONE_LINE) as usize).map(term).collect()
     }
-}
-
-/// The coefficients of a repeated sequence.
-fn transformed(mut values: Vec<Complex64>) -> Vec<Complex64> {
-    let count = values.len();
-    FftPlanner::new().plan_fft_forward(count).process(&mut values);
-    values.iter_mut().for_each(|value| *value /= count as f64);
-    values
 }
 
 /// The coefficient of harmonic k of a sequence with each value held until the next.
@@ -295,7 +287,7 @@ fn file(modulation: &Modulation, reach: f64) -> Vec<Term> {
         samples.values.iter().map(|&x| 1.0 - modulation.depth * (1.0 - f64::from(x)) / 2.0).collect();
     let count = swing.len();
     let transform = |value: &dyn Fn(usize) -> f64| {
-        transformed((0..count).map(|index| Complex64::from(value(index))).collect())
+        coefficients((0..count).map(|index| Complex64::from(value(index))).collect())
     };
     // A piece from a to b is (1 - u)a + ub; its square is (1 - u)a² + ub² - u(1 - u)(b - a)².
     let (ends, bends) = match modulation.law {

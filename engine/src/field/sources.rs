@@ -316,12 +316,10 @@ mod tests {
             let layout = &aperture.faces[0].layout;
             let (near, far) = distances(layout, &samples);
             let (low, high) = samples.bounds();
-            for (at, corner) in layout
-                .positions
-                .iter()
-                .flat_map(|at| [low, high, DVec3::new(at.x, at.y, low.z)].map(|corner| (at, corner)))
-            {
-                assert!((near..=far).contains(&at.distance(corner)), "{at} {corner}: {near} to {far}");
+            for at in &layout.positions {
+                for corner in [low, high, at.with_z(low.z)] {
+                    assert!((near..=far).contains(&at.distance(corner)), "{at} {corner}: {near} to {far}");
+                }
             }
         }
     }

@@ -2,10 +2,8 @@
 
 use std::f64::consts::PI;
 use std::fmt;
-use std::sync::Arc;
 
-use rustdct::{DctPlanner, TransformType2And3};
-
+use crate::fourier::{Cosines, cosines};
 use crate::scene::Liquid;
 
 /// Limit of the surface's slope for the linear theory.
@@ -19,7 +17,7 @@ pub struct Tank {
     pub counts: [usize; 2],
     /// m, between the centres of neighbouring cells, along a row and from row to row.
     pub step: [f64; 2],
-    transforms: [Arc<dyn TransformType2And3<f64>>; 2],
+    transforms: [Cosines; 2],
 }
 
 impl fmt::Debug for Tank {
@@ -53,8 +51,7 @@ impl Tank {
     pub fn new(counts: [usize; 2], step: [f64; 2]) -> Self {
         assert!(counts.iter().all(|&count| count > 0), "no cells: {counts:?}");
         assert!(step.iter().all(|&step| step.is_normal() && step > 0.0), "no lengths: {step:?}");
-        let mut planner = DctPlanner::new();
-        Self { counts, step, transforms: counts.map(|count| planner.plan_dct2(count)) }
+        Self { counts, step, transforms: counts.map(cosines) }
     }
 
     pub fn len(&self) -> usize {
@@ -112,13 +109,9 @@ impl Tank {
     }
 
     /// Every row, then every column.
-    fn along_both(
-        &self,
-        values: &mut Vec<f64>,
-        process: impl Fn(&dyn TransformType2And3<f64>, &mut [f64], &mut [f64]),
-    ) {
+    fn along_both(&self, values: &mut Vec<f64>, process: impl Fn(&Cosines, &mut [f64], &mut [f64])) {
         for axis in [0, 1] {
-            let transform = &*self.transforms[axis];
+            let transform = &self.transforms[axis];
             let mut scratch = vec![0.0; transform.get_scratch_len()];
             for line in values.chunks_exact_mut(self.counts[axis]) {
                 process(transform, line, &mut scratch);
