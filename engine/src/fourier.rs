@@ -35,5 +35,6 @@ fn plan(length: usize) -> Arc<dyn Fft<f64>> {
 
 #[cfg(not(target_arch = "x86_64"))]
 fn plan(length: usize) -> Arc<dyn Fft<f64>> {
-    rustdct::rustfft::FftPlanner::new().plan_fft_forward(length)
+    use rustdct::rustfft::FftPlanner;
+    FftPlanner::new().plan_fft_forward(length)
 }

@@ -364,7 +364,7 @@ mod tests {
     #[test]
     fn maps_keep_their_tolerance_and_are_compared_with_the_exact_one() {
         let tolerances = vec![0.0, 1e-3];
-        let group = Group { evaluator: "cpu", size: 96, array: 16, plane: "tilted", tolerances };
+        let group = Group { evaluator: "cpu", size: 160, array: 16, plane: "tilted", tolerances };
         let records = measure(&group).unwrap();
         assert!(records[0].error < 2e-5 && records[1].error < 1e-3, "{records:?}");
         assert!(records[1].evaluated < records[0].evaluated, "{records:?}");
