@@ -22,8 +22,8 @@ pub fn coefficients(mut values: Vec<Complex64>) -> Vec<Complex64> {
     values
 }
 
-/// A planner is compiled where it is named, with kernels of many lengths: `FftPlanner`, which adds those for SSE, and one
-/// planner in each package, were a tenth of the time to compile them.
+/// rustfft's planners are generic: each crate that names one compiles the kernels of all lengths again. `FftPlanner` would add
+/// those for SSE, a tenth of this crate's compile time.
 #[cfg(target_arch = "x86_64")]
 fn plan(length: usize) -> Arc<dyn Fft<f64>> {
     use rustdct::rustfft::{FftPlannerAvx, FftPlannerScalar};

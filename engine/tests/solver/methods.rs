@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use glam::{DVec3, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::scene::{Focus, Method, Motion, MotionPath, Scene, Shape, Target};
+use sonoglyph::scene::{Focus, Method, Motion, MotionPath, Pressures, Scene, Shape, Target};
 use sonoglyph::solver::levels::Reached;
-use sonoglyph::solver::{self, Limits, Problem, frames, warning};
+use sonoglyph::solver::{self, Limits, Problem, Warning, frames, warning};
 
 const PLACES: [DVec3; 4] =
     [dvec3(-0.02, 0.004, 0.1), dvec3(-0.013, 0.004, 0.11), dvec3(0.02, 0.01, 0.12), dvec3(0.024, 0.008, 0.1)];
@@ -244,6 +244,22 @@ fn one_focus_reaches_its_bound_and_rounding_never_exceeds_it() {
         let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
         let certified = solution.certified(bound);
         assert!(certified <= 1.0 && certified > 1.0 - 1e-11, "{certified}");
+    }
+}
+
+#[test]
+fn targets_that_no_sound_reaches_are_too_loud() {
+    let at = dvec3(0.0, 0.0, 10.0);
+    let mut scene = Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() };
+    // 10 000 dB on the way: no number of f64 is that small.
+    scene.medium.absorption = Some(1e3);
+    scene.solver.pressures = Pressures::Pascal;
+    for method in [Method::Best, Method::Pinv, Method::Weighted, Method::Gs] {
+        scene.solver.method = method;
+        let solution = solver::solve(&scene).unwrap();
+        assert_eq!((solution.quality.mean_pressure, solution.turned_down), (0.0, 1.0), "{method:?}");
+        let is_too_loud = |warning: &Warning| matches!(warning, Warning::TooLoud { .. });
+        assert!(solution.warnings.iter().any(is_too_loud), "{method:?}: {:?}", solution.warnings);
     }
 }
 
