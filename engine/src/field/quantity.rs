@@ -450,6 +450,7 @@ mod tests {
             (Quantity::Rms, 1234.0, "1.23 kPa"),
             (Quantity::Rms, 56.78, "56.8 Pa"),
             (Quantity::Rms, 99.95, "100 Pa"),
+            (Quantity::Rms, 9.995, "10.0 Pa"),
             (Quantity::Depression, 2e-3, "2.00 mm"),
             (Quantity::Depression, 2e-5, "20.0 µm"),
             (Quantity::Phase, PI, "180 °"),

@@ -112,8 +112,8 @@ fn modulus_residual(problem: &Problem<'_>, excitation: &Excitation) -> f64 {
 /// An upper bound on min_m |p_m|/A_m over all drives with |u_n| ≤ 1.
 ///
 /// For weights w ≥ 0 and d > 0, min (|p_m|/A_m)² Σ w_m A_m² ≤ Σ w_m |p_m|² = u* H* W H u ≤ λmax(D^-½ H* W H D^-½) Σ d_n,
-/// the last because Σ d_n |u_n|² ≤ Σ d_n. Every choice of w and d is valid; the smaller of two is taken: equal weights,
-/// and the multipliers of the relaxed problem.
+/// the last because Σ d_n |u_n|² ≤ Σ d_n. Every choice of w and d is valid; the multipliers of the relaxed problem are
+/// taken. Each focus alone gives a bound, too.
 pub fn bound(problem: &Problem<'_>) -> f64 {
     /// Channels of the relaxed drive. Twice as many gain less than 0.1 %.
     const CHANNELS: usize = 8;
@@ -133,12 +133,10 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
     if alone < FAINTEST {
         return alone;
     }
-    let equal: Vec<_> = targets.iter().map(|target| 1.0 / (target * target)).collect();
-    let plain = dual(problem, &equal, &vec![1.0; transfer.elements]);
     let (foci, heard) = iteration::multipliers::<CHANNELS>(transfer, &targets, iterations);
     let least = 1e-3 * mean(&heard);
     let heard: Vec<_> = heard.iter().map(|h| h.max(least).max(f64::MIN_POSITIVE)).collect();
-    alone.min(plain).min(dual(problem, &foci, &heard))
+    alone.min(dual(problem, &foci, &heard))
 }
 
 /// The bound of given weights; infinite if its eigenvalue cannot be computed.

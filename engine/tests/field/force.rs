@@ -39,6 +39,7 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
     ] {
         let expected = forces(&scene, drives, &plane);
         let peak = expected.iter().copied().fold(0.0, f64::max);
+        let plane_width = plane.size.x;
         for tolerance in [1e-2, 1e-3, 1e-4] {
             let plane = Plane { tolerance, ..plane.clone() };
             let request = Request { plane, ..Request::new(&scene, drives.to_vec(), Quantity::Force, SIZE) };
@@ -51,6 +52,10 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
             let said: Vec<usize> = map.how.split_whitespace().filter_map(|word| word.parse().ok()).collect();
             if let [columns, rows, near] = said[..] {
                 assert_eq!(map.evaluated, columns * rows + near, "{name}: {}", map.how);
+                let step: f64 =
+                    map.how.split(" mm").next().unwrap().rsplit(' ').next().unwrap().parse().unwrap();
+                let width = 1e-3 * step * columns as f64;
+                assert!(width > plane_width && width < 2.0 * plane_width, "{name}: {}", map.how);
                 assert!(
                     (near > 0) == (name == "down to the array") && near < SIZE.0 * SIZE.1,
                     "{name}: {}",

@@ -248,6 +248,18 @@ fn one_focus_reaches_its_bound_and_rounding_never_exceeds_it() {
 }
 
 #[test]
+fn a_turned_solution_has_the_pressures_of_its_drive() {
+    let target = |&at: &DVec3| Target::new(Shape::Point { at });
+    let scene = |places: &[DVec3]| Scene { targets: places.iter().map(target).collect(), ..Scene::default() };
+    let [before, after] = [&PLACES[..2], &PLACES[1..3]].map(|places| solver::solve(&scene(places)).unwrap());
+    let turned = after.clone().turned_to(&before);
+    let aperture = Aperture::new(&scene(&PLACES));
+    let made = aperture.transfer(&PLACES[1..3]).pressure(&turned.drive.excitation(&aperture.driven));
+    assert_same(&turned.pressures, &made, "pressures");
+    assert!((turned.pressures[0] - after.pressures[0]).norm() > 1.0, "not turned at all");
+}
+
+#[test]
 fn targets_that_no_sound_reaches_are_too_loud() {
     let at = dvec3(0.0, 0.0, 10.0);
     let mut scene = Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() };
