@@ -2,7 +2,10 @@
 
 use rosc::OscType;
 use serde_json::json;
+use sonoglyph::control::edit::Edit;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
+use sonoglyph::scene::wave::{Samples, Wave};
+use sonoglyph::scene::{Envelope, Modulation, Scene};
 use sonoglyph::solver;
 use tungstenite::Message;
 
@@ -55,6 +58,20 @@ fn osc_moves_types_adds_and_removes_as_the_file_would() {
         }
     }
     assert_eq!(heard.len(), 4);
+}
+
+#[test]
+fn a_waveform_stays_when_its_depth_changes() {
+    let serving = Serving::local(TWO);
+    let samples = Samples { file: "a.wav".into(), rate: 8000.0, values: vec![0.0, 1.0] };
+    let (shape, file, wave) = (Envelope::File, "a.wav".to_owned(), Wave::new(samples));
+    let modulation = Modulation { shape, file, wave, ..Modulation::default() };
+    let scene = Scene { modulation: modulation.clone(), ..scene(TWO) };
+    serving.desk.change(&[Edit::Scene(Box::new(scene))]).unwrap();
+    serving.udp("osc").osc("modulation/depth", &floats([0.5]));
+    let now = || serving.desk.wish().0.scene.modulation.clone();
+    eventually("the depth", || now().depth == 0.5);
+    assert_eq!(now(), Modulation { depth: 0.5, ..modulation });
 }
 
 #[test]

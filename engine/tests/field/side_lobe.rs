@@ -109,6 +109,7 @@ fn planes_without_a_focus_and_planes_too_large_have_no_side_lobe() {
     for plane in [
         Plane { centre: dvec3(0.0, 0.0, 0.3), ..usual.clone() },
         Plane { centre: dvec3(0.3, 0.0, 0.1), ..usual.clone() },
+        Plane { centre: dvec3(0.0, -0.3, 0.1), ..usual.clone() },
         Plane { centre: dvec3(0.0, 0.05, 0.1), y_axis: DVec3::Z, ..usual.clone() },
     ] {
         scene.plane = plane;
