@@ -23,7 +23,7 @@ pub fn coefficients(mut values: Vec<Complex64>) -> Vec<Complex64> {
 }
 
 /// rustfft's planners are generic: each crate that names one compiles the kernels of all lengths again. `FftPlanner` would add
-/// those for SSE, a tenth of this crate's compile time.
+/// those for SSE, a tenth of this crate's LLVM code.
 #[cfg(target_arch = "x86_64")]
 fn plan(length: usize) -> Arc<dyn Fft<f64>> {
     use rustdct::rustfft::{FftPlannerAvx, FftPlannerScalar};
