@@ -36,7 +36,7 @@ fn serve(folder: &Path, args: &[&str]) -> (Child, BufReader<ChildStdout>, Udp) {
         .args(args)
         .current_dir(folder)
         .stdout(Stdio::piped())
-        .stderr(Stdio::null())
+        .stderr(Stdio::piped())
         .spawn()
         .unwrap();
     let mut out = BufReader::new(child.stdout.take().unwrap());
@@ -93,6 +93,8 @@ fn a_board_follows_falls_silent_and_comes_back() {
     };
     assert_eq!(status(&mut child).code(), Some(0));
     eventually("silence at the end", || is_silent(&board));
+    let said = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
+    assert!(said.contains("looking for it\n") && said.contains("the board is back\n"), "{said}");
 }
 
 #[test]
