@@ -1,9 +1,10 @@
 //! Tests of the fit of areas: derivatives against central differences, and fields known to be feasible.
 
 use glam::{DVec2, DVec3};
+use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::scene::{Liquid, Scene};
+use crate::scene::{Array, Liquid, Scene};
 use crate::solver::descent::{Descent, Function};
 use crate::solver::shape::grid::{Grid, Layout};
 use crate::solver::shape::objective::{Loudness, Objective, Quiet, Weights};
@@ -24,6 +25,11 @@ const ALONE: Weights = Weights {
     picture: 3.0,
     floor: 0.0,
 };
+
+/// 33 elements.
+fn small() -> Array {
+    Array { rows: 5, columns: 7, off: vec![3, 11], ..Array::default() }
+}
 
 fn table(aperture: &Aperture, points: &[DVec3]) -> Table<f64> {
     let mut table = Table::new(aperture.driven.len());
@@ -66,9 +72,7 @@ fn check(objective: &mut Objective<f64>, elements: usize, what: &str) {
 
 #[test]
 fn the_gradient_is_that_of_central_differences() {
-    let mut scene = Scene::default();
-    (scene.array.rows, scene.array.columns, scene.array.off) = (5, 7, vec![3, 11]);
-    let aperture = Aperture::new(&scene);
+    let aperture = Aperture::new(&Scene { array: small(), ..Scene::default() });
     let stroke: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();
     let elsewhere: Vec<_> = (0..19).map(|i| DVec3::new(-0.05, 2e-3 * f64::from(i), 0.06)).collect();
     let scattered: Vec<_> =
@@ -94,6 +98,31 @@ fn the_gradient_is_that_of_central_differences() {
     let samples = Samples::Table(table(&aperture, &scattered));
     objective.picture = Some(Picture::new(samples, Wanted::new(wanted, vec![1.0; 40]), None));
     check(&mut objective, aperture.driven.len(), "a table");
+}
+
+#[test]
+fn the_fit_of_any_number_of_samples_is_its_formula() {
+    let aperture = Aperture::new(&Scene { array: small(), ..Scene::default() });
+    for count in 1..20 {
+        let of = |from: usize| (from..from + count).map(scatter).collect::<Vec<_>>();
+        let points: Vec<_> = of(0).iter().map(|&x| DVec3::new(0.05 * x, 0.01, 0.06)).collect();
+        let (wanted, weights, phases) = (of(100), of(200), of(300));
+        let table = table(&aperture, &points);
+        let mut drive = table.excitation();
+        let played: Vec<_> = (0..aperture.driven.len()).map(|n| Complex64::cis(phases[n % count])).collect();
+        for (n, u) in played.iter().enumerate() {
+            (drive.re[n], drive.im[n]) = (u.re, u.im);
+        }
+        let pressures = aperture.transfer(&points).pressure(&played);
+        let i: Vec<_> = pressures.iter().map(|p| (SCALE * p).norm_sqr()).collect();
+        let sum = |of: &dyn Fn(usize) -> f64| (0..count).map(|n| weights[n] * of(n)).sum::<f64>();
+        let s = sum(&|n| i[n] * wanted[n]) / sum(&|n| i[n] * i[n]);
+        let error = sum(&|n| (s * i[n] - wanted[n]).powi(2)) / sum(&|n| wanted[n] * wanted[n]);
+        let samples = Samples::Table(table);
+        let fit = Picture::new(samples, Wanted::new(wanted, weights), None).hear(&[drive]).unwrap();
+        assert!((fit.error - error).abs() < 1e-9, "{count}: {} is {error}", fit.error);
+        assert!((fit.scale / s - 1.0).abs() < 1e-9, "{count}: {} is {s}", fit.scale);
+    }
 }
 
 #[test]

@@ -18,6 +18,8 @@ mod real;
 mod region;
 mod response;
 mod samples;
+#[cfg(test)]
+mod schedule;
 mod start;
 mod surroundings;
 mod table;

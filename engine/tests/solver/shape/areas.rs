@@ -166,13 +166,16 @@ fn a_depression_fits_better_as_the_target_than_by_pressure() {
             solution.figures.unwrap().areas.unwrap().error
         })
     };
-    let focus = |x: f64| Target::new(Shape::Point { at: AT + dvec3(x, 0.0, 0.0) });
+    let focus = |x: f64, pressure: f64| Target {
+        pressure,
+        ..Target::new(Shape::Point { at: AT + dvec3(x, 0.0, 0.0) })
+    };
     let corners = [(-20.0, -16.0), (20.0, -16.0), (20.0, 0.0), (0.0, 18.0), (-20.0, 0.0)];
     // Foci are discs as wide as strokes, λ/2, which is below the array's resolution.
     for (targets, part, most) in [
         (vec![path(&corners)], 0.9, 0.12),
-        (vec![focus(0.0)], 0.96, 0.62),
-        (vec![focus(0.02), focus(-0.02)], 0.96, 0.65),
+        (vec![focus(0.0, 1.0)], 0.96, 0.62),
+        (vec![focus(0.02, 1.0), focus(-0.02, 0.5)], 0.96, 0.65),
     ] {
         let [wanted, other] = errors(targets);
         assert!(wanted < part * other && wanted < most, "{wanted}, and {other} with the pressure as target");
