@@ -184,10 +184,15 @@ struct Web(WebSocket<MaybeTlsStream<TcpStream>>);
 impl Web {
     fn new(address: &str) -> Self {
         let (socket, _) = tungstenite::connect(address).unwrap();
-        if let MaybeTlsStream::Plain(stream) = socket.get_ref() {
-            stream.set_read_timeout(Some(PATIENCE)).unwrap();
+        let web = Self(socket);
+        web.expect_within(PATIENCE);
+        web
+    }
+
+    fn expect_within(&self, time: Duration) {
+        if let MaybeTlsStream::Plain(stream) = self.0.get_ref() {
+            stream.set_read_timeout(Some(time)).unwrap();
         }
-        Self(socket)
     }
 
     fn send(&mut self, text: &str) {

@@ -1,5 +1,7 @@
 //! Commands of every protocol edit the scene as its file would, atomically.
 
+use std::time::Duration;
+
 use rosc::OscType;
 use serde_json::json;
 use sonoglyph::control::edit::Edit;
@@ -178,6 +180,10 @@ fn json_edits_are_answered_with_state_and_maps() {
 
     let mut watcher = serving.web();
     assert!(watcher.ask(r#"{"watch": true, "id": "w"}"#)["state"]["sends"].as_bool().unwrap());
+    web.ask(r#"{"stop": true, "id": 8}"#);
+    while watcher.heard()["state"]["sends"] == true {}
+    web.ask(r#"{"send": true, "id": 9}"#);
+    while watcher.heard()["state"]["sends"] == false {}
     web.send(
         r#"{"scene": {"target": [{"at": [0, 0, 0.15]}], "array": {"rows": 4, "columns": 4}}, "stop": true}"#,
     );
@@ -189,6 +195,10 @@ fn json_edits_are_answered_with_state_and_maps() {
     };
     assert_eq!((&seen["id"], &seen["state"]["sends"]), (&json!("w"), &json!(false)));
     serving.has_foci_of("format = 1\n[array]\nrows = 4\ncolumns = 4\n[[target]]\nat = [0, 0, 0.15]\n");
+    // Nothing changes any more.
+    watcher.expect_within(Duration::from_millis(300));
+    let late = std::iter::from_fn(|| watcher.0.read().ok()).take(20).count();
+    assert!(late < 20, "{late} states of an unchanged scene");
 }
 
 #[test]
@@ -223,6 +233,8 @@ fn impossible_json_requests_are_answered_and_change_nothing() {
     web.0.send(Message::binary(vec![1, 2, 3])).unwrap();
     assert_eq!(web.heard()["error"], "messages are JSON, and text");
     assert_eq!(serving.desk.generation(), 1);
+    let counts = &web.ask(r#"{"state": true}"#)["state"]["counts"];
+    assert_eq!((&counts["malformed"], &counts["refused"]), (&json!(14), &json!(6)));
     // A published array is not a file.
     assert_eq!(web.ask(r#"{"scene": {"array": {"elements": "preset:tinylev-72"}}, "id": 1}"#)["done"], 2);
 }

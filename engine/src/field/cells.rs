@@ -187,6 +187,14 @@ mod tests {
         let area = cells.integral(scene.plane.size, (0..cells.len()).map(|_| 1.0));
         assert!((area - 0.04).abs() < 1e-12, "{area}");
         assert_eq!((smooth(7), smooth(121), smooth(0)), (8, 125, 1));
+        for (width, margin) in [(0.1, 0.0), (0.1234, 0.0), (0.0501, 0.001), (0.2, 0.03), (0.2003, 0.0307)] {
+            let plane = Plane { size: DVec2::new(width, 0.07), ..scene.plane.clone() };
+            let cells = Cells::new(&aperture, &plane, margin, 1e-3).unwrap();
+            let needed = plane.size + 2.0 * f64::max(margin, cells.half_width as f64 * cells.step);
+            assert!(cells.plane.size.cmpge(needed - 1e-12).all(), "{width}, {margin}: {cells:?}");
+            // Squares are twice as far off.
+            assert!(cells.plane.tolerance < plane.tolerance / 2.0, "{cells:?}");
+        }
         let endless = Plane { size: DVec2::splat(50.0), ..scene.plane };
         assert_eq!(Cells::new(&aperture, &endless, 0.0, 1e-3), None);
     }

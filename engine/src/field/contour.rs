@@ -226,6 +226,17 @@ mod tests {
             };
             assert!(lines.iter().all(|line| on_edge(&line[0]) && on_edge(line.last().unwrap())), "{level}");
         }
+        // Half a hill on each edge: both ends of its line are on this edge.
+        let (right, top) = (WIDTH as f32 - 0.5, HEIGHT as f32 - 0.5);
+        for (x, y) in [(0.5, 35.0), (right, 35.0), (45.0, 0.5), (45.0, top)] {
+            for sign in [1.0, -1.0] {
+                let found = of(sign * 20.0, |i| sign * (40.0 - (at(i).0 - x).hypot(at(i).1 - y)));
+                let [line] = &found[..] else { panic!("{x}, {y}: {} lines", found.len()) };
+                for end in [line[0], line[line.len() - 1]] {
+                    assert!(end[0] == x || end[1] == y, "{x}, {y}: {end:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -67,6 +67,29 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
 }
 
 #[test]
+fn force_curves_run_from_one_end_to_the_other() {
+    const REACH: f64 = 0.004;
+    let (scene, drives) = three_foci();
+    let levitation = Levitation::new(&scene, &Aperture::new(&scene), &drives[..1]);
+    let at = dvec3(0.001, -0.002, 0.098);
+    for (count, step) in [(1, 0.0), (2, 0.008), (9, 0.001)] {
+        for (axis, curve) in
+            [DVec3::X, DVec3::Y, DVec3::Z].into_iter().zip(levitation.curves(at, REACH, count))
+        {
+            assert_eq!(curve.len(), count);
+            for (i, [place, force]) in curve.into_iter().enumerate() {
+                assert!((place + REACH - step * i as f64).abs() < 1e-12, "{axis}, {i} of {count}: {place}");
+                let expected = levitation.force(at + axis * place).dot(axis);
+                assert!(
+                    (force - expected).abs() <= 1e-9 * expected.abs(),
+                    "{axis}, {place}: {force}, {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn a_force_map_scales_with_the_envelope_and_is_exact_by_the_reference() {
     let (scene, drives) = three_foci();
     let request = Request::new(&scene, drives[..1].to_vec(), Quantity::Force, SIZE);

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::field::{Evaluator, NoSideLobe, Samples, SideLobe, Stages, reference, side_lobe};
-use sonoglyph::scene::{Method, Plane, Scene, Shape, Target};
+use sonoglyph::scene::{Board, Method, Plane, Scene, Shape, Target};
 use sonoglyph::solver::{self, Solution};
 
 fn solved(points: &[DVec3], method: Method) -> (Scene, Solution) {
@@ -99,6 +99,37 @@ fn the_main_lobe_along_the_beam_is_no_side_lobe() {
         "louder than the side lobe is only the focus: {:?}",
         louder.collect::<Vec<_>>()
     );
+}
+
+#[test]
+fn the_side_lobe_is_that_of_the_driven_elements_wherever_the_array_has_others() {
+    let focus = dvec3(-0.05, 0.01, 0.1);
+    let (mut half, _) = solved(&[focus], Method::Focus);
+    half.array.off = (0..256).filter(|n| n % 16 >= 8).collect();
+    let mut alone = half.clone();
+    (alone.array.columns, alone.array.off) = (8, Vec::new());
+    alone.boards = vec![Board { at: dvec3(-0.042, 0.0, 0.0), ..Board::default() }];
+    let [half, alone] = [half, alone].map(|mut scene| {
+        scene.plane = Plane { centre: focus, size: DVec2::splat(0.1), ..Plane::default() };
+        side_lobe_of(&scene, &solver::solve(&scene).unwrap()).unwrap()
+    });
+    assert!((half.part / alone.part - 1.0).abs() < 1e-9, "{half:?}, {alone:?}");
+    assert!(half.position.distance(alone.position) < 1e-9, "{half:?}, {alone:?}");
+}
+
+/// Boards below and beside the focus: a side lobe of one is in the long main lobe of the other.
+#[test]
+fn the_main_lobe_of_several_boards_is_common_to_all() {
+    let focus = dvec3(0.0, 0.0, 0.12);
+    let (mut scene, _) = solved(&[focus], Method::Focus);
+    scene.boards =
+        vec![Board::default(), Board { at: dvec3(-0.12, 0.0, 0.12), normal: DVec3::X, x_axis: DVec3::Y }];
+    scene.plane = Plane { centre: focus, y_axis: DVec3::Z, size: DVec2::splat(0.08), ..Plane::default() };
+    let solution = solver::solve(&scene).unwrap();
+    let found = side_lobe_of(&scene, &solution).unwrap();
+    let loudest = maxima(&scene, &solution);
+    let (place, pressure) = loudest.iter().find(|(place, _)| place.distance(focus) > 0.0085).unwrap();
+    assert!((found.pressure / pressure - 1.0).abs() < 5e-3, "{found:?}, not {pressure} at {place}");
 }
 
 #[test]

@@ -266,6 +266,18 @@ fn the_gpu_draws_what_the_cpu_draws() {
 }
 
 #[test]
+fn a_picture_too_large_for_the_gpu_is_refused() {
+    let Some(gpu) = gpu() else { return };
+    let volume = Arc::new(gaussian(&BLOCK, CENTRE, WIDTHS, 0.004));
+    let (scenery, camera) = (scenery(BLOCK, Body::Hidden), Camera::of(&BLOCK, [0.7, 0.4], 1.0, true));
+    for size in [(1 << 20, 2), (2, 1 << 20)] {
+        let shot = Shot::new(&scenery, &volume, &camera, size);
+        let refused = SpacePainting::default().paint(&gpu, (&shot, &scenery), &volume, false);
+        assert!(refused.unwrap_err().to_string().contains("too large"), "{size:?}");
+    }
+}
+
+#[test]
 fn the_maximum_of_a_volume_is_in_its_bricks() {
     let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
     let place = ((CENTRE - volume.lattice.first) / volume.lattice.step).as_uvec3() / BRICK;

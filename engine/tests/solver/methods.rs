@@ -184,8 +184,10 @@ fn figures_follow_their_definitions() {
         let reached = Reached::new(&problem, &solution.drive);
         near(reached.mean_pressure, quality.mean_pressure, "mean of the drive");
         near(reached.spread, quality.spread, "spread of the drive");
-        let weakest = relative(&problem, &played).into_iter().fold(f64::INFINITY, f64::min);
+        let relative = relative(&problem, &played);
+        let weakest = relative.iter().copied().fold(f64::INFINITY, f64::min);
         near(reached.weakest, weakest, "weakest of the drive");
+        near(quality.evenness, weakest / relative.iter().sum::<f64>() * 4.0, "evenness");
         let largest = free.iter().map(|u| u.norm_sqr()).fold(0.0, f64::max);
         near(
             quality.efficiency,

@@ -84,6 +84,7 @@ fn every_stage_weighs_and_hears_what_it_is_for() {
                 let mut search = Search::new(&problem, &surroundings);
                 let stages = stages(&mut search, &what);
                 let has_areas = fill || aim == Aim::Depression;
+                assert_eq!(search.objective.has_strokes(), !has_areas, "{what}");
                 let is_through = |wanted: Stage| stages.contains(&wanted);
                 assert_eq!(is_through(Stage::Area(0)), has_areas, "{what}: {stages:?}");
                 assert_eq!(is_through(Stage::Last(0)), quiet > 0.0 && !has_areas, "{what}: {stages:?}");
