@@ -54,7 +54,6 @@ impl Reduced {
         let (mut inner, outer) =
             if matrix.rows < matrix.columns { (matrix.triangle(isa), Some(matrix)) } else { (matrix, None) };
         let (diagonal, upper) = isa.run(Reduction { matrix: &mut inner, b: &mut b });
-        b.truncate(inner.columns);
         let mut phases = vec![Complex64::ONE; inner.columns];
         for i in 0..inner.columns {
             let left = phase(diagonal[i] * phases[i]);

@@ -33,3 +33,20 @@ pub fn phase_steps(phases: &[&[f64]], driven: &[usize], frames: usize) -> PhaseS
     steps.rms = (squares / (driven.len() * frames) as f64).sqrt();
     steps
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_go_the_short_way_of_driven_elements_and_from_the_last_frame_to_the_first() {
+        // The element in the middle is off. One frame is played twice.
+        let frames = [[0.1, 9.0, 0.5], [6.2, 1.0, 0.8], [0.3, 0.0, 0.6]];
+        let frames: Vec<_> = frames.iter().map(|phases| &phases[..]).collect();
+        let steps = phase_steps(&frames, &[0, 2], 4);
+        let expected = [0.2, 0.1, TAU - 6.1, 0.3, TAU - 5.9, 0.2];
+        let squares: f64 = expected.iter().map(|step: &f64| step * step).sum();
+        assert!((steps.largest - (TAU - 5.9)).abs() < 1e-12 && steps.to == 2, "{steps:?}");
+        assert!((steps.rms - (squares / 8.0).sqrt()).abs() < 1e-12, "{steps:?}");
+    }
+}

@@ -107,22 +107,9 @@ impl Probes {
         if let ([excitation], Some(sounds)) = (excitations, &got.sounds) {
             let expected = self.sounds(excitation);
             let off = expected.iter().zip(sounds).map(|(expected, got)| expected.less(got));
-            // From |P|²/(ρc²) to its potential; slopes add at most as much.
-            let [of_pressure, of_gradient] = constants.of_potential;
-            let potential =
-                (of_pressure / constants.of_pressure).abs().max((of_gradient / constants.of_gradient).abs());
-            let square = |sound: &Sound<f64>| constants.of_pressure * sound.p.norm_sqr();
             let norm = |off: Sound<f64>| match declaration.norm {
                 Norm::Value => Some(quantity.exact_value((declaration.exact)(off, &constants))),
                 Norm::Pressure => Some(off.p.norm()),
-                // For squares, 2 a δa at the loudest point, which the probes may miss by chance.
-                Norm::Difference if declaration.is_square => {
-                    let loudest = expected.iter().map(square).fold(0.0, f64::max);
-                    let along = off.x.norm_sqr() + off.y.norm_sqr();
-                    let slopes = constants.of_gradient * (along + off.n.norm_sqr());
-                    let unit = if quantity == Quantity::Gorkov { potential } else { 1.0 };
-                    Some(unit * request.part * 2.0 * (loudest * (square(&off) + slopes)).sqrt())
-                }
                 Norm::Difference => None,
             };
             if let Some(norms) = off.map(norm).collect::<Option<Vec<_>>>() {
