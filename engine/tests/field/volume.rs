@@ -242,6 +242,73 @@ fn every_object_is_drawn_at_its_place() {
 }
 
 #[test]
+fn a_view_of_a_box_shows_all_its_corners_and_no_wide_margin() {
+    let size = DVec2::new(130.0, 100.0);
+    for direction in [[0.6, 0.36], [0.0, 0.0], [2.0, 1.57], [4.0, -0.7], [1.0, -1.5]] {
+        for is_perspective in [true, false] {
+            let camera = Camera::of(&BLOCK, direction, 1.3, is_perspective);
+            let projection = camera.projection(size);
+            let corners = (0..8).map(|i| {
+                let side = |bit: i32| if i & bit == 0 { -0.5 } else { 0.5 };
+                let at = BLOCK.centre + BLOCK.size * DVec3::new(side(1), side(2), side(4));
+                (projection.screen(at).unwrap().0 / size - 0.5).abs().max_element()
+            });
+            let farthest = corners.fold(0.0, f64::max);
+            assert!((0.4..0.5).contains(&farthest), "{direction:?} {is_perspective}: {farthest}");
+        }
+    }
+}
+
+/// The pixels that differ from an empty picture, seen from above; the second item is drawn over the first.
+fn drawn_from_above(items: Vec<Item>, is_perspective: bool) -> Vec<(DVec2, [u8; 4])> {
+    let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.004);
+    let camera = Camera::of(&BLOCK, [0.0, std::f64::consts::FRAC_PI_2], 1.0, is_perspective);
+    let size = (120, 120);
+    let picture = |items: Vec<Item>| {
+        let scenery = Scenery { items, ..scenery(BLOCK, Body::Hidden) };
+        march::picture(&Shot::new(&scenery, &volume, &camera, size), &volume, &scenery.table, false)
+    };
+    let (own, ground) = (picture(items), picture(Vec::new()));
+    let place = |i: usize| DVec2::new((i % size.0) as f64 + 0.5, (i / size.0) as f64 + 0.5);
+    let pairs = own.as_chunks::<4>().0.iter().zip(ground.as_chunks::<4>().0).enumerate();
+    pairs.filter(|(_, (own, ground))| own != ground).map(|(i, (own, _))| (place(i), *own)).collect()
+}
+
+#[test]
+fn objects_have_their_size_and_lines_on_a_panel_are_seen() {
+    let at = BLOCK.centre;
+    let colour = Vec4::new(0.2, 0.9, 0.6, 1.0);
+    let half = [DVec3::X * 0.012, DVec3::Y * 0.009];
+    let camera = Camera::of(&BLOCK, [0.0, std::f64::consts::FRAC_PI_2], 1.0, false);
+    let projection = camera.projection(DVec2::splat(120.0));
+    let [low, high] =
+        [at - half[0] - half[1], at + half[0] + half[1]].map(|at| projection.screen(at).unwrap().0);
+    let sides = (high - low).abs();
+    for (item, sides, wanted) in [
+        (Item::Dot { at, radius: 6.0, colour, shine: 0.0 }, DVec2::splat(12.0), std::f64::consts::PI * 36.0),
+        (Item::Panel { centre: at, half, colour }, sides, sides.element_product()),
+        (Item::Slice { centre: at, half, opacity: 1.0 }, sides, sides.element_product()),
+    ] {
+        let name = format!("{item:?}");
+        let area = drawn_from_above(vec![item], false).len() as f64;
+        assert!((area - wanted).abs() < 0.5 * sides.element_sum(), "{name}: {area} pixels, not {wanted}");
+    }
+    for is_perspective in [true, false] {
+        let line = Item::Line {
+            ends: [at - half[0], at + half[0]],
+            width: 4.0,
+            colour: Vec4::new(1.0, 0.0, 0.0, 1.0),
+            shine: 0.0,
+        };
+        let panel = Item::Panel { centre: at, half, colour: Vec4::new(0.0, 0.0, 1.0, 1.0) };
+        for items in [vec![line, panel], vec![panel, line]] {
+            let red = drawn_from_above(items, is_perspective).into_iter().filter(|(_, rgba)| rgba[0] > 150);
+            assert!(red.count() > 100);
+        }
+    }
+}
+
+#[test]
 fn the_gpu_draws_what_the_cpu_draws() {
     let Some(gpu) = gpu() else { return };
     let volume = Arc::new(gaussian(&BLOCK, CENTRE, WIDTHS, 0.0013));
