@@ -80,7 +80,7 @@ fn brightest(values: &[f32]) -> f64 {
 fn pixels_agree_with_counted_rays() {
     // The second screen is beside the focus, whose light reaches it.
     for (light, aside, screen) in
-        [(Light::Through, 0.0, 0.05), (Light::Reflected, 0.0, 0.05), (Light::Through, -0.025, 0.4)]
+        [(Light::Through, 0.0, 0.05), (Light::Reflected, 0.0, 0.05), (Light::Through, -0.045, 2.0)]
     {
         let mut request = request((60, 50));
         (request.liquid.light, request.liquid.screen, request.plane.centre.x) = (light, screen, aside);

@@ -3,6 +3,7 @@
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
+use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
 use sonoglyph::scene::{Aim, Grey, Method, Pixels, Sampling, Scene, Shape, Target, check, motion, outline};
 use sonoglyph::solver::{self, Problem, Solution, Surroundings, frames};
 
@@ -152,6 +153,35 @@ fn strokes_and_areas_of_one_drawing_are_equally_loud() {
     }
 }
 
+fn focus(x: f64, pressure: f64) -> Target {
+    Target { pressure, ..Target::new(Shape::Point { at: AT + dvec3(x, 0.0, 0.0) }) }
+}
+
+/// The depth follows the square of the pressure.
+#[test]
+fn foci_of_a_depression_are_dents_of_their_targets() {
+    let mut scene = scene(vec![focus(0.02, 1.0), focus(-0.02, 0.5)]);
+    scene.solver.target = Aim::Depression;
+    let drives = solver::solve(&scene).unwrap().drives();
+    let request = Request::new(&scene, drives, Quantity::Depression, (100, 100));
+    let depth = Stages::new(Evaluator::Cpu).map(&request).unwrap().values.clone();
+    let pixel = scene.plane.size / 100.0;
+    let place = |i: usize| (dvec2((i % 100) as f64, (i / 100) as f64) - 49.5) * pixel;
+    let deepest = |is_in: &dyn Fn(DVec2) -> bool| {
+        depth
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| is_in(place(*i)))
+            .map(|(_, depth)| *depth)
+            .fold(0.0, f32::max)
+    };
+    let near = |x: f64| deepest(&|at| at.distance(dvec2(x, 0.0)) < 0.003);
+    let (first, second) = (near(0.02), near(-0.02));
+    let rest = deepest(&|at| (at.abs() - dvec2(0.02, 0.0)).length() > 0.012);
+    let part = second / first;
+    assert!((0.15..0.4).contains(&part) && rest < 0.4 * first, "{first}, {second}, {rest} m");
+}
+
 #[test]
 fn a_depression_fits_better_as_the_target_than_by_pressure() {
     let errors = |targets: Vec<Target>| {
@@ -165,10 +195,6 @@ fn a_depression_fits_better_as_the_target_than_by_pressure() {
             solution.judge(&scene, &Problem::of_scene(&scene, &aperture, solution.foci.clone()));
             solution.figures.unwrap().areas.unwrap().error
         })
-    };
-    let focus = |x: f64, pressure: f64| Target {
-        pressure,
-        ..Target::new(Shape::Point { at: AT + dvec3(x, 0.0, 0.0) })
     };
     let corners = [(-20.0, -16.0), (20.0, -16.0), (20.0, 0.0), (0.0, 18.0), (-20.0, 0.0)];
     // Foci are discs as wide as strokes, λ/2, which is below the array's resolution.
