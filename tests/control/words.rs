@@ -1,10 +1,12 @@
 //! Commands of every protocol edit the scene as its file would, atomically.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use rosc::OscType;
 use serde_json::json;
-use sonoglyph::control::edit::Edit;
+use sonoglyph::control::desk::Desk;
+use sonoglyph::control::edit::{Edit, Wish};
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
 use sonoglyph::scene::wave::{Samples, Wave};
 use sonoglyph::scene::{Envelope, Modulation, Scene};
@@ -77,6 +79,19 @@ fn a_waveform_stays_when_its_depth_changes() {
 }
 
 #[test]
+fn a_wish_of_the_user_replaces_only_the_one_that_it_was_made_from() {
+    let desk = Desk::new(Arc::new(scene(TWO)), Box::new(|| {}));
+    let (wish, first) = desk.wish();
+    let sending = Wish { sends: true, ..wish.clone() };
+    let second = desk.put(first, sending.clone()).unwrap();
+    assert_eq!((second, desk.generation()), (first + 1, first + 1));
+    assert_eq!(desk.put(first, wish.clone()), None);
+    assert!(desk.wish().0.sends && desk.generation() == second);
+    assert_eq!(desk.put(second, wish), Some(second + 1));
+    assert!(!desk.wish().0.sends);
+}
+
+#[test]
 fn a_bundle_is_one_atomic_change() {
     let serving = Serving::local(TWO);
     let osc = serving.udp("osc");
@@ -127,7 +142,7 @@ fn ultraino_commands_place_points_with_y_upwards_and_play_at_commit() {
     ultraino.send(b"place 2 9 9 9");
     ultraino.send(b"delete 2");
     ultraino.send(b"update");
-    std::thread::sleep(std::time::Duration::from_millis(100));
+    std::thread::sleep(Duration::from_millis(100));
     serving.has_foci_of(TWO);
     assert!(!serving.desk.wish().0.sends);
     ultraino.send(b"commit");

@@ -53,6 +53,8 @@ fn assert_consistent(search: &mut Search<'_>, stage: Stage, what: &str) {
     let weights = search.objective.weights;
     assert_eq!(matches!(weights.loudness, Loudness::Twelve), is_sharp, "{what}");
     assert_eq!(weights.quiet > 0.0, is_quiet && !is_first, "{what}");
+    // Strokes keep a part of their strength.
+    assert_eq!(weights.floor > 0.0, is_quiet && !is_first && !has_areas, "{what}");
 }
 
 /// The stages of a search until its end, each with its drive.
