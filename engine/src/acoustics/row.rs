@@ -382,6 +382,50 @@ mod tests {
         }
     }
 
+    /// Half-turns of a wave on its way, in the digits of two f64 until they are less than two.
+    fn half_turns(away: DVec3, wavenumber: f64) -> f64 {
+        let product = |a: f64, b: f64| [a * b, a.mul_add(b, -(a * b))];
+        let sum = |a: f64, b: f64| {
+            let sum = a + b;
+            let kept = sum - a;
+            [sum, (a - (sum - kept)) + (b - kept)]
+        };
+        let mut square = [0.0; 2];
+        for [high, low] in away.to_array().map(|x| product(x, x)) {
+            let [next, rest] = sum(square[0], high);
+            square = [next, square[1] + low + rest];
+        }
+        let r = (square[0] + square[1]).sqrt();
+        let rest = ((-r).mul_add(r, square[0]) + square[1]) / (2.0 * r);
+        let [turning, turning_rest] = over_pi(wavenumber);
+        let [turns, low] = product(r, turning);
+        (turns % 2.0) + (low + r * turning_rest + rest * turning)
+    }
+
+    #[test]
+    fn phases_of_far_points_lose_no_more_than_the_squared_distance_rounds() {
+        let mut scene = Scene::default();
+        scene.array.element = ElementModel::Point;
+        let aperture = Aperture::new(&scene);
+        let elements = Elements::new(&aperture.element, &aperture.faces[0], &aperture.driven);
+        let wavenumber = aperture.element.wavenumber;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for i in 1..20 {
+            let point = DVec3::new(0.37 * f64::from(i), -0.61 * f64::from(i), 2.3 * f64::from(i));
+            let (mut re, mut im) = (vec![0.0; 256], vec![0.0; 256]);
+            elements.fill(point, &mut re, &mut im);
+            for (n, position) in aperture.positions.iter().enumerate() {
+                let away = point - *position;
+                // i e^(-ikr)
+                let expected = Complex64::cis(PI * (0.5 - half_turns(away, wavenumber)));
+                let off = (Complex64::new(re[n], im[n]) * expected.conj()).arg();
+                sum += off.abs() / (wavenumber * away.length());
+                count += 1.0;
+            }
+        }
+        assert!(sum / count < 7e-17, "{:e} of the phase on average", sum / count);
+    }
+
     #[test]
     fn rows_are_the_single_transfers() {
         let models = [ElementModel::Piston, ElementModel::Point, ElementModel::ExactPiston];
