@@ -81,8 +81,9 @@ impl Cells {
     pub fn mirrored(&self, values: &[f64], part: f64) -> Vec<f32> {
         let from = |axis: usize| -> Vec<usize> {
             let (count, reach) = (self.counts[axis], self.half_width);
+            // There are at least twice as many cells as the window reaches.
             let fold = |i: usize| {
-                let place = (i + (2 * reach.div_ceil(2 * count) * count) - reach) % (2 * count);
+                let place = (i + 2 * count - reach) % (2 * count);
                 if place < count { place } else { 2 * count - 1 - place }
             };
             (0..count + 2 * reach).map(fold).collect()

@@ -7,8 +7,8 @@ use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::{Air, Aperture};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::quantity::{Constants, NORMAL, Norm, PRESSURE, Sound};
-use sonoglyph::field::{By, Map, Quantity, Request, Samples, Stages, reference};
-use sonoglyph::scene::{Plane, Scene};
+use sonoglyph::field::{By, Evaluator, Map, Quantity, Request, Samples, Stages, reference};
+use sonoglyph::scene::{Board, Plane, Scene};
 use sonoglyph::surface::Tank;
 
 use crate::model;
@@ -173,6 +173,36 @@ fn every_quantity_keeps_the_tolerance_on_any_plane() {
                         );
                     }
                 }
+            }
+        }
+    }
+}
+
+/// Also in the board's plane, where neighbours for slopes would be behind it.
+#[test]
+fn a_scene_moved_as_a_whole_has_the_same_maps() {
+    const SMALL: (usize, usize) = (24, 20);
+    let (mut scene, drives) = three_foci();
+    let offset = dvec3(0.03, -0.02, 0.07);
+    let is_pointwise = |quantity: &Quantity| !quantity.declaration().of_liquid;
+    for height in [0.0, 2e-7, 0.003, 0.02, 0.1] {
+        scene.plane.centre = DVec3::Z * height;
+        let moved = Scene {
+            boards: vec![Board { at: offset, ..Board::default() }],
+            plane: Plane { centre: scene.plane.centre + offset, ..scene.plane.clone() },
+            ..scene.clone()
+        };
+        for quantity in Quantity::ALL.into_iter().filter(is_pointwise) {
+            for evaluator in [Evaluator::Cpu, Evaluator::Reference] {
+                let mut stages = Stages::new(evaluator);
+                let [here, there] = [&scene, &moved].map(|scene| {
+                    let request = Request::new(scene, drives[..1].to_vec(), quantity, SMALL);
+                    stages.map(&request).unwrap().clone()
+                });
+                let off =
+                    here.values.iter().zip(&there.values).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                assert_eq!(here.by, there.by, "{quantity:?}, {height} m: {}, {}", here.how, there.how);
+                assert!(off <= 1e-6 * here.peak, "{quantity:?}, {height} m: {off:e} of {}", here.peak);
             }
         }
     }

@@ -314,6 +314,27 @@ fn objects_have_their_size_and_no_panel_hides_a_line_on_it() {
 }
 
 #[test]
+fn only_what_shines_is_seen_through_the_surface() {
+    let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
+    let colour = Vec4::new(0.1, 1.0, 0.1, 1.0);
+    let camera = Camera { target: CENTRE, ..Camera::of(&BLOCK, [0.6, 0.4], 1.0, true) };
+    let middle = |items: Vec<Item>| {
+        let scenery = Scenery { items, ..scenery(BLOCK, Body::Surface(0.3)) };
+        let shot = Shot::new(&scenery, &volume, &camera, (81, 81));
+        let rgba = march::picture(&shot, &volume, &scenery.table, false);
+        rgba.as_chunks::<4>().0[40 * 81 + 40]
+    };
+    let half = [DVec3::X * 0.001, DVec3::Y * 0.001];
+    let dot = |shine: f32| Item::Dot { at: CENTRE, radius: 4.0, colour, shine };
+    let bare = middle(Vec::new());
+    assert_eq!(middle(vec![dot(0.0)]), bare);
+    assert_eq!(middle(vec![Item::Panel { centre: CENTRE, half, colour }]), bare);
+    assert_eq!(middle(vec![Item::Disc { centre: CENTRE, normal: DVec3::Z, radius: 0.001, colour }]), bare);
+    let [faint, bright] = [0.4, 0.8].map(|shine| middle(vec![dot(shine)]));
+    assert!(bare[1] < faint[1] && faint[1] < bright[1], "{bare:?}, {faint:?}, {bright:?}");
+}
+
+#[test]
 fn the_gpu_draws_what_the_cpu_draws() {
     let Some(gpu) = gpu() else { return };
     let volume = Arc::new(gaussian(&BLOCK, CENTRE, WIDTHS, 0.0013));

@@ -117,6 +117,11 @@ fn strokes_are_even_with_low_side_lobes() {
         assert!(strength > 0.8, "{name}: {strength}");
 
         let figures = figures(&problem, surroundings, &drive.values);
+        let twice = Problem { drives: 2, ..Problem::new(&aperture, problem.foci.clone()) };
+        let again = shape::figures(&twice, surroundings, &[&drive.values[..], &drive.values].concat());
+        for (one, other) in [(figures.side_lobe, again.side_lobe), (figures.evenness, again.evenness)] {
+            assert!((one / other - 1.0).abs() < 1e-5, "{name}, the same drive twice: {figures:?}, {again:?}");
+        }
         assert!((figures.evenness - judged.evenness).abs() < 0.03, "{name}: {figures:?}");
         let side_lobe = figures.side_lobe / judged.side_lobe;
         assert!((0.98..1.06).contains(&side_lobe), "{name}: {figures:?}, {} judged", judged.side_lobe);
