@@ -77,6 +77,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn cleared_durations_have_no_spread() {
+        let mut durations = Durations::default();
+        (1..=2000).for_each(|n| durations.note(Duration::from_micros(n)));
+        let spread = durations.spread().unwrap();
+        // Of the latest only.
+        assert_eq!(
+            (spread.median, spread.largest),
+            (Duration::from_micros(1489), Duration::from_micros(2000))
+        );
+        durations.clear();
+        assert!(durations.spread().is_none());
+    }
+
+    #[test]
     fn rates_are_of_the_last_second() {
         let start = Instant::now();
         let mut rate = Rate::default();

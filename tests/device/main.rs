@@ -81,6 +81,8 @@ fn frame_lengths_agree_with_the_bandwidth() {
     assert_eq!(Profile::SonicSurface.bandwidth(230_400), "89 frames/s at 230400 baud");
     assert_eq!(Profile::SonicSurface2.bandwidth(230_400), "44 frames/s at 230400 baud");
     assert_eq!(Profile::Native.bandwidth(3_000_000), "1111 frames/s at 3000000 baud");
+    let four = Profile::Natives(4);
+    assert_eq!(four.frame_bytes(), 4 * Profile::Native.frame_bytes());
 }
 
 #[test]

@@ -210,8 +210,9 @@ mod tests {
         assert_eq!(line.first(), line.last());
         assert!(line.iter().all(|[x, y]| ((x - 41.3).hypot(y - 30.8) - 20.0).abs() < 0.02), "{line:?}");
         assert!((area(line) / (std::f32::consts::PI * 400.0) - 1.0).abs() < 0.01, "{}", area(line));
-        let alone = of(0.5, |i| f32::from(u8::from(i == 33 * WIDTH + 41)));
-        assert_eq!((alone.len(), alone[0].first()), (1, alone[0].last()));
+        // A bar one pixel high.
+        let bar = of(0.5, |i| if i / WIDTH == 33 && (30..60).contains(&(i % WIDTH)) { 1.0 } else { 0.0 });
+        assert_eq!((bar.len(), bar[0].first()), (1, bar[0].last()));
         let hole = of(-20.0, |i| -hill(i));
         assert!(area(&hole[0]) < 0.0 && hole.len() == 1);
     }

@@ -324,7 +324,7 @@ fn only_what_shines_is_seen_through_the_surface() {
         let rgba = march::picture(&shot, &volume, &scenery.table, false);
         rgba.as_chunks::<4>().0[40 * 81 + 40]
     };
-    let half = [DVec3::X * 0.001, DVec3::Y * 0.001];
+    let half = [DVec3::Y * 0.001, DVec3::X * 0.001];
     let dot = |shine: f32| Item::Dot { at: CENTRE, radius: 4.0, colour, shine };
     let bare = middle(Vec::new());
     assert_eq!(middle(vec![dot(0.0)]), bare);

@@ -71,6 +71,31 @@ fn a_bead_oscillates_in_a_standing_wave_with_the_period_of_its_stiffness() {
     }
 }
 
+/// A method of the fourth order, and a drag with a bend at rest.
+#[test]
+fn half_the_step_has_a_small_part_of_the_error() {
+    let mut scene = facing();
+    scene.bead = Bead { radius: 0.0004, ..Bead::default() };
+    let aperture = Aperture::new(&scene);
+    let at = DVec3::new(0.0, 0.0, 0.1);
+    let drive = focused(&aperture, at, |place| if place.z > 0.1 { TAU / 2.0 } else { 0.0 });
+    let levitation = Levitation::new(&scene, &aperture, &[drive]);
+    let from = levitation.hold(at).rest + DVec3::new(1e-4, 0.0, 4e-4);
+    let longest = fly(&scene, &levitation, at, from, 1e-3)[1].0;
+    let end = |span: f64| {
+        let carriage = Carriage {
+            fields: std::slice::from_ref(&levitation),
+            wanted: &[at],
+            span,
+            drag: drag(&scene, &levitation),
+        };
+        carriage.fly(from, 64.0 * longest, &Gauge::default()).moments.last().unwrap().at
+    };
+    let [whole, half, fine] = [1.0, 2.0, 8.0].map(|part| end(longest / part));
+    let gain = whole.distance(fine) / half.distance(fine);
+    assert!(gain > 8.0, "{gain}: {whole}, {half}, {fine}");
+}
+
 #[test]
 fn a_bead_in_silence_falls_at_terminal_speed() {
     let scene = Scene { bead: Bead { radius: 2e-5, ..Bead::default() }, ..Scene::default() };
