@@ -1,7 +1,8 @@
 //! Tests of a search's schedule: what every stage weighs and hears, that values are current, and the end.
 
-use glam::DVec3;
 use std::f64::consts::TAU;
+
+use glam::DVec3;
 
 use crate::acoustics::Aperture;
 use crate::scene::{Aim, Focus, Sampling, Scene, Shape, Target, outline};
@@ -57,7 +58,7 @@ fn assert_consistent(search: &mut Search<'_>, stage: Stage, what: &str) {
     assert_eq!(weights.floor > 0.0, is_quiet && !is_first && !has_areas, "{what}");
 }
 
-/// The stages of a search until its end, each with its drive.
+/// The stages of a search until its end.
 fn stages(search: &mut Search<'_>, what: &str) -> Vec<Stage> {
     let mut stages = Vec::new();
     loop {

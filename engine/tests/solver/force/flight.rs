@@ -17,6 +17,17 @@ fn facing() -> Scene {
     Scene { boards: vec![Board::default(), above], ..Scene::default() }
 }
 
+/// A bead's scene and field between the boards, and the node in the middle.
+fn standing() -> (Scene, Levitation, DVec3) {
+    let mut scene = facing();
+    scene.bead = Bead { radius: 0.0004, ..Bead::default() };
+    let aperture = Aperture::new(&scene);
+    let at = DVec3::new(0.0, 0.0, 0.1);
+    let drive = focused(&aperture, at, |place| if place.z > 0.1 { TAU / 2.0 } else { 0.0 });
+    let levitation = Levitation::new(&scene, &aperture, &[drive]);
+    (scene, levitation, at)
+}
+
 fn drag(scene: &Scene, levitation: &Levitation) -> Drag {
     let air = Air::new(&scene.medium, scene.array.frequency);
     Drag::new(&levitation.sphere, viscosity(&scene.medium), air.density)
@@ -43,12 +54,7 @@ fn fly(
 
 #[test]
 fn a_bead_oscillates_in_a_standing_wave_with_the_period_of_its_stiffness() {
-    let mut scene = facing();
-    scene.bead = Bead { radius: 0.0004, ..Bead::default() };
-    let aperture = Aperture::new(&scene);
-    let at = DVec3::new(0.0, 0.0, 0.1);
-    let drive = focused(&aperture, at, |place| if place.z > 0.1 { TAU / 2.0 } else { 0.0 });
-    let levitation = Levitation::new(&scene, &aperture, &[drive]);
+    let (scene, levitation, at) = standing();
     let hold = levitation.hold(at);
     assert!(hold.holds(), "{hold:?}");
     let inertia = levitation.sphere.inertia();
@@ -74,12 +80,7 @@ fn a_bead_oscillates_in_a_standing_wave_with_the_period_of_its_stiffness() {
 /// A method of the fourth order, and a drag with a bend at rest.
 #[test]
 fn half_the_step_has_a_small_part_of_the_error() {
-    let mut scene = facing();
-    scene.bead = Bead { radius: 0.0004, ..Bead::default() };
-    let aperture = Aperture::new(&scene);
-    let at = DVec3::new(0.0, 0.0, 0.1);
-    let drive = focused(&aperture, at, |place| if place.z > 0.1 { TAU / 2.0 } else { 0.0 });
-    let levitation = Levitation::new(&scene, &aperture, &[drive]);
+    let (scene, levitation, at) = standing();
     let from = levitation.hold(at).rest + DVec3::new(1e-4, 0.0, 4e-4);
     let longest = fly(&scene, &levitation, at, from, 1e-3)[1].0;
     let end = |span: f64| {
