@@ -2,8 +2,8 @@
 //
 // Sample i is at columns[i % width] + rows[i / width]; the fourth component is the fraction of a turn of its height
 // above the array, which is common to all elements and applied last. Every invocation computes four or eight samples,
-// a workgroup's width apart: each element is then read once for all of them, which gains a factor of four on software
-// drivers.
+// LANES apart: each element is then read once for all of them, which gains a factor of four on software drivers. A
+// map has too few samples to fill a hardware GPU, so there SLICES invocations divide the elements.
 
 @group(0) @binding(2) var<storage, read> columns: array<vec4f>;
 @group(0) @binding(3) var<storage, read> rows: array<vec4f>;
@@ -30,20 +30,20 @@ fn write(offset: u32, z: vec4f, turns: vec4f, sum: Phasor) {
     let re = in_front * (sum.re * onward.re - sum.im * onward.im);
     let im = in_front * (sum.re * onward.im + sum.im * onward.re);
     for (var i = 0u; i < 4u; i++) {
-        let at = offset + i * WORKGROUP;
+        let at = offset + i * LANES;
         if at < params.count {
             pressure[params.first + at] += vec2f(re[i], im[i]);
         }
     }
 }
 
-@compute @workgroup_size(WORKGROUP)
-fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_index) local: u32) {
-    let start = group.x * (select(4u, 8u, EIGHT_SAMPLES) * WORKGROUP) + local;
+@compute @workgroup_size(LANES, SLICES)
+fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let start = group.x * (select(4u, 8u, EIGHT_SAMPLES) * LANES) + local.x;
     let p0 = sample(start);
-    let p1 = sample(start + WORKGROUP);
-    let p2 = sample(start + 2u * WORKGROUP);
-    let p3 = sample(start + 3u * WORKGROUP);
+    let p1 = sample(start + LANES);
+    let p2 = sample(start + 2u * LANES);
+    let p3 = sample(start + 3u * LANES);
     let x_low = vec4f(p0.x, p1.x, p2.x, p3.x);
     let y_low = vec4f(p0.y, p1.y, p2.y, p3.y);
     let z_low = vec4f(p0.z, p1.z, p2.z, p3.z);
@@ -53,10 +53,10 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     var z_high = vec4f(0.0);
     var turns_high = vec4f(0.0);
     if EIGHT_SAMPLES {
-        let p4 = sample(start + 4u * WORKGROUP);
-        let p5 = sample(start + 5u * WORKGROUP);
-        let p6 = sample(start + 6u * WORKGROUP);
-        let p7 = sample(start + 7u * WORKGROUP);
+        let p4 = sample(start + 4u * LANES);
+        let p5 = sample(start + 5u * LANES);
+        let p6 = sample(start + 6u * LANES);
+        let p7 = sample(start + 7u * LANES);
         x_high = vec4f(p4.x, p5.x, p6.x, p7.x);
         y_high = vec4f(p4.y, p5.y, p6.y, p7.y);
         z_high = vec4f(p4.z, p5.z, p6.z, p7.z);
@@ -69,7 +69,7 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
     // group.z is 0. lavapipe specialises on loops that end by uniforms alone at every dispatch, and leaks the
     // variants.
     let last_element = params.last_element + group.z;
-    for (var n = params.first_element; n < last_element; n++) {
+    for (var n = params.first_element + local.y; n < last_element; n += SLICES) {
         let element = elements[n * VECTORS];
         let tilt = elements[n * VECTORS + VECTORS - 1u];
         let to_low = wave(x_low, y_low, front_low, element, tilt);
@@ -82,8 +82,15 @@ fn field_main(@builtin(workgroup_id) group: vec3u, @builtin(local_invocation_ind
         }
     }
 
+    low = over_slices(low, local);
+    if EIGHT_SAMPLES {
+        high = over_slices(high, local);
+    }
+    if local.y > 0u {
+        return;
+    }
     write(start, z_low, vec4f(p0.w, p1.w, p2.w, p3.w), low);
     if EIGHT_SAMPLES {
-        write(start + 4u * WORKGROUP, z_high, turns_high, high);
+        write(start + 4u * LANES, z_high, turns_high, high);
     }
 }

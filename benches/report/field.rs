@@ -17,6 +17,9 @@ const ERROR_SIZE: usize = 1024;
 const ARRAYS: [u32; 4] = [16, 32, 64, 128];
 const QUICK_ARRAYS: [u32; 2] = [16, 32];
 const ARRAYS_SIZE: usize = 256;
+/// Pixels and elements along a side of large maps on the GPU, and their tolerance.
+const LARGE: [(usize, u32); 2] = [(4096, 16), (1024, 64)];
+const LARGE_TOLERANCE: f64 = 1e-3;
 /// Limits of pixel-element pairs for direct evaluation, in f32 and in f64.
 const MOST_PAIRS: usize = 1_200_000_000;
 const MOST_REFERENCE_PAIRS: usize = 270_000_000;
@@ -56,6 +59,15 @@ fn groups(quick: bool, evaluators: &[&'static str]) -> Vec<Group> {
                 }
             }
         }
+    }
+    if evaluators.contains(&"gpu") {
+        groups.extend(LARGE.map(|(size, array)| Group {
+            evaluator: "gpu",
+            size,
+            array,
+            plane: "parallel",
+            tolerances: vec![LARGE_TOLERANCE],
+        }));
     }
     groups
 }

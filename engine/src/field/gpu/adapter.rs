@@ -3,9 +3,9 @@
 use crate::field::GpuError;
 use crate::field::gpu::Gpu;
 
-/// Interfaces that compute; a driver offers the same adapter through OpenGL too, without half of its limits.
-pub const BACKENDS: wgpu::Backends =
-    wgpu::Backends::VULKAN.union(wgpu::Backends::METAL).union(wgpu::Backends::DX12);
+/// Interfaces that compute. Without OpenGL, which offers the same adapters with half of their limits; and NVIDIA's driver
+/// deadlocks if one thread closes its OpenGL while another closes a Vulkan device.
+const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
 
 #[cfg(not(target_arch = "wasm32"))]
 const NONE: &str = "no graphics driver offers one";
@@ -111,7 +111,8 @@ async fn find(software: bool) -> Result<(wgpu::Instance, wgpu::Adapter), GpuErro
 }
 
 fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+    let descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    wgpu::Instance::new(wgpu::InstanceDescriptor { backends: descriptor.backends & BACKENDS, ..descriptor })
 }
 
 async fn found(instance: &wgpu::Instance) -> Vec<(AdapterInfo, wgpu::Adapter)> {

@@ -13,6 +13,8 @@ use crate::field::volume::{march, scenery};
 
 /// Invocations in a workgroup.
 pub const WORKGROUP: u32 = 64;
+/// Limit of invocations in a workgroup on all adapters.
+pub const LARGEST_WORKGROUP: u32 = 256;
 /// Limit of workgroups per axis of a dispatch on all adapters.
 pub const MOST_GROUPS: u32 = 65_535;
 /// Number of element vectors in a uniform buffer of 16 KiB, available on all adapters.
@@ -179,15 +181,24 @@ impl FieldProgram {
             include_str!("../../../../shaders/elements_uniform.wgsl")
         };
         let forms = format!(
-            "const MANY_TERMS: bool = {};\nconst EIGHT_SAMPLES: bool = {};\nconst IS_FLAT: bool = {};\nconst VECTORS: u32 = {}u;",
+            "const MANY_TERMS: bool = {};\nconst EIGHT_SAMPLES: bool = {};\nconst LANES: u32 = {}u;\n\
+             const SLICES: u32 = {}u;\nconst IS_FLAT: bool = {};\nconst VECTORS: u32 = {}u;",
             self.many_terms,
             tuning.eight_samples,
+            tuning.lanes(),
+            tuning.slices,
             self.waves != Waves::Curved,
             self.waves.vectors()
         );
+        let sum = if tuning.slices == 1 {
+            include_str!("../../../../shaders/whole.wgsl")
+        } else {
+            include_str!("../../../../shaders/slices.wgsl")
+        };
         let params = include_str!("../../../../shaders/params.wgsl");
         let phase = include_str!("../../../../shaders/phase.wgsl");
-        [&forms, params, phase, elements, element, include_str!("../../../../shaders/field.wgsl")].join("\n")
+        let field = include_str!("../../../../shaders/field.wgsl");
+        [&forms, params, phase, elements, element, sum, field].join("\n")
     }
 }
 
@@ -377,7 +388,12 @@ mod tests {
                 let name = format!("{program:?}");
                 let module = module(&name, &program.source(&tuning));
                 assert_eq!(module.entry_points.len(), 1, "{name}");
-                assert_eq!(module.entry_points[0].workgroup_size, [WORKGROUP, 1, 1], "{name}");
+                let size = match program {
+                    Program::Field(_) => [tuning.lanes(), tuning.slices, 1],
+                    _ => [WORKGROUP, 1, 1],
+                };
+                assert_eq!(module.entry_points[0].workgroup_size, size, "{name}");
+                assert!(size[0] * size[1] <= LARGEST_WORKGROUP, "{name}: {size:?}");
             }
         }
     }

@@ -9,9 +9,7 @@ use bytemuck::Zeroable;
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
-use crate::field::gpu::program::{
-    FieldProgram, MOST_GROUPS, Params, Program, UNIFORM_ELEMENTS, WORKGROUP, Waves,
-};
+use crate::field::gpu::program::{FieldProgram, MOST_GROUPS, Params, Program, UNIFORM_ELEMENTS, Waves};
 use crate::field::gpu::{Gpu, Reading, Step};
 use crate::field::sources::MOST_NODES;
 use crate::field::{GpuError, Samples, Sources, Wave};
@@ -106,7 +104,7 @@ impl Superposition {
         let mut runs = Vec::new();
         for first_element in (0..room).step_by((gpu.tuning.most_rounds / rounds) as usize) {
             let elements_ = first_element..room.min(first_element + gpu.tuning.most_rounds / rounds);
-            let together = WORKGROUP * gpu.tuning.samples_per_invocation();
+            let together = gpu.tuning.samples_together();
             let most = u64::from(count.min(MOST_GROUPS * together));
             let length = (gpu.tuning.most_pairs / elements_.len() as u64).min(most) as u32;
             for first in (0..count).step_by(length as usize) {

@@ -1,6 +1,7 @@
 //! Work sizes per kind of adapter: values that suit software adapters starve hardware.
 
 use crate::field::gpu::adapter::Kind;
+use crate::field::gpu::program::{LARGEST_WORKGROUP, WORKGROUP};
 
 /// The shape of the work on an adapter.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -8,6 +9,9 @@ pub struct Tuning {
     /// Whether an invocation computes eight samples instead of four. Software drivers are limited by reading
     /// elements, hardware needs many invocations.
     pub eight_samples: bool,
+    /// Invocations that divide the elements of the same samples: a power of two. A map has fewer samples than hardware
+    /// runs invocations.
+    pub slices: u32,
     /// Whether interpolation makes many pixels per invocation, for the same reasons.
     pub large_blocks: bool,
     /// Rounds of loops in one invocation, at most.
@@ -22,6 +26,7 @@ impl Tuning {
     /// llvmpipe silently exits a shader's loops after 65 535 iterations in total.
     pub const SOFTWARE: Self = Self {
         eight_samples: true,
+        slices: 1,
         large_blocks: true,
         most_rounds: 1 << 15,
         draws_space: false,
@@ -29,6 +34,7 @@ impl Tuning {
     };
     pub const INTEGRATED: Self = Self {
         eight_samples: false,
+        slices: 32,
         large_blocks: false,
         most_rounds: 1 << 20,
         draws_space: true,
@@ -44,9 +50,14 @@ impl Tuning {
         }
     }
 
+    /// Invocations with different samples in a workgroup of the field.
+    pub fn lanes(&self) -> u32 {
+        if self.slices == 1 { WORKGROUP } else { LARGEST_WORKGROUP / self.slices }
+    }
+
     /// Samples of a workgroup of the field.
-    pub fn samples_per_invocation(&self) -> u32 {
-        if self.eight_samples { 8 } else { 4 }
+    pub fn samples_together(&self) -> u32 {
+        self.lanes() * if self.eight_samples { 8 } else { 4 }
     }
 
     /// Pixels per line, and lines, per invocation of the interpolation for this number of parts: a single part leaves
