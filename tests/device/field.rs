@@ -73,10 +73,12 @@ fn a_focus_is_in_its_place_on_every_board() {
     for profile in Profile::ALL {
         let (place, part) = heard(profile, &Calibration::default(), Gateware::Published);
         assert!(place.distance(FOCUS.truncate()) < 2e-3, "{}: {:.2} mm", profile.name(), place * 1e3);
-        // Rounding phases to L levels leaves sin(π/L) / (π/L) on average: 0.984 for the Mega's 10.
+        // Rounding phases to L levels leaves sin(π/L) / (π/L) on average: 0.984 for the Mega's 10. There the common
+        // phase, which is arbitrary, moves it by up to 0.01.
         let step = PI / f64::from(profile.levels());
         let expected = step.sin() / step;
-        assert!(part > 0.98 && (part - expected).abs() < 0.003, "{}: {part} of in phase", profile.name());
+        let most_off = f64::max(0.003, 0.1 / f64::from(profile.levels()));
+        assert!((part - expected).abs() < most_off, "{}: {part} of in phase", profile.name());
     }
 }
 
