@@ -62,7 +62,7 @@ fn every_tuning_gives_the_same_maps_and_pictures() {
     let mut on_cpu = Stages::new(Evaluator::Cpu);
     let by_cpu: Vec<_> = requests.iter().map(|(_, request)| on_cpu.map(request).unwrap().clone()).collect();
     let mut first: Vec<(Map, Vec<[u8; 4]>)> = Vec::new();
-    for tuning in [Tuning::SOFTWARE, Tuning::INTEGRATED, Tuning::DISCRETE, starved] {
+    for tuning in [Tuning::SOFTWARE, Tuning::DISCRETE, starved] {
         let Some(gpu) = gpu() else { return };
         let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu.with_tuning(tuning))));
         for (number, ((name, request), by_cpu)) in requests.iter().zip(&by_cpu).enumerate() {
