@@ -3,8 +3,8 @@
 use crate::field::GpuError;
 use crate::field::gpu::Gpu;
 
-/// Interfaces that compute. Without OpenGL, which offers the same adapters with half of their limits; and NVIDIA's driver
-/// deadlocks if one thread closes its OpenGL while another closes a Vulkan device.
+/// Interfaces that compute. Without OpenGL, which offers the same adapters with half of their limits; closing it beside
+/// Vulkan devices of other threads deadlocked NVIDIA's driver (580.159).
 const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
 
 #[cfg(not(target_arch = "wasm32"))]

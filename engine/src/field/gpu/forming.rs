@@ -5,8 +5,9 @@ use num_complex::Complex32;
 use wgpu::BindingResource;
 
 use crate::field::GpuError;
-use crate::field::gpu::program::{DirectParams, FormParams, Program, WORKGROUP};
+use crate::field::gpu::program::{DirectParams, FormParams, Program};
 use crate::field::gpu::resampling::{self, Lines};
+use crate::field::gpu::tuning::WORKGROUP;
 use crate::field::gpu::{Gpu, Reading, Step};
 use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, Part, Quantity, Sound};

@@ -3,7 +3,8 @@
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
-use crate::field::gpu::program::{GatherParams, Program, WORKGROUP};
+use crate::field::gpu::program::{GatherParams, Program};
+use crate::field::gpu::tuning::WORKGROUP;
 use crate::field::gpu::{Gpu, Step};
 use crate::field::quantity::{Part, Sound};
 

@@ -2,7 +2,8 @@
 
 use wgpu::{BindingResource, BufferUsages};
 
-use crate::field::gpu::program::{InterpolationParams, Program, WORKGROUP};
+use crate::field::gpu::program::{InterpolationParams, Program};
+use crate::field::gpu::tuning::WORKGROUP;
 use crate::field::gpu::{Gpu, Step};
 use crate::field::interpolation::Resampling;
 

@@ -9,7 +9,8 @@ use bytemuck::Zeroable;
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
-use crate::field::gpu::program::{FieldProgram, MOST_GROUPS, Params, Program, UNIFORM_ELEMENTS, Waves};
+use crate::field::gpu::program::{FieldProgram, Params, Program, UNIFORM_ELEMENTS, Waves};
+use crate::field::gpu::tuning::MOST_GROUPS;
 use crate::field::gpu::{Gpu, Reading, Step};
 use crate::field::sources::MOST_NODES;
 use crate::field::{GpuError, Samples, Sources, Wave};

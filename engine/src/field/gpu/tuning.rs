@@ -1,7 +1,13 @@
 //! Work sizes per kind of adapter: values that suit software adapters starve hardware.
 
 use crate::field::gpu::adapter::Kind;
-use crate::field::gpu::program::{LARGEST_WORKGROUP, WORKGROUP};
+
+/// Invocations in a workgroup, except of the field in slices.
+pub const WORKGROUP: u32 = 64;
+/// Limit of invocations in a workgroup on all adapters.
+pub const LARGEST_WORKGROUP: u32 = 256;
+/// Limit of workgroups per axis of a dispatch on all adapters.
+pub const MOST_GROUPS: u32 = 65_535;
 
 /// The shape of the work on an adapter.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -173,3 +173,24 @@ pub fn distances(layout: &Layout, pitch: f64, foci: &[Focus], farthest: f64) -> 
     }
     distances
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    #[test]
+    fn samples_of_tilted_planes_keep_away_from_elements_but_not_from_low_foci() {
+        let aperture = Aperture::new(&Scene::default());
+        for height in [0.012, 0.02, 0.03, 0.05, 0.1] {
+            let at = DVec3::new(0.0, 0.0, height);
+            let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
+            let plane = Plane { centre: at, x_axis: DVec3::new(1.0, 0.0, 0.5), ..Plane::default() };
+            let area = Area::new(&problem, &plane, false);
+            let Some(Area::Points { points, .. }) = area else { panic!("{height}: {area:?}") };
+            let least = points.iter().map(|&point| aperture.height(point)).fold(f64::INFINITY, f64::min);
+            let lowest = f64::min(2.0 * aperture.wavelength(), 0.5 * height);
+            assert!(least > lowest && least < lowest + 4e-3, "{height}: {least}");
+        }
+    }
+}

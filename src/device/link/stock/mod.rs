@@ -357,3 +357,36 @@ impl Pulses {
         (self.hidden, self.since_load, self.loaded_at) = (Some(number), 1, Instant::now());
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn pulses(load: Duration) -> Pulses {
+        let rhythm = Rhythm::new(200.0, load, Duration::from_micros(40));
+        Pulses { rhythm, hidden: None, since_load: 0, loaded_at: Instant::now(), shown: None }
+    }
+
+    #[test]
+    fn a_frame_is_loaded_after_as_many_pulses_as_its_loading_skips() {
+        let mut pulses = pulses(Duration::from_micros(11_200));
+        assert_eq!(pulses.rhythm.lost(), 2);
+        assert!(pulses.needs(0), "the first is loaded at once");
+        for number in 1..4 {
+            pulses.loaded(number - 1);
+            assert_eq!([(); 3].map(|()| pulses.needs(number)), [false, true, true], "{number}");
+        }
+        pulses.loaded_at -= 2 * REFRESH;
+        assert!(!pulses.needs(2), "a repetition would skip pulses");
+    }
+
+    #[test]
+    fn a_frame_that_skips_no_pulse_is_loaded_at_once_and_repeated_after_a_time() {
+        let mut pulses = pulses(Duration::from_micros(500));
+        assert_eq!(pulses.rhythm.lost(), 0);
+        pulses.loaded(0);
+        assert!(pulses.needs(1) && !pulses.needs(0));
+        pulses.loaded_at -= 2 * REFRESH;
+        assert!(pulses.needs(0));
+    }
+}
