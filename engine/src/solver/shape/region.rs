@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn samples_of_tilted_planes_keep_away_from_elements_but_not_from_low_foci() {
         let aperture = Aperture::new(&Scene::default());
-        for height in [0.012, 0.02, 0.03, 0.05, 0.1] {
+        for height in [0.012, 0.02, 0.03, 0.05] {
             let at = DVec3::new(0.0, 0.0, height);
             let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
             let plane = Plane { centre: at, x_axis: DVec3::new(1.0, 0.0, 0.5), ..Plane::default() };
