@@ -5,7 +5,7 @@
 
 #[cfg(unix)]
 pub mod faults;
-mod logic;
+pub(in crate::device) mod logic;
 pub mod memory;
 #[cfg(unix)]
 mod pty;

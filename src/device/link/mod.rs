@@ -142,19 +142,7 @@ impl Link {
     /// No thread to be had.
     pub fn open(settings: Settings, notify: Box<dyn Fn() + Send + Sync>) -> io::Result<Self> {
         let (sender, events) = sync_channel(MESSAGES);
-        let wanted = Wanted {
-            content: None,
-            modulation: Modulation::default(),
-            generation: 0,
-            since: Instant::now(),
-            closing: false,
-        };
-        let shared = Arc::new(Shared {
-            wanted: Watched::new(wanted),
-            figures: Mutex::default(),
-            events: sender,
-            notify,
-        });
+        let shared = Arc::new(Shared::new(sender, notify));
         let (theirs, its) = (Arc::clone(&shared), settings.clone());
         let task = Task::start("link", move || keep_connected(its, theirs))?;
         Ok(Self { settings, shared, events, task: Some(task) })
@@ -235,6 +223,17 @@ impl Drop for Link {
 }
 
 impl Shared {
+    fn new(events: SyncSender<Event>, notify: Box<dyn Fn() + Send + Sync>) -> Self {
+        let wanted = Wanted {
+            content: None,
+            modulation: Modulation::default(),
+            generation: 0,
+            since: Instant::now(),
+            closing: false,
+        };
+        Self { wanted: Watched::new(wanted), figures: Mutex::default(), events, notify }
+    }
+
     fn wanted(&self) -> Wanted {
         self.wanted.lock().clone()
     }

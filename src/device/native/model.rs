@@ -68,6 +68,8 @@ pub struct Model {
     amplitudes: [u16; CHANNELS],
     next: [Pulse; CHANNELS],
     next_on: bool,
+    /// Slot, envelope and state of a sweep in which no silencer moved: a sweep of the same finds the same.
+    settled: Option<(u8, u8, bool)>,
     played: [Pulse; CHANNELS],
     outputs_on: bool,
     // External state.
@@ -113,6 +115,7 @@ impl Model {
             amplitudes: [0; CHANNELS],
             next: [Pulse::default(); CHANNELS],
             next_on: false,
+            settled: None,
             played: [Pulse::default(); CHANNELS],
             outputs_on: false,
             pressed: false,
@@ -229,14 +232,21 @@ impl Model {
 
     fn sweep(&mut self) {
         let envelope = self.envelope[(self.nco >> 16) as usize];
+        let inputs = (self.player.slot(), envelope, self.enabled);
+        if self.settled == Some(inputs) {
+            return;
+        }
+        let mut moves = false;
         let amplitude_step = if self.enabled { self.amplitude_step } else { self.amplitude_step.max(RAMP) };
         for n in 0..CHANNELS {
             let ([phase, amplitude], [offset, gain]) =
                 (self.store[usize::from(self.player.slot())][n], self.calibration[n]);
             let target = u16::from(phase.wrapping_add(offset)) << 8;
             let amplitude = if self.enabled { scaled(amplitude, gain) } else { 0 };
+            let before = (self.phases[n], self.amplitudes[n]);
             self.phases[n] = turned(self.phases[n], target, self.phase_step);
             self.amplitudes[n] = approached(self.amplitudes[n], u16::from(amplitude) << 8, amplitude_step);
+            moves |= before != (self.phases[n], self.amplitudes[n]);
             let [_, high] = self.amplitudes[n].to_le_bytes();
             let width = match scaled(high, envelope) {
                 0 => 0,
@@ -246,6 +256,7 @@ impl Model {
             self.next[n] = pulse(self.phase_bits, phase, width);
         }
         self.next_on = self.enabled || self.amplitudes.iter().any(|&amplitude| amplitude > 0);
+        self.settled = (!moves).then_some(inputs);
     }
 
     /// Applies a good packet and returns its answer, unless it is a broadcast or for another device.
@@ -263,6 +274,7 @@ impl Model {
     pub fn apply(&mut self, packet: &Packet) -> Reply {
         self.good = self.good.wrapping_add(1);
         self.quiet = 0;
+        self.settled = None;
         let outcome = match Kind::from_repr(packet.code) {
             None => Outcome::Unknown,
             Some(kind) if packet.payload.len() != kind.payload() => Outcome::Length,

@@ -16,15 +16,13 @@ const ANSWER: Duration = Duration::from_millis(100);
 pub struct Asker {
     splitter: Splitter,
     seq: u8,
-    /// When something was answered last.
-    pub heard_at: Instant,
     /// Whether any bytes arrived, even if no valid answer.
     pub heard: bool,
 }
 
 impl Asker {
     pub fn new() -> Self {
-        Self { splitter: Splitter::default(), seq: 0, heard_at: Instant::now(), heard: false }
+        Self { splitter: Splitter::default(), seq: 0, heard: false }
     }
 
     /// The answer to one packet, if there is one in time.
@@ -73,11 +71,7 @@ impl Asker {
         let bytes = port.read(timeout).await?;
         self.heard |= !bytes.is_empty();
         let parts = bytes.into_iter().filter_map(|byte| self.splitter.push(byte));
-        let replies: Vec<_> = parts.filter_map(|part| Reply::of_line(&part).ok()).collect();
-        if !replies.is_empty() {
-            self.heard_at = Instant::now();
-        }
-        Ok(replies)
+        Ok(parts.filter_map(|part| Reply::of_line(&part).ok()).collect())
     }
 
     /// Silences and resets a device in any state. Returns its answer to RESET.

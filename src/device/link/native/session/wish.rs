@@ -1,10 +1,12 @@
 //! From the wanted state to the packets that establish it.
 
+use web_time::Instant;
+
 use crate::device::envelope::Table;
 use crate::device::health::FrameRates;
 use crate::device::levels::Levels;
 use crate::device::link::native::motion::{self, Motion, Way};
-use crate::device::link::native::{Key, Purpose, Session, Task, WATCHDOG, serves_one_wish};
+use crate::device::link::native::session::{Key, Purpose, Session, Task, WATCHDOG, is_of, serves_one_wish};
 use crate::device::link::{Content, Wanted};
 use crate::device::native::packet::{Kind, Packet};
 use crate::scene::Modulation;
@@ -16,7 +18,7 @@ const SILENCER: (u16, u16) = (0x0300, 0x0600);
 
 impl Session<'_> {
     /// Turns a new wish into tasks.
-    pub(super) fn follow(&mut self, wanted: &Wanted) {
+    pub fn follow(&mut self, wanted: &Wanted) {
         self.modulate(&wanted.modulation);
         if self.generation == wanted.generation {
             return;
@@ -27,7 +29,7 @@ impl Session<'_> {
         }
         // Pending tasks of an earlier wish are dropped.
         self.tasks.retain(|task| !serves_one_wish(&task.packet));
-        (self.live, self.placed, self.enabling, self.storing) = (false, false, false, None);
+        (self.live, self.placed, self.enabling, self.storing, self.attempts) = (false, false, false, None, 0);
         let rates = match wanted.content.as_deref() {
             None => {
                 self.push_to_all(&Packet::mute());
@@ -67,7 +69,7 @@ impl Session<'_> {
                     format!("{rates}: {count} of {frames} frames, {cycles:.4} cycles/s")
                 }
                 Way::Streamed => {
-                    format!("{rates}: the line carries no more at {} baud", self.board.port.baud())
+                    format!("{rates}: the line carries no more at {} baud", self.baud)
                 }
             });
         }
@@ -86,11 +88,18 @@ impl Session<'_> {
     }
 
     /// The due frame, unless already sent. The first frame of a wish stands alone until the devices are switched on.
-    pub(super) fn due_frame(&mut self, content: &Content, wanted: &Wanted) -> Option<(Packet, Purpose)> {
-        if !self.live || self.enabling || self.ended == Some(self.generation) {
+    pub(super) fn due_frame(
+        &mut self,
+        content: &Content,
+        wanted: &Wanted,
+        now: Instant,
+    ) -> Option<(Packet, Purpose)> {
+        // A STOP that is sent again would end what a frame has begun.
+        let stops = || self.awaits(|packet| is_of(packet, Kind::Stop));
+        if !self.live || self.enabling || self.ended == Some(self.generation) || stops() {
             return None;
         }
-        let (frame, levels) = content.at(wanted.since.elapsed());
+        let (frame, levels) = content.at(now.saturating_duration_since(wanted.since));
         let key = (wanted.generation, frame);
         let begun = self.frame.is_some_and(|(generation, _)| generation == wanted.generation);
         if self.frame == Some(key) || (begun && !(self.placed && self.enabled())) {
@@ -118,15 +127,13 @@ impl Session<'_> {
         if self.in_step { packet.in_step() } else { packet }
     }
 
+    /// One that no device plays, if their last answers tell of one.
     fn next_live_slot(&mut self) -> u8 {
         let first = self.info.slots.saturating_sub(u16::from(LIVE)) as u8;
-        loop {
-            self.live_slot = (self.live_slot + 1) % LIVE;
-            let slot = first + self.live_slot;
-            if self.devices.len() > 1 || self.devices.iter().all(|device| device.slot != slot) {
-                return slot;
-            }
-        }
+        let after = |turn: u8| (self.live_slot + turn) % LIVE;
+        let is_free = |turn: &u8| self.devices.iter().all(|device| device.slot != first + after(*turn));
+        self.live_slot = after((1..=LIVE).find(is_free).unwrap_or(1));
+        first + self.live_slot
     }
 
     fn modulate(&mut self, modulation: &Modulation) {
@@ -143,15 +150,14 @@ impl Session<'_> {
     /// Whether a newer packet of its kind has superseded it.
     pub(super) fn is_outdated(&self, packet: &Packet) -> bool {
         let Table { values, step } = self.modulation;
-        let is = |kind| Kind::from_repr(packet.code) == Some(kind);
-        (is(Kind::Envelope) && packet.payload != values)
-            || (is(Kind::Rate) && packet.arguments[..3] != step.to_le_bytes()[..3])
+        (is_of(packet, Kind::Envelope) && packet.payload != values)
+            || (is_of(packet, Kind::Rate) && packet.arguments[..3] != step.to_le_bytes()[..3])
     }
 
     /// Writes a motion into the store, once the player has stopped. Its first frame is played meanwhile from a
     /// separate slot.
     pub(super) fn store(&mut self, wanted: &Wanted) {
-        let Some(Way::Stored { count, divider }) = self.storing.take() else { return };
+        let Some(Way::Stored { count, divider }) = self.storing else { return };
         let Some(Content::Motion { frames, .. }) = wanted.content.as_deref() else { return };
         let chosen: Vec<_> = motion::chosen(frames.len(), count).map(|frame| &frames[frame]).collect();
         let slots = usize::from(self.info.slots);
@@ -180,8 +186,9 @@ impl Session<'_> {
         let last = (first + count - 1) as u8;
         let play = Packet::play(first as u8, last, divider, 0, false);
         let play = self.together(play);
+        // No slot of the range can be written any more.
         for address in addresses.rev() {
-            self.push(play.clone().to(address), address == 0);
+            self.push(play.clone().to(address), true);
         }
         self.playing = true;
     }
@@ -200,13 +207,6 @@ impl Session<'_> {
         self.enabling = true;
     }
 
-    /// Whether all devices have acknowledged STOP.
-    pub(super) fn all_stopped(&self) -> bool {
-        let is_stop = |packet: &Packet| Kind::from_repr(packet.code) == Some(Kind::Stop);
-        let waits = self.tasks.iter().any(|task| is_stop(&task.packet));
-        !waits && !self.on_the_way.iter().any(|sent| Kind::from_repr(sent.code) == Some(Kind::Stop))
-    }
-
     /// Hz
     pub(super) fn carrier(&self) -> f64 {
         f64::from(self.info.carrier_millihertz) / 1e3
@@ -214,7 +214,7 @@ impl Session<'_> {
 
     /// Frames per second that the line carries to all devices.
     fn line_rate(&self) -> f64 {
-        self.profile.frames_per_second(self.board.port.baud())
+        self.profile.frames_per_second(self.baud)
     }
 }
 

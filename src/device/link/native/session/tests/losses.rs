@@ -1,0 +1,145 @@
+//! What becomes of a wish when something goes wrong.
+
+use super::*;
+use crate::device::native::packet::Status;
+
+#[test]
+fn the_emergency_stop_ends_a_wish() {
+    for held in [true, false] {
+        let (shared, events) = shared();
+        let mut line = Line::new(Profile::Native, &shared);
+        line.show(still(Profile::Native, 1));
+        line.run(100 * MILLI).unwrap();
+        line.devices.press(true);
+        line.devices.press(held);
+        line.run(100 * MILLI).unwrap();
+        let notice = notices(&events);
+        assert!(notice.contains(if held { "stop is pressed" } else { "stop was pressed" }), "{notice}");
+        assert_eq!(notice.lines().count(), 1);
+        assert!(line.health().stopped && !line.health().in_place);
+        line.devices.press(false);
+        line.packets();
+        line.run(300 * MILLI).unwrap();
+        assert!(line.packets().is_empty() && line.is_silent(), "silent until the next wish");
+        line.show(still(Profile::Native, 2));
+        line.run(100 * MILLI).unwrap();
+        assert!(line.plays(&frame(Profile::Native, 2)) && !line.health().stopped && line.health().in_place);
+        assert_eq!(notices(&events), "");
+    }
+}
+
+#[test]
+fn a_pause_trips_the_watchdog_and_the_sound_comes_back() {
+    let (shared, events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    line.show(still(Profile::Native, 1));
+    line.run(100 * MILLI).unwrap();
+    line.pass(line.now + 140 * MILLI);
+    line.run(100 * MILLI).unwrap();
+    assert_eq!(notices(&events), "");
+    line.pass(line.now + 300 * MILLI);
+    assert!(line.is_silent());
+    line.packets();
+    line.run(100 * MILLI).unwrap();
+    assert!(notices(&events).contains("watchdog"));
+    assert_eq!(line.kinds(), ["ENABLE"]);
+    assert!(line.plays(&frame(Profile::Native, 1)) && line.health().in_place);
+}
+
+#[test]
+fn lost_devices_are_lost_in_time_and_for_a_reason() {
+    let of = |faults: Faults| {
+        let (shared, _events) = shared();
+        let mut line = Line::new(Profile::Native, &shared);
+        line.show(still(Profile::Native, 1));
+        line.run(100 * MILLI).unwrap();
+        line.damage = Damage::new(faults, 2);
+        line.show(still(Profile::Native, 2));
+        let from = line.now;
+        let error = line.run(Duration::from_secs(5)).unwrap_err();
+        (error, line.now - from)
+    };
+    let (error, time) = of(Faults { drop: 1.0, ..Faults::default() });
+    assert!(matches!(&error, LinkError::Silent(name) if name == "board"), "{error}");
+    assert!((1450 * MILLI..1600 * MILLI).contains(&time), "{time:?}");
+    // Each is answered, as spoiled.
+    let (shared, _events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    line.damage = Damage::new(Faults { flip: 1.0, ..Faults::default() }, 3);
+    let error = line.run(Duration::from_secs(5)).unwrap_err();
+    assert!(matches!(error, LinkError::Refused("MUTE") | LinkError::Silent(_)), "{error}");
+    // Switched off and on: its counter of periods begins anew.
+    let mut line = Line::new(Profile::Native, &shared);
+    line.show(still(Profile::Native, 1));
+    line.run(100 * MILLI).unwrap();
+    line.devices = Native::new(&Model::new(7), 1, line.now);
+    assert!(matches!(line.run(200 * MILLI), Err(LinkError::Restarted)));
+}
+
+#[test]
+fn a_packet_that_is_always_refused_is_sent_twelve_times() {
+    let (shared, _events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    line.session.follow(&line.wanted);
+    for attempt in 1..=12 {
+        let message = line.session.next(&line.wanted, line.now).unwrap();
+        let (code, seq) = (message.code + REPLY, message.seq);
+        line.session.sent(message, &line.wanted, line.now, line.now);
+        let body = Body::Status(Status { periods: 1000, ..Status::default() });
+        let busy = Reply { code, address: 0, seq, outcome: Outcome::Busy, flags: Default::default(), body };
+        let heard = line.session.hear(&[busy], &line.wanted, line.now);
+        assert_eq!(heard.is_err(), attempt == 12, "{heard:?}");
+        assert_eq!(line.health().refused, attempt);
+    }
+}
+
+#[test]
+fn a_slow_board_is_waited_for() {
+    let (shared, _events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    line.delay = 250 * MILLI;
+    line.show(still(Profile::Native, 1));
+    line.run(Duration::from_secs(3)).unwrap();
+    assert!(line.health().in_place);
+    let before = line.health().refused;
+    for number in 2..5 {
+        line.show(still(Profile::Native, number));
+        line.run(Duration::from_secs(1)).unwrap();
+    }
+    assert!(line.health().in_place && line.health().refused == before, "{before}");
+}
+
+/// Any wishes over a line of any quality end in the last wish.
+#[test]
+fn the_last_of_any_wishes_is_played_over_any_line() {
+    for seed in 0..200 {
+        let mut dice = Rng::with_seed(seed);
+        let profile = if dice.bool() { Profile::Native } else { Profile::Natives(2) };
+        let (shared, _events) = shared();
+        let mut line = Line::new(profile, &shared);
+        let loss = [0.0, 1e-4, 2e-4][dice.usize(..3)];
+        let faults = Faults { drop: loss, flip: loss, insert: loss / 2.0, ..Faults::default() };
+        line.damage = Damage::new(faults, seed);
+        for _ in 0..dice.usize(2..9) {
+            match dice.u8(..6) {
+                0 => line.stop(),
+                1 => line.show(motion(profile, [1, 2, 9, 64, 100][dice.usize(..5)], 100.0)),
+                2 => line.show(motion(profile, dice.usize(1..130), 2000.0)),
+                3 => line.want(|wanted| wanted.modulation.frequency = 200.0),
+                _ => line.show(still(profile, dice.usize(..256))),
+            }
+            let ran = line.run(MILLI * dice.u32(..60));
+            assert!(ran.is_ok(), "{seed} {loss} {profile:?}: {ran:?}");
+        }
+        line.stop();
+        let ran = line.run(400 * MILLI);
+        assert!(ran.is_ok(), "{seed} {loss} {profile:?}: {ran:?}");
+        assert!(line.is_silent(), "{seed}");
+        let last = dice.usize(..256);
+        line.show(still(profile, last));
+        let ran = line.run(400 * MILLI);
+        assert!(ran.is_ok(), "{seed} {loss} {profile:?}: {ran:?}");
+        assert!(line.plays(&frame(profile, last)) && line.health().in_place, "{seed}: {:?}", line.health());
+        assert!(loss > 0.0 || line.health().refused == 0, "{seed}: {:?}", line.health());
+    }
+}
