@@ -2,6 +2,7 @@
 //!
 //! A wish becomes tasks, packets in a fixed order: the first frame, then ENABLE, then everything else.
 
+mod tasks;
 #[cfg(all(test, unix))]
 mod tests;
 mod wish;
@@ -13,6 +14,9 @@ use web_time::{Duration, Instant};
 use crate::device::envelope::Table;
 use crate::device::health::Found;
 use crate::device::link::native::motion::Way;
+use crate::device::link::native::session::tasks::{
+    Key, Purpose, Task, is_of, is_of_content, serves_one_wish,
+};
 use crate::device::link::native::{ANSWER, SILENT, WINDOW};
 use crate::device::link::{LinkError, Settings, Shared, Wanted};
 use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Reply};
@@ -22,39 +26,10 @@ use crate::device::profile::Profile;
 const WATCHDOG: u16 = 125;
 /// The longest pause in what a device hears.
 const KEEP_ALIVE: Duration = Duration::from_millis(50);
+/// The silencer's power-up steps: changes take some periods, without a click.
+const SILENCER: (u16, u16) = (0x0300, 0x0600);
 /// Attempts to send a packet before the board counts as lost.
 const ATTEMPTS: u32 = 12;
-
-/// Which frame of which wish.
-type Key = (u64, usize);
-
-/// A packet that must be accepted.
-#[derive(Clone, Debug)]
-struct Task {
-    packet: Packet,
-    /// Only when everything before it was taken.
-    last: bool,
-    attempts: u32,
-    /// The wish that it serves.
-    generation: u64,
-}
-
-#[derive(Clone, Debug)]
-enum Purpose {
-    Task(Task),
-    /// A frame of a stream; a newer one may replace it.
-    Frame(Key),
-    Ping,
-}
-
-impl Purpose {
-    fn task(&self) -> Option<&Task> {
-        match self {
-            Self::Task(task) => Some(task),
-            Self::Frame(_) | Self::Ping => None,
-        }
-    }
-}
 
 /// A packet for the line.
 #[derive(Clone, Debug)]
@@ -127,6 +102,8 @@ pub struct Session<'a> {
     generation: u64,
     /// The modulation that the devices have.
     modulation: Table,
+    /// Of the devices' silencers.
+    phase_step: u16,
     /// The playback of the wanted motion.
     storing: Option<Way>,
     /// Frames are sent one by one, not uploaded.
@@ -167,6 +144,7 @@ impl<'a> Session<'a> {
             ready_at: now,
             generation: u64::MAX,
             modulation: Table::steady(),
+            phase_step: SILENCER.0,
             storing: None,
             live: false,
             playing: false,
@@ -478,18 +456,4 @@ impl Session<'_> {
         }
         Ok(())
     }
-}
-
-fn is_of(packet: &Packet, kind: Kind) -> bool {
-    Kind::from_repr(packet.code) == Some(kind)
-}
-
-/// Whether a packet is useless for a newer wish.
-fn serves_one_wish(packet: &Packet) -> bool {
-    is_of_content(packet)
-        || matches!(Kind::from_repr(packet.code), Some(Kind::Stop | Kind::Enable | Kind::Mute))
-}
-
-fn is_of_content(packet: &Packet) -> bool {
-    matches!(Kind::from_repr(packet.code), Some(Kind::Phases | Kind::Frame | Kind::Play))
 }

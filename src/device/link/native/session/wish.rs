@@ -6,16 +6,14 @@ use crate::device::envelope::Table;
 use crate::device::health::FrameRates;
 use crate::device::levels::Levels;
 use crate::device::link::native::motion::{self, Motion, Way};
-use crate::device::link::native::session::{Key, Purpose, Session, Task, WATCHDOG, is_of, serves_one_wish};
+use crate::device::link::native::session::tasks::{Key, Purpose, Task, is_of, serves_one_wish};
+use crate::device::link::native::session::{SILENCER, Session, WATCHDOG};
 use crate::device::link::{Content, Wanted};
 use crate::device::native::packet::{Kind, Packet};
 use crate::scene::Modulation;
 
 /// Slots used in turn by streamed frames.
 const LIVE: u8 = 4;
-/// The silencer's power-up steps: changes take some periods, without a click.
-const SILENCER: (u16, u16) = (0x0300, 0x0600);
-
 impl Session<'_> {
     /// Turns a new wish into tasks.
     pub fn follow(&mut self, wanted: &Wanted) {
@@ -82,9 +80,13 @@ impl Session<'_> {
         // Until STOP is acknowledged, the playing slots are busy.
         if self.playing {
             self.push_to_all(&Packet::stop());
-            let (phase_step, amplitude_step) = SILENCER;
-            self.push_to_all(&Packet::silencer(phase_step, amplitude_step));
+            self.set_silencer(SILENCER.0);
         }
+    }
+
+    fn set_silencer(&mut self, phase_step: u16) {
+        self.phase_step = phase_step;
+        self.push_to_all(&Packet::silencer(phase_step, SILENCER.1));
     }
 
     /// The due frame, unless already sent. The first frame of a wish stands alone until the devices are switched on.
@@ -152,6 +154,7 @@ impl Session<'_> {
         let Table { values, step } = self.modulation;
         (is_of(packet, Kind::Envelope) && packet.payload != values)
             || (is_of(packet, Kind::Rate) && packet.arguments[..3] != step.to_le_bytes()[..3])
+            || (is_of(packet, Kind::Silencer) && packet.arguments[..2] != self.phase_step.to_le_bytes())
     }
 
     /// Writes a motion into the store, once the player has stopped. Its first frame is played meanwhile from a
@@ -168,7 +171,6 @@ impl Session<'_> {
         let frame = |slot: usize, address: u8, commit: bool| {
             playing(chosen[slot - first], address, slot as u8, commit)
         };
-        let (_, amplitude_step) = SILENCER;
         let delays: Vec<_> = chosen.iter().map(|levels| delays(levels)).collect();
         let phase_step = motion::phase_step(&delays, divider, SILENCER.0);
         let addresses = self.addresses();
@@ -182,7 +184,7 @@ impl Session<'_> {
                 self.push(frame(slot, address, false), std::mem::take(&mut waits));
             }
         }
-        self.push_to_all(&Packet::silencer(phase_step, amplitude_step));
+        self.set_silencer(phase_step);
         let last = (first + count - 1) as u8;
         let play = Packet::play(first as u8, last, divider, 0, false);
         let play = self.together(play);

@@ -104,6 +104,9 @@ fn a_stored_motion_is_uploaded_behind_its_first_frame_and_played() {
         assert_eq!(kinds, order.flat_map(|kind| vec![kind.code(); devices]).collect::<Vec<_>>());
         assert!(line.plays(&frame(profile, 7)) && line.health().refused == 0);
         assert_eq!(line.health().rates, None);
+        line.show(still(profile, 8));
+        line.run(100 * MILLI).unwrap();
+        assert!(line.packets().iter().all(|packet| is_of(packet, Kind::Phases)), "nothing is left to stop");
         // A second motion is stored around the frame that plays.
         line.show(motion(profile, 10, 50.0));
         line.run(300 * MILLI).unwrap();
@@ -137,7 +140,10 @@ fn a_motion_beyond_the_store_is_streamed_frame_by_frame() {
     line.show(motion(Profile::Native, 200, 9000.0));
     line.run(500 * MILLI).unwrap();
     let notice = notices(&events);
-    assert!(notice.contains("9000 frames/s asked") && notice.contains("of 200 frames"), "{notice}");
+    assert!(
+        notice.contains("9000 frames/s asked") && notice.contains("of 200 frames, 44.6429 cycles/s"),
+        "{notice}"
+    );
 }
 
 #[test]
@@ -206,4 +212,84 @@ fn a_modulation_is_told_once_to_every_device() {
             ))
     );
     assert_eq!((line.health().refused, notices(&events)), (0, String::new()));
+}
+
+#[test]
+fn a_newer_wish_does_not_wait_for_the_rest_of_an_upload() {
+    let (shared, _events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    line.show(motion(Profile::Native, 64, 320.0));
+    line.run(20 * MILLI).unwrap();
+    line.packets();
+    line.show(still(Profile::Native, 9));
+    line.run(15 * MILLI).unwrap();
+    assert!(line.plays(&frame(Profile::Native, 9)) && line.health().in_place);
+    let kinds = line.kinds();
+    assert!(kinds.len() < 5, "{kinds:?}");
+}
+
+#[test]
+fn each_wish_has_one_latency_and_every_byte_counts() {
+    let (shared, _events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    line.run(20 * MILLI).unwrap();
+    line.show(motion(Profile::Native, 200, 100.0));
+    line.run(500 * MILLI).unwrap();
+    let latency = shared.figures.lock().unwrap().latency.spread().unwrap();
+    assert!(latency.largest < 3 * MILLI, "later frames of a motion have none: {latency:?}");
+    let written: usize = line.said.iter().map(|(_, packet)| packet.to_line().len()).sum();
+    // Delimiters before packets on an idle line come on top.
+    let counted = line.health().bytes - written as u64;
+    assert!((1..=line.said.len() as u64).contains(&counted), "{counted}");
+}
+
+#[test]
+fn devices_without_sync_are_told_of_and_play_their_frames_at_once() {
+    let profile = Profile::Natives(2);
+    let (shared, events) = shared();
+    let mut line = Line::of_devices(profile, &shared, |reply| reply.flags.follows = false);
+    assert!(notices(&events).contains("board 1 receives no sync"));
+    line.show(still(profile, 3));
+    line.run(100 * MILLI).unwrap();
+    let frames: Vec<_> = line.packets().into_iter().filter(|packet| is_of(packet, Kind::Phases)).collect();
+    assert!(frames.iter().all(|packet| packet.arguments[2] == 1), "committed, not in step");
+    assert!(line.plays(&frame(profile, 3)));
+    let mut line = Line::new(profile, &shared);
+    assert_eq!(notices(&events), "");
+    line.show(still(profile, 3));
+    line.run(100 * MILLI).unwrap();
+    assert!(line.packets().iter().any(|packet| packet.arguments[2] == 3), "in step");
+}
+
+#[test]
+fn a_modulation_that_no_table_holds_leaves_the_sound_steady() {
+    let (shared, events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    line.want(|wanted| wanted.modulation.shape = Envelope::File);
+    line.run(50 * MILLI).unwrap();
+    assert_eq!(notices(&events), "", "nothing sounds yet");
+    line.show(still(Profile::Native, 3));
+    line.run(100 * MILLI).unwrap();
+    assert_eq!(notices(&events), "the sound is steady: modulation.file is not loaded");
+    assert!(line.plays(&frame(Profile::Native, 3)));
+}
+
+#[test]
+fn settings_are_outdated_once_others_are_wanted() {
+    let (shared, _events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    let (steady, other) = (Table::steady(), [7; 256]);
+    let is_outdated = |line: &Line<'_>, packet: Packet| line.session.is_outdated(&packet);
+    assert!(
+        !is_outdated(&line, Packet::envelope(&steady.values)) && is_outdated(&line, Packet::envelope(&other))
+    );
+    assert!(!is_outdated(&line, Packet::rate(0, true)) && is_outdated(&line, Packet::rate(1 << 16, true)));
+    let silencer = |phase_step| Packet::silencer(phase_step, SILENCER.1);
+    assert!(!is_outdated(&line, silencer(SILENCER.0)) && is_outdated(&line, silencer(0x0400)));
+    assert!(!is_outdated(&line, Packet::mute()) && !is_outdated(&line, Packet::widths(&other)));
+    // Two frames half a turn apart, in four periods each.
+    let frames = [0, 128].map(|number| frame(Profile::Native, number)).to_vec();
+    line.show(Content::Motion { frames, rate: 10_000.0 });
+    line.run(100 * MILLI).unwrap();
+    assert!(is_outdated(&line, silencer(SILENCER.0)) && !is_outdated(&line, silencer(128 * 256 / 4)));
 }

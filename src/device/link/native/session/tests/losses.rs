@@ -74,22 +74,71 @@ fn lost_devices_are_lost_in_time_and_for_a_reason() {
     line.run(100 * MILLI).unwrap();
     line.devices = Native::new(&Model::new(7), 1, line.now);
     assert!(matches!(line.run(200 * MILLI), Err(LinkError::Restarted)));
+    let mut line = Line::new(Profile::Native, &shared);
+    line.run(Duration::from_secs(1)).unwrap();
+    line.devices = Native::new(&Model::new(7), 1, line.now);
+    assert!(matches!(line.run(200 * MILLI), Err(LinkError::Restarted)), "also while it is silent");
 }
 
 #[test]
 fn a_packet_that_is_always_refused_is_sent_twelve_times() {
+    let reasons = [Outcome::Busy, Outcome::Crc, Outcome::Length, Outcome::Unknown, Outcome::Argument];
+    for (profile, frame) in
+        [(Profile::Native, None), (Profile::Natives(2), Some(still(Profile::Natives(2), 1)))]
+    {
+        let (shared, _events) = shared();
+        let mut line = Line::new(profile, &shared);
+        if let Some(frame) = frame {
+            line.show(frame);
+        }
+        line.session.follow(&line.wanted);
+        for attempt in 1..=12 {
+            // Of the frames to two devices, one at a time is refused.
+            let message = line.session.next(&line.wanted, line.now).unwrap();
+            let (code, address, seq) = (message.code + REPLY, message.address, message.seq);
+            line.session.sent(message, &line.wanted, line.now, line.now);
+            let outcome = if address > 0 { Outcome::Busy } else { reasons[attempt % reasons.len()] };
+            let body = Body::Status(Status { periods: 1000, ..Status::default() });
+            let reply = Reply { code, address, seq, outcome, flags: Default::default(), body };
+            let heard = line.session.hear(&[reply], &line.wanted, line.now);
+            assert_eq!(heard.is_err(), attempt == 12, "{profile:?}, {attempt}: {heard:?}");
+            assert_eq!(line.health().refused, attempt as u64);
+        }
+    }
+}
+
+#[test]
+fn a_hurried_drag_over_several_devices_meets_no_slot_in_play() {
+    let profile = Profile::Natives(2);
     let (shared, _events) = shared();
-    let mut line = Line::new(Profile::Native, &shared);
-    line.session.follow(&line.wanted);
-    for attempt in 1..=12 {
-        let message = line.session.next(&line.wanted, line.now).unwrap();
-        let (code, seq) = (message.code + REPLY, message.seq);
-        line.session.sent(message, &line.wanted, line.now, line.now);
-        let body = Body::Status(Status { periods: 1000, ..Status::default() });
-        let busy = Reply { code, address: 0, seq, outcome: Outcome::Busy, flags: Default::default(), body };
-        let heard = line.session.hear(&[busy], &line.wanted, line.now);
-        assert_eq!(heard.is_err(), attempt == 12, "{heard:?}");
-        assert_eq!(line.health().refused, attempt);
+    let mut line = Line::new(profile, &shared);
+    for number in 0..400 {
+        line.show(still(profile, number % 256));
+        let until = line.now + Duration::from_micros(100 + 37 * (number as u64 % 17));
+        while line.now < until {
+            line.turn(until).unwrap();
+        }
+        assert_eq!(line.health().refused, 0, "{number}");
+    }
+}
+
+#[test]
+fn an_upload_over_a_lossy_line_is_whole() {
+    let profile = Profile::Natives(2);
+    for seed in 0..30 {
+        let (shared, _events) = shared();
+        let mut line = Line::new(profile, &shared);
+        line.damage = Damage::new(Faults { drop: 2e-4, insert: 2e-4, ..Faults::default() }, seed);
+        line.show(motion(profile, 64, 320.0));
+        let ran = line.run(Duration::from_secs(1));
+        assert!(ran.is_ok() && line.health().in_place, "{seed}: {ran:?}");
+        let play = line.packets().into_iter().rfind(|packet| is_of(packet, Kind::Play)).unwrap();
+        let [first, last, ..] = play.arguments;
+        assert_eq!(last - first, 63);
+        for slot in 0..64 {
+            let wanted = bytes(&frame(profile, usize::from(slot)));
+            assert!((0..2).all(|n| line.has(Stored::Slot(slot), n, &wanted[..512])), "{seed}: slot {slot}");
+        }
     }
 }
 

@@ -1,5 +1,7 @@
 //! Sessions with virtual devices in simulated time: whole conversations, the same ones on any machine.
 
+#![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
 mod conversations;
 mod losses;
 
@@ -55,10 +57,19 @@ fn reply_of(devices: &mut Native, packet: &Packet, at: Instant) -> Reply {
 
 impl<'a> Line<'a> {
     fn new(profile: Profile, shared: &'a Shared) -> Self {
+        Self::of_devices(profile, shared, |_| {})
+    }
+
+    /// With altered answers to RESET.
+    fn of_devices(profile: Profile, shared: &'a Shared, alter: impl Fn(&mut Reply)) -> Self {
         let now = shared.wanted().since;
         let mut devices = Native::new(&Model::new(7), profile.devices(), now);
         let Body::Info(info) = reply_of(&mut devices, &Packet::info(), now).body else { panic!("no INFO") };
-        let reset = |address| reply_of(&mut devices, &Packet::reset().to(address as u8), now);
+        let reset = |address| {
+            let mut reply = reply_of(&mut devices, &Packet::reset().to(address as u8), now);
+            alter(&mut reply);
+            reply
+        };
         let resets: Vec<_> = (0..profile.devices()).map(reset).collect();
         let settings = Settings { port: "board".into(), profile, baud: None };
         Self {
@@ -191,8 +202,10 @@ impl<'a> Line<'a> {
 
 /// A frame with its number in every element; the same on all devices.
 fn frame(profile: Profile, number: usize) -> Levels {
-    let level =
-        |n: usize| Level { delay: (number * if n % 2 == 0 { 1 } else { 3 } % 256) as u16, amplitude: 255 };
+    let level = |n: usize| Level {
+        delay: (number * if n.is_multiple_of(2) { 1 } else { 3 } % 256) as u16,
+        amplitude: 255,
+    };
     Levels { profile, elements: (0..profile.elements()).map(|n| Some(level(n % 256))).collect() }
 }
 

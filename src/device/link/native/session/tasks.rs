@@ -1,0 +1,48 @@
+//! Packets of a session as tasks, and what they serve.
+
+use crate::device::native::packet::{Kind, Packet};
+
+/// Which frame of which wish.
+pub type Key = (u64, usize);
+
+/// A packet that must be accepted.
+#[derive(Clone, Debug)]
+pub struct Task {
+    pub packet: Packet,
+    /// Only when everything before it was taken.
+    pub last: bool,
+    pub attempts: u32,
+    /// The wish that it serves.
+    pub generation: u64,
+}
+
+#[derive(Clone, Debug)]
+pub enum Purpose {
+    Task(Task),
+    /// A frame of a stream; a newer one may replace it.
+    Frame(Key),
+    Ping,
+}
+
+impl Purpose {
+    pub fn task(&self) -> Option<&Task> {
+        match self {
+            Self::Task(task) => Some(task),
+            Self::Frame(_) | Self::Ping => None,
+        }
+    }
+}
+
+pub fn is_of(packet: &Packet, kind: Kind) -> bool {
+    Kind::from_repr(packet.code) == Some(kind)
+}
+
+/// Whether a packet is useless for a newer wish.
+pub fn serves_one_wish(packet: &Packet) -> bool {
+    is_of_content(packet)
+        || matches!(Kind::from_repr(packet.code), Some(Kind::Stop | Kind::Enable | Kind::Mute))
+}
+
+pub fn is_of_content(packet: &Packet) -> bool {
+    matches!(Kind::from_repr(packet.code), Some(Kind::Phases | Kind::Frame | Kind::Play))
+}
