@@ -142,6 +142,9 @@ mod tests {
         };
         refused(Profile::Native, &tones(&[1.0, 200.0]), "200 Hz is 200 times the common frequency");
         refused(Profile::Native, &tones(&[150.0, 200.000_001]), "a repeated table of 256 steps");
+        refused(Profile::Native, &tones(&[100.0, 3300.0]), "3300 Hz is 33 times");
+        assert_eq!(playable(Profile::Native, &tones(&[100.0, 3200.0])), Ok(()));
+        assert!(Table::new(&tones(&[100.0, 3300.0]), 40e3).is_err());
         refused(Profile::Native, &file(257, 8e3), "has 257 samples");
         assert_eq!(playable(Profile::Native, &tones(&[150.0, 200.0])), Ok(()));
         assert_eq!(playable(Profile::Native, &file(256, 8e3)), Ok(()));

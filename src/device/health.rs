@@ -74,3 +74,17 @@ pub struct Health {
     /// Half periods of a modulation by swaps.
     pub swaps: Option<Spread>,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn low_rates_have_decimals_and_a_thousandth_is_no_difference() {
+        let text = |asked, played| FrameRates { asked, played }.to_string();
+        assert_eq!(text(64.0, 9.25), "64.00 frames/s asked, 9.25 played");
+        assert_eq!(text(64.0, 10.0), "64 frames/s asked, 10 played");
+        let differ = |played| FrameRates { asked: 100.0, played }.differ();
+        assert!(!differ(99.95) && !differ(100.05) && differ(99.8) && differ(100.2));
+    }
+}

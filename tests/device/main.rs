@@ -19,7 +19,7 @@ use sonoglyph::device::levels::{self, Level, Levels};
 use sonoglyph::device::profile::{Profile, Strength};
 use sonoglyph::device::stock::{self, Heard, Modulated, Twin};
 use sonoglyph::drive::Drive;
-use sonoglyph::scene::{Envelope, Modulation};
+use sonoglyph::scene::{Envelope, Modulation, Scene, file};
 
 /// Reproducible random numbers.
 fn numbers(seed: u32) -> impl FnMut() -> f64 {
@@ -244,6 +244,58 @@ fn calibration_corrects_phases_and_amplitudes() {
 }
 
 #[test]
+fn amplitudes_that_a_board_lacks_are_noticed_and_others_are_not() {
+    let of = |profile: Profile, amplitude: f64, row: &str| {
+        let drive = Drive { amplitudes: vec![amplitude, 1.0], phases: vec![0.0; 2] };
+        let calibration =
+            Calibration::parse(&format!("element,offset,gain,off\n{row}\n1,0,1,0\n"), 2).unwrap();
+        levels::notices(profile, &drive, &calibration, 40_000.0).len()
+    };
+    let plain = "0,0,1,0";
+    assert_eq!([0.0, 0.5, 1.0].map(|amplitude| of(Profile::SonicSurface, amplitude, plain)), [0, 1, 0]);
+    assert_eq!(of(Profile::Native, 0.5, plain), 0);
+    assert_eq!(
+        ["0,0,0.5,0", "0,0,0.5,1", "0,0,0,0"].map(|row| of(Profile::SonicSurface, 1.0, row)),
+        [1, 0, 0]
+    );
+}
+
+#[test]
+fn elements_are_switched_off_and_on_in_a_calibration() {
+    let mut calibration = Calibration::default();
+    calibration.set_off(5, 8, true);
+    calibration.set_off(2, 8, true);
+    assert_eq!(calibration.off(), [2, 5]);
+    calibration.set_off(5, 8, false);
+    let text = calibration.to_csv(8);
+    assert_eq!(Calibration::parse(&text, 8), Ok(calibration.clone()));
+    assert_eq!(calibration.off(), [2]);
+    assert_eq!(Calibration::default().to_csv(2), "element,offset,gain,off\n0,0,1,0\n1,0,1,0\n");
+}
+
+#[test]
+fn a_checkerboard_begins_with_a_phase_of_zero_and_alternates() {
+    for profile in Profile::ALL {
+        let board = Levels::checkerboard(profile, 8).elements;
+        let [first, second] = [0.0, PI].map(|phase| profile.level(1.0, phase));
+        assert_eq!([board[0], board[1], board[8], board[9]], [first, second, second, first]);
+    }
+}
+
+#[test]
+fn boards_drive_arrays_of_their_own_shape_or_count() {
+    let scene = |columns, rows| {
+        let text = format!("format = 1\n[array]\ncolumns = {columns}\nrows = {rows}\n");
+        file::parse(&text, "scene.toml".as_ref()).unwrap()
+    };
+    let fits = |profile: Profile, scene: &Scene| profile.drives(scene).is_ok();
+    assert!(fits(Profile::SonicSurface, &scene(16, 16)) && !fits(Profile::SonicSurface, &scene(8, 32)));
+    assert!(fits(Profile::UltrainoMega64, &scene(8, 8)) && !fits(Profile::UltrainoMega64, &scene(8, 9)));
+    assert!(fits(Profile::Native, &scene(8, 32)) && !fits(Profile::Native, &scene(8, 31)));
+    assert!(Profile::Native.answers() && Profile::Natives(8).answers() && !Profile::SonicSurface.answers());
+}
+
+#[test]
 fn carriers_equal_to_a_millionth_need_no_notice() {
     for (frequency, differs) in [(40_000.03, false), (39_999.97, false), (40_000.05, true), (39_999.95, true)]
     {
@@ -272,7 +324,9 @@ fn invalid_calibrations_are_refused_with_their_line() {
         other => panic!("{rows:?} gave {other:?}"),
     };
     assert!(parse("2,0,1,0\n0,0,1,0\n1,-90,0.5,1\n").is_ok());
-    assert_eq!(line_of("0,0,1,0\n9,0,1,0\n"), 3);
+    for element in ["3", "9", "-1", "0.5", "-0.5"] {
+        assert_eq!(line_of(&format!("0,0,1,0\n{element},0,1,0\n")), 3, "{element}");
+    }
     assert_eq!(line_of("0,0,1,0\n1,nan,1,0\n"), 3);
     assert_eq!(line_of("0,1e300,1,0\n"), 2);
     assert_eq!(line_of("0,0,1.5,0\n"), 2);
