@@ -87,6 +87,19 @@ fn amplitude_is_the_sine_of_the_width_up_to_half_a_period() {
 }
 
 #[test]
+fn an_element_that_moves_alone_reaches_its_level() {
+    let mut model = playing(8, &[0; 256]);
+    run(&mut model, 50);
+    apply(&mut model, &Packet::silencer(0x0100, 0x0100));
+    let mut phases = [0; 256];
+    phases[0] = 40;
+    apply(&mut model, &Packet::phases(2, 255, &phases, true));
+    run(&mut model, 60);
+    let played = *model.played();
+    assert_eq!(played[0].rise.wrapping_sub(played[1].rise), 40);
+}
+
+#[test]
 fn a_commit_takes_effect_as_a_whole_at_the_next_sweep() {
     let mut model = playing(8, &[0; 256]);
     let before = *model.period();

@@ -40,10 +40,7 @@ fn a_frame_is_followed_by_enable_and_a_newer_one_replaces_it() {
 fn an_idle_line_is_kept_alive_and_no_more() {
     for profile in [Profile::Native, Profile::Natives(3), Profile::Natives(8)] {
         let (shared, events) = shared();
-        let mut line = Line::new(profile, &shared);
-        line.show(still(profile, 1));
-        line.run(100 * MILLI).unwrap();
-        line.said.clear();
+        let mut line = Line::playing(profile, &shared);
         line.run(Duration::from_secs(1)).unwrap();
         assert!(line.said.iter().all(|(_, packet)| is_of(packet, Kind::Status)));
         for address in 0..profile.devices() as u8 {
@@ -176,10 +173,7 @@ fn several_devices_change_frames_in_the_same_period() {
 fn a_modulation_is_told_once_to_every_device() {
     let profile = Profile::Natives(2);
     let (shared, events) = shared();
-    let mut line = Line::new(profile, &shared);
-    line.show(still(profile, 1));
-    line.run(100 * MILLI).unwrap();
-    line.packets();
+    let mut line = Line::playing(profile, &shared);
     let modulation =
         Modulation { shape: Envelope::Sine, frequency: 200.0, depth: 1.0, ..Modulation::default() };
     line.want(|wanted| wanted.modulation = modulation.clone());

@@ -7,9 +7,7 @@ use crate::device::native::packet::Status;
 fn the_emergency_stop_ends_a_wish() {
     for held in [true, false] {
         let (shared, events) = shared();
-        let mut line = Line::new(Profile::Native, &shared);
-        line.show(still(Profile::Native, 1));
-        line.run(100 * MILLI).unwrap();
+        let mut line = Line::playing(Profile::Native, &shared);
         line.devices.press(true);
         line.devices.press(held);
         line.run(100 * MILLI).unwrap();
@@ -31,9 +29,7 @@ fn the_emergency_stop_ends_a_wish() {
 #[test]
 fn a_pause_trips_the_watchdog_and_the_sound_comes_back() {
     let (shared, events) = shared();
-    let mut line = Line::new(Profile::Native, &shared);
-    line.show(still(Profile::Native, 1));
-    line.run(100 * MILLI).unwrap();
+    let mut line = Line::playing(Profile::Native, &shared);
     line.pass(line.now + 140 * MILLI);
     line.run(100 * MILLI).unwrap();
     assert_eq!(notices(&events), "");
@@ -50,9 +46,7 @@ fn a_pause_trips_the_watchdog_and_the_sound_comes_back() {
 fn lost_devices_are_lost_in_time_and_for_a_reason() {
     let of = |faults: Faults| {
         let (shared, _events) = shared();
-        let mut line = Line::new(Profile::Native, &shared);
-        line.show(still(Profile::Native, 1));
-        line.run(100 * MILLI).unwrap();
+        let mut line = Line::playing(Profile::Native, &shared);
         line.damage = Damage::new(faults, 2);
         line.show(still(Profile::Native, 2));
         let from = line.now;
@@ -69,9 +63,7 @@ fn lost_devices_are_lost_in_time_and_for_a_reason() {
     let error = line.run(Duration::from_secs(5)).unwrap_err();
     assert!(matches!(error, LinkError::Refused("MUTE") | LinkError::Silent(_)), "{error}");
     // Switched off and on: its counter of periods begins anew.
-    let mut line = Line::new(Profile::Native, &shared);
-    line.show(still(Profile::Native, 1));
-    line.run(100 * MILLI).unwrap();
+    let mut line = Line::playing(Profile::Native, &shared);
     line.devices = Native::new(&Model::new(7), 1, line.now);
     assert!(matches!(line.run(200 * MILLI), Err(LinkError::Restarted)));
     let mut line = Line::new(Profile::Native, &shared);
@@ -112,13 +104,13 @@ fn a_hurried_drag_over_several_devices_meets_no_slot_in_play() {
     let profile = Profile::Natives(2);
     let (shared, _events) = shared();
     let mut line = Line::new(profile, &shared);
-    for number in 0..400 {
-        line.show(still(profile, number % 256));
-        let until = line.now + Duration::from_micros(100 + 37 * (number as u64 % 17));
-        while line.now < until {
-            line.turn(until).unwrap();
+    for hurry in 1..9 {
+        for number in 0..hurry {
+            line.show(still(profile, 16 * hurry + number));
+            line.turn(line.now).unwrap();
         }
-        assert_eq!(line.health().refused, 0, "{number}");
+        line.run(40 * MILLI).unwrap();
+        assert!(line.plays(&frame(profile, 17 * hurry - 1)) && line.health().refused == 0, "{hurry}");
     }
 }
 

@@ -89,6 +89,15 @@ impl<'a> Line<'a> {
         }
     }
 
+    /// With frame 1 in place.
+    fn playing(profile: Profile, shared: &'a Shared) -> Self {
+        let mut line = Self::new(profile, shared);
+        line.show(still(profile, 1));
+        line.run(100 * MILLI).unwrap();
+        line.said.clear();
+        line
+    }
+
     fn want(&mut self, change: impl FnOnce(&mut Wanted)) {
         change(&mut self.wanted);
         self.wanted.generation += 1;
