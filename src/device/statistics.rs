@@ -95,9 +95,9 @@ mod tests {
         let start = Instant::now();
         let mut rate = Rate::default();
         (0..200).for_each(|n| rate.note(10, start + Duration::from_millis(10 * n)));
+        assert_eq!(rate.happened.len(), 101, "older ones are not kept");
         let rate_then = rate.per_second(start + Duration::from_millis(1990));
         assert!((rate_then - 1010.0).abs() < 11.0, "{rate_then}");
-        assert_eq!(rate.happened.len(), 101, "older ones are not kept");
         assert_eq!(rate.per_second(start + Duration::from_secs(9)), 0.0);
         rate.note(7, start + Duration::from_secs(20));
         assert_eq!(rate.per_second(start + Duration::from_millis(20_950)), 7.0);

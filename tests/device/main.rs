@@ -325,7 +325,7 @@ fn invalid_calibrations_are_refused_with_their_line() {
     };
     assert!(parse("2,0,1,0\n0,0,1,0\n1,-90,0.5,1\n").is_ok());
     for element in ["3", "9", "-1", "0.5", "-0.5"] {
-        assert_eq!(line_of(&format!("0,0,1,0\n{element},0,1,0\n")), 3, "{element}");
+        assert_eq!(line_of(&format!("2,0,1,0\n{element},0,1,0\n")), 3, "{element}");
     }
     assert_eq!(line_of("0,0,1,0\n1,nan,1,0\n"), 3);
     assert_eq!(line_of("0,1e300,1,0\n"), 2);
