@@ -190,15 +190,7 @@ impl Link {
     }
 
     pub fn health(&self) -> Health {
-        let mut figures = locked(&self.shared.figures);
-        let now = Instant::now();
-        let Figures { health, frames, bytes, round_trip, latency, swaps } = &mut *figures;
-        health.frames_per_second = frames.per_second(now);
-        health.bytes_per_second = bytes.per_second(now);
-        health.round_trip = round_trip.spread();
-        health.latency = latency.spread();
-        health.swaps = swaps.spread();
-        health.clone()
+        self.shared.health()
     }
 }
 
@@ -242,6 +234,18 @@ impl Shared {
     async fn wait(&self, generation: u64, timeout: Duration) {
         let is_so = |wanted: &Wanted| wanted.generation == generation && !wanted.closing;
         self.wanted.wait_while(timeout, is_so).await;
+    }
+
+    fn health(&self) -> Health {
+        let mut figures = locked(&self.figures);
+        let now = Instant::now();
+        let Figures { health, frames, bytes, round_trip, latency, swaps } = &mut *figures;
+        health.frames_per_second = frames.per_second(now);
+        health.bytes_per_second = bytes.per_second(now);
+        health.round_trip = round_trip.spread();
+        health.latency = latency.spread();
+        health.swaps = swaps.spread();
+        health.clone()
     }
 
     fn tell(&self, event: Event) {
@@ -352,6 +356,13 @@ impl Content {
         match self {
             Self::Still(_) => true,
             Self::Motion { frames, rate } => !frames.is_empty() && *rate > 0.0 && rate.is_finite(),
+        }
+    }
+
+    fn frames(&self) -> &[Levels] {
+        match self {
+            Self::Still(levels) => std::slice::from_ref(levels),
+            Self::Motion { frames, .. } => frames,
         }
     }
 

@@ -47,17 +47,29 @@ pub fn frame(levels: &Levels) -> Vec<u8> {
 /// The bytes that silence both buffers of a board in any state: sent first and last.
 pub fn silence(profile: Profile) -> Vec<u8> {
     let blank = frame(&Levels::off(profile));
-    let (start, times) = match profile {
-        // The tactile build only accepts lists.
-        Profile::SonicSurfaceTactile => (&[][..], 2),
+    let times = match profile {
+        Profile::SonicSurface | Profile::SonicSurfaceTactile | Profile::UltrainoSimpleFpga => 2,
         // Once more: an interrupted list may have left any index, which only a swap, or the end of a frame, resets.
-        Profile::Native | Profile::Natives(_) | Profile::Acoustophoretic512 | Profile::UltrainoMega64 => {
-            (&[][..], 3)
-        }
-        Profile::SonicSurface2 => (&phase_list::START[..], 3),
-        Profile::SonicSurface | Profile::UltrainoSimpleFpga => (&phase_list::START[..], 2),
+        Profile::Native
+        | Profile::Natives(_)
+        | Profile::SonicSurface2
+        | Profile::Acoustophoretic512
+        | Profile::UltrainoMega64 => 3,
     };
-    [start, &blank.repeat(times)].concat()
+    [start(profile), &blank.repeat(times)].concat()
+}
+
+/// The bytes that make a board listen in any state, and change nothing in one that listens.
+pub fn start(profile: Profile) -> &'static [u8] {
+    match profile {
+        Profile::SonicSurface | Profile::SonicSurface2 | Profile::UltrainoSimpleFpga => &phase_list::START,
+        // The tactile build only accepts lists.
+        Profile::Native
+        | Profile::Natives(_)
+        | Profile::SonicSurfaceTactile
+        | Profile::Acoustophoretic512
+        | Profile::UltrainoMega64 => &[],
+    }
 }
 
 /// The playback of an envelope on a stock board.

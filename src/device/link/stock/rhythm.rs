@@ -32,6 +32,11 @@ impl Rhythm {
         now + 2 * (self.load + self.show) <= dark_at
     }
 
+    /// Whether the line can carry silence for the hidden buffer before `dark_at`.
+    pub fn fits(&self, now: Instant, dark_at: Instant) -> bool {
+        now + self.load + self.show <= dark_at
+    }
+
     /// The first pulse from `due` on that begins at `ready` or later.
     pub fn next_pulse(&self, due: Instant, ready: Instant) -> Instant {
         let missed = ready.saturating_duration_since(due).as_secs_f64() / (2.0 * self.half.as_secs_f64());

@@ -1,0 +1,135 @@
+//! Modulation from here: pulses and pauses, still, in motion, and while the user drags.
+
+use super::*;
+
+#[test]
+fn pulses_and_pauses_are_equal_and_go_on() {
+    for (profile, baud, frequency, lost) in SWITCHED {
+        let (shared, events) = shared();
+        let mut line = Line::new(profile, baud, &shared);
+        line.modulate(Envelope::Square, frequency);
+        line.show(still(profile, 7));
+        line.run(300 * MILLI);
+        assert!(line.health().in_place);
+        let from = line.now;
+        line.run(Duration::from_secs(3));
+        let what = format!("{} at {baud} baud, {frequency} Hz", profile.name());
+        let half = Duration::from_secs_f64(0.5 / frequency);
+        let halves = line.halves_since(from);
+        assert!(halves.len().abs_diff((6.0 * frequency) as usize) <= 3, "{what}: {} halves", halves.len());
+        for (_, lasted) in halves {
+            assert!(lasted.abs_diff(half) < 30 * MICRO, "{what}: {lasted:?}");
+        }
+        let known = [Levels::off(profile), frame(profile, 7)];
+        assert!(line.since(from).iter().all(|(levels, _)| known.contains(levels)), "{what}: torn");
+        let said = notices(&events);
+        assert!(said.len() == 1 && said[0].contains(&format!("{frequency} times a second")), "{said:?}");
+        let swaps = line.health().swaps.unwrap();
+        assert!(swaps.median.abs_diff(half) < 30 * MICRO && swaps.largest < half + 30 * MICRO, "{swaps:?}");
+        // Repetitions, where they cost no pulse.
+        let frames = line.health().frames;
+        let is_repeated = lost == 0 && stock::swap(profile).is_some();
+        assert_eq!(frames > 1, is_repeated, "{what}: {frames} frames");
+    }
+}
+
+#[test]
+fn a_motion_under_modulation_plays_as_many_frames_as_it_says() {
+    for (profile, baud, frequency, lost) in SWITCHED {
+        let (shared, _events) = shared();
+        let mut line = Line::new(profile, baud, &shared);
+        line.modulate(Envelope::Square, frequency);
+        line.show(motion(profile, 64, 32.0));
+        line.run(300 * MILLI);
+        let (from, what) = (line.now, format!("{} at {baud} baud, {frequency} Hz", profile.name()));
+        line.run(Duration::from_secs(4));
+        let rates = line.health().rates.unwrap();
+        let dark = Levels::off(profile);
+        let number = |levels: &Levels| (0..64).find(|&number| frame(profile, number) == *levels);
+        let mut heard: Vec<(usize, usize)> = Vec::new();
+        for (levels, _) in line.since(from).iter().filter(|(levels, _)| *levels != dark) {
+            let number = number(levels).unwrap_or_else(|| panic!("{what}: torn"));
+            match heard.last_mut() {
+                Some((last, pulses)) if *last == number => *pulses += 1,
+                _ => heard.push((number, 1)),
+            }
+        }
+        let streams = line.since(from).windows(2).any(|two| two[0].0 != dark && two[1].0 != dark);
+        let played = heard.len() as f64 / 4.0;
+        assert!(streams || (played / rates.played - 1.0).abs() < 0.05, "{what}: {played}, not {rates}");
+        if streams {
+            // A frame begins when its time has come, or the pulse.
+            for (at, levels) in line.shown.iter().filter(|(at, levels)| *at > from && *levels != dark) {
+                let asked = (*at - line.wanted.since).as_secs_f64() * 32.0;
+                let late = (asked - number(levels).unwrap() as f64).rem_euclid(64.0);
+                assert!(late < 1.0 + 0.025 * 32.0, "{what}: {late}");
+            }
+        }
+        for two in heard.windows(2) {
+            let step = (two[1].0 + 64 - two[0].0) % 64;
+            assert!((1..=4).contains(&step), "{what}: {two:?}");
+        }
+        let whole = &heard[1..heard.len() - 1];
+        assert!(whole.iter().all(|(_, pulses)| *pulses >= lost as usize), "{what}: {whole:?}");
+        // In time: a frame is loaded before its pulse begins.
+        let played = ((line.now - line.wanted.since).as_secs_f64() * 32.0) as usize % 64;
+        let behind = (played + 64 - heard.last().unwrap().0) % 64;
+        assert!(behind <= 1 + (32.0 / rates.played) as usize, "{what}: {behind} behind");
+    }
+}
+
+#[test]
+fn a_drag_under_modulation_is_heard() {
+    for (profile, baud, frequency, _) in SWITCHED {
+        let (shared, events) = shared();
+        let mut line = Line::new(profile, baud, &shared);
+        line.modulate(Envelope::Square, frequency);
+        line.show(still(profile, 0));
+        line.run(300 * MILLI);
+        let from = line.now;
+        for number in 1..=120 {
+            line.show(still(profile, number));
+            line.run(16 * MILLI);
+        }
+        let what = format!("{} at {baud} baud, {frequency} Hz", profile.name());
+        let sound = line.sound_since(from);
+        assert!(sound > 0.22, "{what}: {sound}");
+        let pauses = line.halves_since(from).into_iter().filter(|(sounds, _)| !sounds);
+        let longest = pauses.map(|(_, lasted)| lasted).max().unwrap();
+        let allowed = Duration::from_secs_f64(1.6 / frequency).max(16 * MILLI);
+        assert!(longest < allowed, "{what}: silent for {longest:?}");
+        line.run(100 * MILLI);
+        let last = line.since(line.now - 90 * MILLI);
+        assert!(last.iter().any(|(levels, _)| *levels == frame(profile, 120)), "{what}: not the last");
+        assert!(line.health().in_place && notices(&events).len() == 1);
+        let latency = line.health().latency.unwrap();
+        assert!(latency.median < 2 * allowed, "{what}: {latency:?}");
+    }
+}
+
+#[test]
+fn slow_modulation_streams_a_motion_and_ends_in_time() {
+    let profile = Profile::SonicSurface;
+    let (shared, _events) = shared();
+    let mut line = Line::new(profile, 230_400, &shared);
+    line.modulate(Envelope::Square, 2.0);
+    line.show(motion(profile, 16, 40.0));
+    line.run(400 * MILLI);
+    let from = line.now;
+    line.run(Duration::from_secs(4));
+    for (sounds, lasted) in line.halves_since(from) {
+        assert!(lasted.abs_diff(250 * MILLI) < 100 * MICRO, "{sounds}: {lasted:?}");
+    }
+    let loud = line.since(from).iter().filter(|(levels, _)| *levels != Levels::off(profile)).count();
+    assert!((60..=84).contains(&loud), "{loud} frames of 80 while it sounds");
+    assert!(line.since(from).iter().all(|(_, time)| *time < 275 * MILLI));
+    // Without waiting for the end of a pulse.
+    line.stop();
+    let from = line.now;
+    line.run(60 * MILLI);
+    assert!(
+        line.playing() == Levels::off(profile) && line.sound_since(from) < 0.6,
+        "{}",
+        line.sound_since(from)
+    );
+}
