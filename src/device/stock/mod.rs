@@ -60,7 +60,7 @@ pub fn silence(profile: Profile) -> Vec<u8> {
 }
 
 /// The bytes that make a board listen in any state, and change nothing in one that listens.
-pub fn start(profile: Profile) -> &'static [u8] {
+pub(in crate::device) fn start(profile: Profile) -> &'static [u8] {
     match profile {
         Profile::SonicSurface | Profile::SonicSurface2 | Profile::UltrainoSimpleFpga => &phase_list::START,
         // The tactile build only accepts lists.

@@ -8,8 +8,10 @@ use web_time::{Duration, Instant};
 
 use crate::device::levels::Levels;
 use crate::device::link::stock::rhythm::Rhythm;
-use crate::device::link::stock::session::REFRESH;
 use crate::device::link::{Content, Wanted};
+
+/// Repetition interval of what does not change, in case a byte was damaged.
+pub const REFRESH: Duration = Duration::from_millis(250);
 
 /// Generation of a wish, and the number of a frame in it.
 pub type Key = (u64, usize);
@@ -91,6 +93,11 @@ impl Pulses {
 
     pub fn rhythm(&self) -> Rhythm {
         self.rhythm
+    }
+
+    /// Whether the present or next pulse has a frame of this wish.
+    pub fn plays(&self, generation: u64) -> bool {
+        self.frame.is_some_and(|(of, _)| of == generation)
     }
 
     pub fn is_of(&self, generation: u64) -> bool {

@@ -6,15 +6,12 @@ use web_time::{Duration, Instant};
 
 use crate::device::health::FrameRates;
 use crate::device::levels::Levels;
-use crate::device::link::stock::pulses::{Act, Key, Pulses};
+use crate::device::link::stock::pulses::{Act, Key, Pulses, REFRESH};
 use crate::device::link::stock::rhythm::Rhythm;
 use crate::device::link::{Content, LEAD, Settings, Shared, Wanted};
 use crate::device::pace::Pace;
 use crate::device::profile::Profile;
 use crate::device::stock::{self, Modulated};
-
-/// Repetition interval of what does not change, in case a byte was damaged.
-pub const REFRESH: Duration = Duration::from_millis(250);
 
 /// What to do next.
 #[derive(Clone, Debug, PartialEq)]
@@ -240,6 +237,7 @@ impl Session<'_> {
         let Some(pulses) = &mut self.pulses else { return };
         pulses.done(act, now, gone);
         let period = 2 * pulses.rhythm().half;
+        let is_heard = matches!(act, Act::Show | Act::Stream(_)) && pulses.plays(wanted.generation);
         match act {
             Act::Load(_) | Act::Stream(_) => self.shared.note_frame(),
             Act::Show | Act::ShowDark => {
@@ -251,7 +249,7 @@ impl Session<'_> {
             }
             Act::Darken | Act::LoadDark | Act::Watch(_) | Act::End => {}
         }
-        if act == Act::Show {
+        if is_heard {
             self.place(wanted, gone);
         }
     }

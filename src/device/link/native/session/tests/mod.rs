@@ -182,7 +182,7 @@ impl<'a> Line<'a> {
     }
 
     fn health(&self) -> crate::device::health::Health {
-        self.shared.figures.lock().unwrap().health.clone()
+        self.shared.health()
     }
 
     fn pulses(&self) -> Vec<Pulse> {
