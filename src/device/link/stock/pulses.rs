@@ -13,13 +13,16 @@ use crate::device::link::{Content, Wanted};
 /// Repetition interval of what does not change, in case a byte was damaged.
 pub const REFRESH: Duration = Duration::from_millis(250);
 
+/// The same for the buffers of a motion each of whose frames skips pulses: it skips as many again.
+const SELDOM: Duration = Duration::from_secs(2);
+
 /// Generation of a wish, and the number of a frame in it.
 pub type Key = (u64, usize);
 
 /// What comes next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
-    /// Silence is loaded and shown.
+    /// Silence is loaded and shown, whichever buffer is hidden.
     Darken,
     /// A frame is loaded in silence.
     Load(Key),
@@ -132,7 +135,8 @@ impl Pulses {
             Stage::Silence => {
                 let key = self.key_at(self.due);
                 if self.needs(key) {
-                    return Act::Load(key);
+                    let is_old = self.swaps && self.age(now) > SELDOM;
+                    return if is_old { Act::Darken } else { Act::Load(key) };
                 }
                 self.stage = Stage::Loaded;
                 self.next(now, free_at)
@@ -181,8 +185,13 @@ impl Pulses {
     /// Whether to fill both buffers again, in case a byte was damaged: a lost swap would leave frames in both, and
     /// sound without a pause. Silence is loaded in sound, the frame in the silence after it, if neither skips a pulse.
     fn refreshes(&self, now: Instant, free_at: Instant) -> bool {
-        let is_old = now.saturating_duration_since(self.refreshed_at) > REFRESH;
-        is_old && self.swaps && self.rhythm.lost() == 0 && self.rhythm.fits(free_at, self.dark_at())
+        let skips_none = self.rhythm.lost() == 0 && self.rhythm.fits(free_at, self.dark_at());
+        self.swaps && self.age(now) > REFRESH && skips_none
+    }
+
+    /// Of what both buffers hold.
+    fn age(&self, now: Instant) -> Duration {
+        now.saturating_duration_since(self.refreshed_at)
     }
 
     fn elapsed(&self, at: Instant) -> Duration {
@@ -202,9 +211,13 @@ impl Pulses {
     pub fn done(&mut self, act: Act, now: Instant, gone: Instant) {
         match act {
             Act::Darken => {
-                self.stage = Stage::Silence;
-                self.refreshed_at = now;
-                self.due = gone + self.rhythm.half;
+                self.due = match self.stage {
+                    Stage::Opening => gone + self.rhythm.half,
+                    Stage::Silence | Stage::Loaded | Stage::Sound | Stage::Fading => {
+                        self.rhythm.next_pulse(self.due, gone)
+                    }
+                };
+                (self.stage, self.refreshed_at) = (Stage::Silence, now);
             }
             Act::Load(key) => {
                 self.loaded(key);

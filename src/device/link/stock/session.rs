@@ -43,6 +43,7 @@ pub struct Session<'a> {
     /// Silence or a frame that was sent last.
     sent: Option<Key>,
     sent_at: Instant,
+    /// When the board was last made to listen.
     started_at: Instant,
     ready_at: Instant,
     pulses: Option<Pulses>,

@@ -80,7 +80,7 @@ fn a_motion_under_modulation_plays_as_many_frames_as_it_says() {
 
 #[test]
 fn a_drag_under_modulation_is_heard() {
-    for (profile, baud, frequency, _) in SWITCHED {
+    for (profile, baud, frequency, lost) in SWITCHED {
         let (shared, events) = shared();
         let mut line = Line::new(profile, baud, &shared);
         line.modulate(Envelope::Square, frequency);
@@ -95,9 +95,12 @@ fn a_drag_under_modulation_is_heard() {
         let sound = line.sound_since(from);
         assert!(sound > 0.22, "{what}: {sound}");
         let pauses = line.halves_since(from).into_iter().filter(|(sounds, _)| !sounds);
-        let longest = pauses.map(|(_, lasted)| lasted).max().unwrap();
-        let allowed = Duration::from_secs_f64(1.6 / frequency).max(16 * MILLI);
-        assert!(longest < allowed, "{what}: silent for {longest:?}");
+        let pauses: Vec<_> = pauses.map(|(_, lasted)| lasted).collect();
+        let usual = Duration::from_secs_f64(1.6 / frequency).max(16 * MILLI);
+        // Every two seconds the pause is refreshed, where that skips pulses.
+        let allowed = usual + Duration::from_secs_f64(1.5 * f64::from(lost) / frequency);
+        let long = pauses.iter().filter(|&&pause| pause > usual).count();
+        assert!(long <= 1 && pauses.iter().all(|&pause| pause < allowed), "{what}: silent for {pauses:?}");
         line.run(100 * MILLI);
         let last = line.since(line.now - 90 * MILLI);
         assert!(last.iter().any(|(levels, _)| *levels == frame(profile, 120)), "{what}: not the last");

@@ -91,7 +91,7 @@ fn is_wish(line: &Line<'_>, from: Instant) -> Result<(), String> {
         return Err(format!("another frame: {:?}", &levels.elements[..4]));
     }
     let sound = line.sound_since(from);
-    let expected = if is_switched { 0.24..0.56 } else { 0.999..1.1 };
+    let expected = if is_switched { 0.2..0.56 } else { 0.999..1.1 };
     if expected.contains(&sound) { Ok(()) } else { Err(format!("sound for {sound} of the time")) }
 }
 
@@ -120,8 +120,7 @@ fn the_last_of_random_wishes_is_played() {
 fn a_damaged_line_plays_the_wish_soon_after() {
     for seed in 0..SEEDS {
         let mut chance = Rng::with_seed(seed);
-        let boards: Vec<_> = SWITCHED.into_iter().filter(|(.., lost)| *lost == 0).collect();
-        let (profile, baud, frequency, _) = chance.choice(boards).unwrap();
+        let (profile, baud, frequency, lost) = chance.choice(SWITCHED).unwrap();
         let (shared, _events) = shared();
         let mut line = Line::new(profile, baud, &shared);
         line.damage = Damage::new(
@@ -137,12 +136,13 @@ fn a_damaged_line_plays_the_wish_soon_after() {
                 line.run(50 * MILLI);
                 line.stop();
             }
-            1 => line.show(motion(profile, 4, 20.0)),
-            _ => line.show(still(profile, 9)),
+            // A repetition of one frame would skip pulses.
+            1 if lost == 0 => line.show(still(profile, 9)),
+            _ => line.show(motion(profile, 4, 20.0)),
         }
         line.run(Duration::from_secs(1));
         line.damage = Damage::new(Faults::default(), 1);
-        line.run(2 * REFRESH + 250 * MILLI);
+        line.run(if lost == 0 { 3 * REFRESH } else { 9 * REFRESH });
         let from = line.now;
         line.run(Duration::from_secs(1));
         let found = is_wish(&line, from);
