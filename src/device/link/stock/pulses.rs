@@ -241,7 +241,7 @@ impl Pulses {
             }
             Act::ShowDark => {
                 self.stage = Stage::Silence;
-                self.due = self.rhythm.next_pulse(self.due + 2 * self.rhythm.half, now);
+                self.due = self.rhythm.next_pulse(self.due, now);
             }
             Act::Watch(_) | Act::End => {}
         }

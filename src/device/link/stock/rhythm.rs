@@ -94,6 +94,7 @@ mod tests {
     fn frames_are_streamed_while_there_is_time_for_darkness_after_them() {
         let (now, rhythm) = (Instant::now(), Rhythm::new(10.0, 9 * MILLI, MILLI));
         assert!(rhythm.streams(now, now + 20 * MILLI) && !rhythm.streams(now, now + 19 * MILLI));
+        assert!(rhythm.fits(now, now + 10 * MILLI) && !rhythm.fits(now, now + 9 * MILLI));
         // A half period that is just long enough for one frame.
         let just = Rhythm::new(25.0, 9 * MILLI, MILLI);
         assert!(just.streams(now, now + just.half));

@@ -217,8 +217,10 @@ impl Session<'_> {
                     self.pulses = None;
                     return None;
                 }
-                Act::Load(_) | Act::LoadDark if swap.is_none() => {
+                // One buffer: the frame is sent when it is shown.
+                Act::Load(_) if swap.is_none() => {
                     pulses.done(act, now, free_at.max(now));
+                    self.shared.note_frame();
                     continue;
                 }
                 Act::Load(_) => stock::load(pulses.at_due()),

@@ -13,6 +13,8 @@ fn unchanged_content_and_silence_are_repeated_and_the_line_rests_in_between() {
         let repeated = [stock::start(profile), &stock::frame(&frame(profile, 3))].concat();
         line.show(still(profile, 3));
         line.run(30 * MILLI);
+        let health = line.health();
+        assert_eq!((health.frames, health.bytes), (1, profile.frame_bytes() as u64));
         assert!(std::mem::take(&mut line.said) == [stock::frame(&frame(profile, 3))]);
         line.run(Duration::from_secs(2));
         assert!(std::mem::take(&mut line.said) == vec![repeated; 8], "{profile:?}");
@@ -49,12 +51,18 @@ fn a_motion_faster_than_the_line_keeps_its_time() {
         // On the line for 11.2 ms, behind at most LEAD of the frame before.
         assert!(late < 0.0112 + LEAD.as_secs_f64() + 0.004 + 0.001, "{late} s");
     }
+    let is_started = |bytes: &&Vec<u8>| bytes.starts_with(stock::start(profile));
+    let started = line.said.iter().filter(is_started).count();
+    assert!((10..=12).contains(&started), "{started} of {} frames", line.said.len());
     let rates = line.health().rates.unwrap();
     assert!(rates.asked == 256.0 && (rates.played - 89.3).abs() < 0.1, "{rates}");
     let said = notices(&events);
     assert!(said.len() == 1 && said[0].ends_with("the line carries no more at 230400 baud"), "{said:?}");
     let latency = line.health().latency.unwrap();
     assert!(latency.median.abs_diff(Duration::from_secs_f64(2580.0 / 230_400.0)) < 3 * MICRO, "{latency:?}");
+    line.stop();
+    line.run(MILLI);
+    assert!(line.health().rates.is_none());
 }
 
 /// A content and a modulation at random, or silence.
