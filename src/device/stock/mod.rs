@@ -59,10 +59,11 @@ pub fn silence(profile: Profile) -> Vec<u8> {
     [start(profile), &blank.repeat(times)].concat()
 }
 
-/// The bytes that make a board listen in any state, and change nothing in one that listens.
+/// The bytes that make a board take a list in any state, also after a list without a swap.
 pub(in crate::device) fn start(profile: Profile) -> &'static [u8] {
     match profile {
-        Profile::SonicSurface | Profile::SonicSurface2 | Profile::UltrainoSimpleFpga => &phase_list::START,
+        Profile::SonicSurface | Profile::UltrainoSimpleFpga => &phase_list::START,
+        Profile::SonicSurface2 => &phase_list::START_TWO,
         // The tactile build only accepts lists.
         Profile::Native
         | Profile::Natives(_)

@@ -45,6 +45,8 @@ pub struct Session<'a> {
     sent_at: Instant,
     /// When the board was last made to listen.
     started_at: Instant,
+    /// A list has not been shown.
+    is_loaded: bool,
     ready_at: Instant,
     pulses: Option<Pulses>,
     /// The frequency of the pulses.
@@ -73,6 +75,7 @@ impl<'a> Session<'a> {
             sent: None,
             sent_at: now,
             started_at: now,
+            is_loaded: false,
             ready_at: now,
             pulses: None,
             frequency: 0.0,
@@ -125,6 +128,7 @@ impl Session<'_> {
     /// The bytes of the last step were written at `now`; the last of them leaves at `gone`.
     pub fn written(&mut self, count: usize, wanted: &Wanted, now: Instant, gone: Instant) {
         self.shared.note_bytes(count);
+        self.is_loaded = matches!(self.writing, Purpose::Pulse(Act::Load(_) | Act::LoadDark));
         match self.writing {
             Purpose::Silence => (self.sent, self.sent_at) = (Some((wanted.generation, 0)), now),
             Purpose::Setting => {}
@@ -162,9 +166,9 @@ impl Session<'_> {
         self.write(bytes, Purpose::Silence)
     }
 
-    /// A list, after what makes the board listen again if a damaged byte has turned it away some time ago.
+    /// A list, after what makes the board take it if it follows another, or if a damaged byte may have turned it away.
     fn started(&mut self, list: Vec<u8>, now: Instant) -> Vec<u8> {
-        if now.saturating_duration_since(self.started_at) < REFRESH {
+        if !self.is_loaded && now.saturating_duration_since(self.started_at) < REFRESH {
             return list;
         }
         self.started_at = now;

@@ -104,6 +104,24 @@ fn is_wish(line: &Line<'_>, from: Instant) -> Result<(), String> {
 }
 
 #[test]
+fn a_list_that_was_not_shown_is_replaced_on_both_boards() {
+    let profile = Profile::SonicSurface2;
+    let (shared, _events) = shared();
+    let mut line = Line::new(profile, 1_000_000, &shared);
+    line.modulate(Envelope::Square, 100.0);
+    line.show(still(profile, 5));
+    // The line is free once the list is loaded, which is not yet shown.
+    while line.said.len() < 2 || line.pace.backlog(line.now) > Duration::ZERO {
+        line.turn(line.now + MILLI);
+    }
+    line.modulate(Envelope::Off, 0.0);
+    line.show(still(profile, 6));
+    line.run(20 * MILLI);
+    let known = [Levels::off(profile), frame(profile, 6)];
+    assert!(line.shown.iter().all(|(_, levels)| known.contains(levels)) && line.playing() == known[1]);
+}
+
+#[test]
 fn the_last_of_random_wishes_is_played() {
     for seed in 0..SEEDS {
         let mut chance = Rng::with_seed(seed);
