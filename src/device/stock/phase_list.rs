@@ -22,7 +22,7 @@ const OFF: u8 = 32;
 /// Restarts possibly stopped clocks, and selects the first board.
 pub const START: [u8; 2] = [CLOCKS_ON, FIRST];
 /// The same for two boards. A board counts the bytes of a list until a swap, or another list that it is selected for.
-pub const START_TWO: [u8; 5] = [CLOCKS_ON, FIRST, PHASES, SECOND, PHASES];
+pub(super) const START_TWO: [u8; 5] = [CLOCKS_ON, FIRST, PHASES, SECOND, PHASES];
 const CHANNELS: usize = 256;
 /// The tactile build's bytes for the step of its modulation.
 const TACTILE_STEPS: std::ops::RangeInclusive<u8> = 0xA0..=0xBF;
