@@ -170,10 +170,7 @@ impl Link {
 
     fn want(&self, change: impl FnOnce(&mut Wanted)) {
         let mut wanted = self.shared.wanted.lock();
-        change(&mut wanted);
-        wanted.generation += 1;
-        wanted.since = Instant::now();
-        self.shared.note(|figures| figures.health.in_place = false);
+        self.shared.renew(&mut wanted, Instant::now(), change);
         drop(wanted);
         self.shared.wanted.ring();
     }
@@ -228,6 +225,14 @@ impl Shared {
 
     fn wanted(&self) -> Wanted {
         self.wanted.lock().clone()
+    }
+
+    /// Makes a wish newer.
+    fn renew(&self, wanted: &mut Wanted, now: Instant, change: impl FnOnce(&mut Wanted)) {
+        change(wanted);
+        wanted.generation += 1;
+        wanted.since = now;
+        self.note(|figures| figures.health.in_place = false);
     }
 
     /// Waits for a newer wish than `generation`, at most for `timeout`.

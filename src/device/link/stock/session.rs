@@ -89,11 +89,6 @@ impl<'a> Session<'a> {
 }
 
 impl Session<'_> {
-    #[cfg(test)]
-    pub fn baud(&self) -> u32 {
-        self.baud
-    }
-
     /// The next step at `now`, on a line that has carried everything at `free_at`. After [`Step::Write`] comes
     /// [`Self::written`].
     pub fn next(&mut self, wanted: &Wanted, now: Instant, free_at: Instant) -> Step {

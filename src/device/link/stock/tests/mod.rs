@@ -36,6 +36,7 @@ struct Line<'a> {
     session: Session<'a>,
     shared: &'a Shared,
     profile: Profile,
+    baud: u32,
     wanted: Wanted,
     now: Instant,
     board: Stock,
@@ -60,6 +61,7 @@ impl<'a> Line<'a> {
             session: Session::new(&settings, shared, now),
             shared,
             profile,
+            baud,
             wanted: shared.wanted(),
             now,
             board: Stock::new(profile),
@@ -79,10 +81,7 @@ impl<'a> Line<'a> {
     }
 
     fn want(&mut self, change: impl FnOnce(&mut Wanted)) {
-        change(&mut self.wanted);
-        self.wanted.generation += 1;
-        self.wanted.since = self.now;
-        self.shared.note(|figures| figures.health.in_place = false);
+        self.shared.renew(&mut self.wanted, self.now, change);
     }
 
     fn show(&mut self, content: Content) {

@@ -90,10 +90,8 @@ fn is_wish(line: &Line<'_>, from: Instant) -> Result<(), String> {
             Err("not silent".into())
         };
     };
-    let is_switched = matches!(
-        stock::modulated(line.profile, &line.wanted.modulation, line.session.baud()),
-        Modulated::FromHere(_)
-    );
+    let is_switched =
+        matches!(stock::modulated(line.profile, &line.wanted.modulation, line.baud), Modulated::FromHere(_));
     let is_of = |levels: &Levels| content.frames().contains(levels) || is_switched && *levels == dark;
     if let Some((levels, _)) = shown.iter().find(|(levels, _)| !is_of(levels)) {
         return Err(format!("another frame: {:?}", &levels.elements[..4]));

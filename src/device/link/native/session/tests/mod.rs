@@ -99,10 +99,7 @@ impl<'a> Line<'a> {
     }
 
     fn want(&mut self, change: impl FnOnce(&mut Wanted)) {
-        change(&mut self.wanted);
-        self.wanted.generation += 1;
-        self.wanted.since = self.now;
-        self.shared.note(|figures| figures.health.in_place = false);
+        self.shared.renew(&mut self.wanted, self.now, change);
     }
 
     fn show(&mut self, content: Content) {
