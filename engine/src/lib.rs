@@ -8,8 +8,6 @@ pub mod drive;
 pub mod echo;
 pub mod field;
 pub mod force;
-#[doc(hidden)]
-pub mod fourier;
 pub mod gauge;
 #[doc(hidden)]
 pub mod memory;

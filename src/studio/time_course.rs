@@ -8,8 +8,8 @@ use std::fmt::Write;
 
 use glam::DVec3;
 use num_complex::Complex64;
+use sonoglyph_fourier::coefficients;
 
-use crate::fourier::coefficients;
 use crate::scene::{Envelope, Law, Modulation, Scene, motion};
 
 /// Drives in turn per second for a scene at rest.

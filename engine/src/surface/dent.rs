@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 use std::fmt;
 
-use crate::fourier::{Cosines, cosines};
+use sonoglyph_fourier::{Cosines, cosines};
+
 use crate::scene::Liquid;
 
 /// Limit of the surface's slope for the linear theory.

@@ -24,7 +24,7 @@ use crate::{STEP, evaluators, fast_evaluators, gpu, model, scattered};
 
 const SEED: u64 = 0x0040_6B48_7A00_0002;
 /// Maps of a default run, each by every evaluator: one of every class, element model and kind of tolerance.
-const MAPS: usize = 180;
+const MAPS: usize = 120;
 /// Error of direct evaluation, relative to the peak.
 const EXACT: f64 = 2e-5;
 /// Of any unit; smaller values underflow in f32.

@@ -99,8 +99,8 @@ fn motion(foci: usize, frames: usize) -> String {
 
 #[test]
 fn frames_need_no_more_memory_than_estimated() {
-    const FEW: usize = 500;
-    const MANY: usize = 4000;
+    const FEW: usize = 300;
+    const MANY: usize = 1500;
     for foci in [1, 12] {
         let folder = folder_with(&[
             ("few.toml", &motion(foci, FEW)),

@@ -279,9 +279,9 @@ fn any_filled_target_has_a_playable_drive() {
     ];
     for (number, targets) in drawings.into_iter().enumerate() {
         let aims = [(0.5, Aim::Pressure), (0.0, Aim::Pressure), (1.0, Aim::Depression)];
-        // A disc of 50 m has as many samples as there may be, and takes seconds each time.
+        // A disc of 50 m has as many samples as there may be, and takes seconds each time, longest for a depression.
         let is_huge = matches!(targets[0].shape, Shape::Circle { radius, .. } if radius > 1.0);
-        for (quiet, aim) in aims.into_iter().skip(if is_huge { 2 } else { 0 }) {
+        for (quiet, aim) in aims.into_iter().take(if is_huge { 1 } else { 3 }) {
             let mut scene = scene(targets.clone());
             (scene.array.rows, scene.array.columns, scene.array.off) = (6, 9, vec![0, 7]);
             (scene.solver.quiet, scene.solver.target) = (quiet, aim);

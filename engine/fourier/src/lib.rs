@@ -10,6 +10,7 @@ use rustdct::rustfft::Fft;
 /// Cosine transforms of types 2 and 3 of a length, not normalised.
 pub type Cosines = Arc<dyn TransformType2And3<f64>>;
 
+/// The transforms of a length.
 pub fn cosines(length: usize) -> Cosines {
     Arc::new(Type2And3ConvertToFft::new(plan(length)))
 }
@@ -22,8 +23,7 @@ pub fn coefficients(mut values: Vec<Complex64>) -> Vec<Complex64> {
     values
 }
 
-/// rustfft's planners are generic: each crate that names one compiles the kernels of all lengths again. `FftPlanner` would add
-/// those for SSE, a tenth of this crate's LLVM code.
+/// `FftPlanner` would add the kernels for SSE.
 #[cfg(target_arch = "x86_64")]
 fn plan(length: usize) -> Arc<dyn Fft<f64>> {
     use rustdct::rustfft::{FftPlannerAvx, FftPlannerScalar};
