@@ -18,7 +18,7 @@ use crate::waiting::PATIENCE;
 use crate::{Serving, TWO, floats, message, scene};
 
 /// Packets of a default run; `SONOGLYPH_MUTATIONS=10` makes ten times as many.
-const PACKETS: u64 = 1_000_000;
+const PACKETS: u64 = 500_000;
 /// Bytes of growth allowed to allocators.
 const ALLOWED: usize = 16 << 20;
 

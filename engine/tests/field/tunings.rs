@@ -37,7 +37,7 @@ fn requests() -> Vec<(String, Request)> {
             (scene.array.rows, scene.array.columns, scene.array.element) = (side, side, element);
             for &quantity in quantities {
                 let drives = vec![scattered(scene.array.elements(), STEP)];
-                let request = Request { moment: 0.7, ..Request::new(&scene, drives, quantity, (98, 83)) };
+                let request = Request { moment: 0.7, ..Request::new(&scene, drives, quantity, (66, 57)) };
                 requests.push((format!("{quantity:?}, {side} x {side} {element:?}, {name}"), request));
             }
         }

@@ -122,7 +122,7 @@ fn in_step(phase_bits: u8, second: Second) {
         pair.order(device, Packet::enable(1000));
     }
     let mut dice = Dice::seeded(u64::from(phase_bits));
-    for slot in 1..20 {
+    for slot in 1..12 {
         // To the follower first, where it waits, then to the leader, which takes it in the next period.
         pair.order(1, Packet::frame(slot, &dice.pairs(), true).in_step());
         pair.run(dice.below(20) as u32);
