@@ -364,14 +364,14 @@ def test_memory_is_used_again_only_after_its_array_is_gone():
 
 def test_progress_is_reported_and_its_exceptions_propagate():
     scene, drive, told = five(), np.zeros(256), []
-    scene.field(size=(700, 700), drive=drive, evaluator="reference", progress=told.append)
+    scene.field(size=(300, 300), drive=drive, evaluator="reference", progress=told.append)
     assert told and all(0 <= part <= 1 for part in told) and told == sorted(told)
 
     def stop(part):
         raise LookupError(part)
 
     with pytest.raises(LookupError):
-        scene.field(size=(800, 800), drive=drive, evaluator="reference", progress=stop)
+        scene.field(size=(400, 400), drive=drive, evaluator="reference", progress=stop)
     assert scene.field(size=(8, 8), drive=drive).shape == (8, 8)
 
 

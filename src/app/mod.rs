@@ -72,10 +72,16 @@ fn example(index: usize) -> anyhow::Result<Document> {
 const TITLE: &str = "Sonoglyph";
 /// Limit of layout passes per frame: after the third, egui's requests of the first two are settled.
 const PASSES: usize = 3;
-/// The scene of a link as a document without a file.
+/// The scene of a link as a document without a file; a page's address keeps that of its own link.
 fn linked(link: &str) -> anyhow::Result<Document> {
     let mut document = Document::parse(link_text::read(link)?, "linked scene")?;
-    document.was_never_saved();
+    #[cfg(target_arch = "wasm32")]
+    let is_kept = page::fragment().is_some_and(|own| own == link);
+    #[cfg(not(target_arch = "wasm32"))]
+    let is_kept = false;
+    if !is_kept {
+        document.was_never_saved();
+    }
     Ok(document)
 }
 

@@ -19,7 +19,7 @@ use web_sys::{
 
 use crate::app::recovery::Recovery;
 use crate::app::settings::Memory;
-use crate::app::{Window, example};
+use crate::app::{Window, example, linked};
 use crate::field::Evaluator;
 use crate::field::gpu::adapter;
 use crate::scene::{Scene, file};
@@ -133,9 +133,7 @@ async fn evaluator() -> Evaluator {
 /// The scene of the address, or the first example and the reason.
 fn first() -> (Document, Option<String>) {
     let own = || example(0).unwrap_or_else(|_| Document::new(Scene::default(), "untitled"));
-    // The address keeps it, so closing the page needs no confirmation.
-    let of_link = |link: String| anyhow::Ok(Document::parse(link::read(&link)?, "linked scene")?);
-    match fragment().map(of_link) {
+    match fragment().map(|link| linked(&link)) {
         Some(Ok(document)) => (document, None),
         Some(Err(error)) => (own(), Some(format!("The link cannot be opened: {error:#}"))),
         None => (own(), None),
@@ -143,7 +141,7 @@ fn first() -> (Document, Option<String>) {
 }
 
 /// The scene in the page's address, as a link.
-fn fragment() -> Option<String> {
+pub(super) fn fragment() -> Option<String> {
     let fragment = window()?.location().hash().ok()?;
     fragment.strip_prefix('#').filter(|letters| !letters.is_empty()).map(link::of_letters)
 }
