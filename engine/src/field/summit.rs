@@ -279,6 +279,23 @@ mod tests {
     }
 
     #[test]
+    fn the_vertex_at_a_sample_is_that_of_its_own_neighbours_and_lies_within_the_rectangle() {
+        let top = DVec2::new(1.3, 2.4);
+        let hill = |at: DVec2| 3.0 - 0.1 * (at - top).length_squared();
+        let (half, columns) = (DVec2::new(3.0, 4.0), 7);
+        let place = |i: usize| DVec2::new((i % columns) as f64, (i / columns) as f64) - half;
+        let values = (0..columns * 9).map(|i| hill(place(i))).collect();
+        let lattice = Lattice { values, columns, first: -half, step: DVec2::ONE, half };
+        let (found, height) = lattice.vertex(4 + 6 * columns);
+        assert!(found.distance(top) < 1e-12 && (height - 3.0).abs() < 1e-12, "{found}, {height}");
+        // At a corner the neighbours beyond are the corner itself.
+        for corner in [0, columns - 1, 8 * columns, 9 * columns - 1] {
+            let (found, _) = lattice.vertex(corner);
+            assert_eq!(found, found.clamp(-half, half));
+        }
+    }
+
+    #[test]
     fn what_is_positive_nowhere_has_no_summit() {
         for value in [0.0, -1.0, f64::NAN] {
             let lattice = Lattice {

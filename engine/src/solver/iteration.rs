@@ -423,6 +423,16 @@ mod tests {
     }
 
     #[test]
+    fn the_spread_is_the_standard_deviation_over_the_mean_of_pressures_over_targets() {
+        let (transfer, targets) = circle(5, 0.04, 3.0);
+        let mut state = start(&transfer, &targets);
+        for (m, relative) in [1.0, 2.0, 3.0, 4.0, 5.0].into_iter().enumerate() {
+            state.scale(m, relative * targets[m]);
+        }
+        assert!((state.spread(&targets) - 2f64.sqrt() / 3.0).abs() < 1e-12, "{}", state.spread(&targets));
+    }
+
+    #[test]
     fn foci_that_the_array_does_not_tell_apart_stay_strong_rather_than_level() {
         // Two foci two millimetres apart are not resolved: making one twice as loud costs pressure at both.
         let (transfer, targets) = circle(2, 1e-3, 2.0);

@@ -134,6 +134,17 @@ fn bowl() -> (Scene, Vec<(DVec3, DVec3)>) {
     (scene, elements)
 }
 
+/// Two bowls, face to face.
+fn two_bowls() -> (Scene, Vec<(DVec3, DVec3)>) {
+    let (scene, elements) = bowl();
+    let turn = DQuat::from_rotation_x(0.3);
+    let opposite = Board { at: dvec3(0.0, 0.02, 0.3), normal: turn * DVec3::NEG_Z, x_axis: DVec3::X };
+    let axes = opposite.axes().unwrap();
+    let again = elements.iter().map(|&(at, normal)| (opposite.at + axes * at, axes * normal));
+    let elements: Vec<_> = elements.iter().copied().chain(again).collect();
+    (Scene { boards: vec![Board::default(), opposite], ..scene }, elements)
+}
+
 #[test]
 fn boards_and_bowls_radiate_from_their_poses() {
     let region = || places(dvec3(-0.05, -0.06, 0.08), dvec3(0.05, 0.06, 0.26));
@@ -143,13 +154,7 @@ fn boards_and_bowls_radiate_from_their_poses() {
     let (scene, elements) = bowl();
     let drive = scattered(60, STEP);
     assert_heard("a bowl", &scene, &drive, &playing(&elements, &drive), &region());
-    // Two of them, face to face.
-    let turn = DQuat::from_rotation_x(0.3);
-    let opposite = Board { at: dvec3(0.0, 0.02, 0.3), normal: turn * DVec3::NEG_Z, x_axis: DVec3::X };
-    let axes = opposite.axes().unwrap();
-    let again = elements.iter().map(|&(at, normal)| (opposite.at + axes * at, axes * normal));
-    let elements: Vec<_> = elements.iter().copied().chain(again).collect();
-    let scene = Scene { boards: vec![Board::default(), opposite], ..scene };
+    let (scene, elements) = two_bowls();
     let drive = scattered(120, STEP);
     assert_heard("two bowls", &scene, &drive, &playing(&elements, &drive), &region());
 }
@@ -255,6 +260,7 @@ fn maps_of_boards_keep_their_tolerance() {
     const SIZE: (usize, usize) = (70, 50);
     let (boards, _) = tilted_boards();
     let (bowl, _) = bowl();
+    let (bowls, _) = two_bowls();
     let mut facing = quiet_air();
     facing.boards =
         vec![Board::default(), Board { at: DVec3::Z * 0.2, normal: DVec3::NEG_Z, x_axis: DVec3::X }];
@@ -269,6 +275,11 @@ fn maps_of_boards_keep_their_tolerance() {
             "a bowl",
             &bowl,
             Plane { centre: DVec3::Z * 0.12, size: glam::DVec2::splat(0.05), ..section.clone() },
+        ),
+        (
+            "between bowls",
+            &bowls,
+            Plane { centre: DVec3::Z * 0.15, size: glam::DVec2::splat(0.05), ..section.clone() },
         ),
         ("between boards", &facing, section.clone()),
         ("behind a board", &facing, Plane { centre: DVec3::Z * 0.25, ..Plane::default() }),

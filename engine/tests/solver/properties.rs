@@ -402,6 +402,16 @@ fn foci_that_move_away_need_no_new_search() {
 }
 
 #[test]
+fn drives_in_turn_are_for_scenes_at_rest() {
+    let mut scene = scene(&apart(3));
+    scene.solver.frames = 2;
+    assert!(frames::follow(&scene).is_ok());
+    scene.motion.path = MotionPath::Circle;
+    let error = frames::follow(&scene).unwrap_err().to_string();
+    assert!(error.contains("nothing moves"), "{error}");
+}
+
+#[test]
 fn unresolved_foci_keep_their_weights_from_frame_to_frame() {
     let aperture = Aperture::new(&Scene::default());
     let problem = |shift: f64| Problem::new(&aperture, crowded(64, 0.1, shift));

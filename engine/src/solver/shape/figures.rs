@@ -250,6 +250,31 @@ fn heard(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Sampling, Scene, Shape, Target, outline};
+
+    #[test]
+    fn areas_are_drawn_by_samples_an_eighth_of_a_wavelength_apart() {
+        let middle = DVec3::new(0.01, 0.0, 0.1);
+        let area = Target {
+            sampling: Sampling::Fill,
+            ..Target::new(Shape::Rectangle { at: middle, width: 0.03, height: 0.02 })
+        };
+        let beside = DVec3::new(-0.03, 0.0, 0.1);
+        let targets = vec![area, Target::new(Shape::Point { at: beside })];
+        let scene = Scene { targets, ..Scene::default() };
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let drawn = drawn(&problem, &problem.surroundings.as_ref().unwrap().areas);
+        assert!(drawn.len() < 1000, "{}", drawn.len());
+        assert_eq!(drawn.iter().filter(|focus| focus.position == beside).count(), 1);
+        for i in 0..=30 {
+            for j in 0..=20 {
+                let at = middle + DVec3::new(1e-3 * f64::from(i - 15), 1e-3 * f64::from(j - 10), 0.0);
+                let far = drawn.iter().map(|focus| focus.position.distance(at)).fold(f64::INFINITY, f64::min);
+                assert!(far < 0.1 * aperture.wavelength(), "{at} is {far} m from every sample");
+            }
+        }
+    }
 
     #[test]
     fn the_edge_lies_on_the_plane_around_foci_beside_it() {
