@@ -15,7 +15,7 @@ use crate::drive::Drive;
 use crate::gauge::{Counter, Gauge};
 use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
 use crate::solver::steps::{PhaseSteps, phase_steps};
-use crate::solver::{self, Excitation, Played, Problem, SolveError, quality, room};
+use crate::solver::{self, Excitation, Played, Problem, SolveError, room, statistics};
 
 /// Limit of a focus' displacement between keyframes, in wavelengths, if there are frames between them.
 const STRIDE: f64 = 0.15;
@@ -50,7 +50,7 @@ pub struct Frame {
 impl Frame {
     /// Pa, peak.
     pub fn mean_pressure(&self) -> f64 {
-        self.pressures.iter().map(|p| p.norm()).sum::<f64>() / self.pressures.len() as f64
+        statistics::mean(self.pressures.iter().map(|p| p.norm()))
     }
 
     /// Of the weakest focus, Pa, peak.
@@ -60,7 +60,7 @@ impl Frame {
 
     /// Standard deviation over mean of pressure/target.
     pub fn spread(&self) -> f64 {
-        quality::spread(&self.relative().collect::<Vec<_>>())
+        statistics::spread(&self.relative().collect::<Vec<_>>())
     }
 
     fn relative(&self) -> impl Iterator<Item = f64> {

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::Transfer;
 use crate::solver::matrix::Matrix;
-use crate::solver::{Excitation, Problem, singular};
+use crate::solver::{Excitation, Problem, singular, statistics};
 
 /// Singular values below this fraction of the largest are noise: their directions are not inverted.
 const RANK_TOLERANCE: f64 = 1e-6;
@@ -28,7 +28,7 @@ pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let mut weights = vec![1.0; problem.transfer.elements];
     let (mut values, mut residual) = weighted_inverse(problem, &weights);
     for _ in 0..iterations {
-        let mean = mean(values.iter().map(|u| u.norm()));
+        let mean = statistics::mean(values.iter().map(|u| u.norm()));
         if mean == 0.0 {
             // The field is zero at all foci: weights are undefined.
             break;
@@ -36,7 +36,7 @@ pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
         for (weight, u) in weights.iter_mut().zip(&values) {
             *weight *= mean / u.norm().max(WEIGHT_FLOOR * mean);
         }
-        let mean = self::mean(weights.iter().copied());
+        let mean = statistics::mean(weights.iter().copied());
         for weight in &mut weights {
             *weight = (*weight / mean).clamp(1.0 / MOST_WEIGHT, MOST_WEIGHT);
         }
@@ -113,9 +113,4 @@ pub fn rank_and_condition(transfer: &Transfer) -> (usize, f64) {
     // More foci than elements: some combination of foci cannot be set at all.
     let smallest = if transfer.points > transfer.elements { 0.0 } else { smallest };
     (rank, largest / smallest.max(largest * f64::EPSILON))
-}
-
-fn mean(values: impl ExactSizeIterator<Item = f64>) -> f64 {
-    let count = values.len() as f64;
-    values.sum::<f64>() / count
 }

@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use crate::acoustics::{PhaseJacobian, Phasors, Sums, Transfer};
 use crate::gauge::Gauge;
 use crate::solver::cholesky::Factor;
-use crate::solver::{Excitation, Problem, starts};
+use crate::solver::{Excitation, Problem, starts, statistics};
 
 /// Phases that the greedy search tries for every element.
 const GREEDY_LEVELS: usize = 16;
@@ -296,11 +296,7 @@ impl State<'_, 1> {
 
     /// Standard deviation over mean of the pressures over their targets.
     fn spread(&self, targets: &[f64]) -> f64 {
-        let count = targets.len() as f64;
-        let (sum, squares) =
-            self.relative(targets).fold((0.0, 0.0), |(sum, squares), p| (sum + p, squares + p * p));
-        let mean = sum / count;
-        (squares / count - mean * mean).max(0.0).sqrt() / mean.max(f64::MIN_POSITIVE)
+        statistics::spread(&self.relative(targets).collect::<Vec<_>>())
     }
 
     /// Levels the foci with the smallest change of phases: Gauss-Newton steps.
@@ -321,9 +317,9 @@ impl State<'_, 1> {
             let moduli: Vec<_> = (0..count).map(|m| self.modulus(m)).collect();
             let directions: Phasors = self.pressure[0].iter().map(phase).collect();
             jacobian.update(self.transfer, &self.u[0], &directions);
-            let mean = (0..count).map(|m| jacobian.product(m, m)).sum::<f64>() / count as f64;
+            let mean = statistics::mean((0..count).map(|m| jacobian.product(m, m)));
             // A single element changes no modulus.
-            let damping = DAMPING * mean + 1e-12 * mean_square(&moduli) + f64::MIN_POSITIVE;
+            let damping = DAMPING * mean + 1e-12 * statistics::mean_square(&moduli) + f64::MIN_POSITIVE;
             let damped = |i: usize, j: usize| jacobian.product(j, i) + if i == j { damping } else { 0.0 };
             let Some(factor) = Factor::new(count, damped) else { return };
             let (to_targets, to_moduli) = (factor.solve(targets), factor.solve(&moduli));
@@ -336,10 +332,6 @@ impl State<'_, 1> {
             self.step(1.0);
         }
     }
-}
-
-fn mean_square(values: &[f64]) -> f64 {
-    values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64
 }
 
 /// Multipliers of the foci and the elements at the best relaxed drive of `CHANNELS` channels, for the bound

@@ -19,6 +19,7 @@ pub mod room;
 pub mod shape;
 mod singular;
 mod starts;
+mod statistics;
 pub mod steps;
 pub mod trap;
 pub mod warning;

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Transfer;
 use crate::solver::matrix::Matrix;
+use crate::solver::statistics::{evenness, mean, spread};
 use crate::solver::{Excitation, Problem, Warning, inverse, iteration, singular};
 
 /// Figures of a solution. Pressures in Pa (peak), of the played drive.
@@ -37,7 +38,7 @@ impl Quality {
             moduli.iter().zip(&targets).map(|(modulus, target)| modulus / target).collect();
         let single: Vec<_> = problem.transfer.rows().map(|row| row.map(|h| h.norm()).sum::<f64>()).collect();
         Self {
-            mean_pressure: mean(&moduli),
+            mean_pressure: mean(moduli.iter().copied()),
             min_pressure: moduli.iter().copied().fold(f64::INFINITY, f64::min),
             spread: spread(&relative),
             evenness: evenness(&relative),
@@ -134,7 +135,7 @@ pub fn bound(problem: &Problem<'_>) -> f64 {
         return alone;
     }
     let (foci, heard) = iteration::multipliers::<CHANNELS>(transfer, &targets, iterations);
-    let least = 1e-3 * mean(&heard);
+    let least = 1e-3 * mean(heard.iter().copied());
     let heard: Vec<_> = heard.iter().map(|h| h.max(least).max(f64::MIN_POSITIVE)).collect();
     alone.min(dual(problem, &foci, &heard))
 }
@@ -160,22 +161,6 @@ fn largest_eigenvalue(transfer: &Transfer, w: &[f64], d: &[f64]) -> Option<f64> 
     let entry = |i: usize, j: usize| gram.at(i * transfer.points + j) * (w[i] * w[j]).sqrt();
     // Of a positive semidefinite matrix the singular values are the eigenvalues.
     largest(Matrix::from_fn(transfer.points, transfer.points, entry))
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-/// Standard deviation over mean.
-pub fn spread(values: &[f64]) -> f64 {
-    let mean = mean(values);
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / values.len() as f64;
-    variance.sqrt() / mean.max(f64::MIN_POSITIVE)
-}
-
-/// Least over mean.
-fn evenness(values: &[f64]) -> f64 {
-    values.iter().copied().fold(f64::INFINITY, f64::min) / mean(values).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]

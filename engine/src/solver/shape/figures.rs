@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Aperture;
 use crate::scene::{Cover, Focus, Part, Plane};
-use crate::solver::Problem;
 use crate::solver::shape::grid::{Grid, Layout};
 use crate::solver::shape::real::Waves;
 use crate::solver::shape::region::{self, Area};
 use crate::solver::shape::{Surroundings, strongest, wanted};
+use crate::solver::{Problem, statistics};
 
 /// Figures of a drive, independent of its scale.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -58,16 +58,16 @@ pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex6
         .collect();
     let (least, most) =
         relative.iter().fold((f64::INFINITY, 0.0f64), |(least, most), &p| (least.min(p), most.max(p)));
-    let mean = mean(&relative).max(f64::MIN_POSITIVE);
+    let mean = statistics::mean(relative.iter().copied()).max(f64::MIN_POSITIVE);
     let drawn = drawn(problem, &surroundings.areas);
     let (side_lobe_position, loudest) =
         side_lobe(problem, &drawn, &surroundings.plane, u).unwrap_or_default();
-    let at_mean = self::mean(&at_foci);
+    let at_mean = statistics::mean(at_foci.iter().copied());
     let strength = |u: &[Complex64]| {
         let played = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let relative: Vec<_> =
             problem.transfer.moduli(u).iter().zip(problem.targets()).map(|(p, target)| p / target).collect();
-        self::mean(&relative) / played
+        statistics::mean(relative.iter().copied()) / played
     };
     Figures {
         evenness: least / mean,
@@ -110,10 +110,6 @@ fn drawn(problem: &Problem<'_>, areas: &[Cover]) -> Vec<Focus> {
     let patches = areas.iter().flat_map(|cover| cover.patches(spacing));
     let of_areas = patches.map(|patch| Focus { position: patch.at, target: 1.0, part: Part::Area(0) });
     separate.chain(of_areas).collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// |p| (Pa) at points.
