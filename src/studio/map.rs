@@ -37,7 +37,7 @@ pub fn extent(quantity: Quantity, peak: f64) -> String {
     match declaration.norm {
         // It describes the sound behind the phases.
         Norm::Pressure => format!("pressure up to {} peak", Quantity::Rms.at_most(peak)),
-        Norm::Value | Norm::Difference => {
+        Norm::Value | Norm::Difference | Norm::Energy => {
             format!("{} up to {}", declaration.words, quantity.at_most(peak))
         }
     }

@@ -5,6 +5,7 @@ use strum::VariantArray;
 
 use crate::field::Quantity;
 use crate::studio::convention::Convention;
+use crate::ui::action::Action;
 use crate::ui::icon::{self, Icon};
 use crate::ui::number::{self, Look};
 use crate::ui::panels::{DEGREES, MM, Unit};
@@ -76,14 +77,13 @@ fn brush(editor: &mut Editor, ui: &mut Ui) {
 }
 
 fn quantities(editor: &mut Editor, ui: &mut Ui) {
-    let choices: Vec<_> = Quantity::ALL
-        .into_iter()
-        .zip(1..)
-        .map(|(quantity, key)| {
-            let declaration = quantity.declaration();
-            (quantity, declaration.title, format!("{} ({key})", declaration.help))
-        })
-        .collect();
+    let choice = |quantity: Quantity| {
+        let declaration = quantity.declaration();
+        let key = Action::Quantity(quantity).shortcut(ui.ctx());
+        let key = if key.is_empty() { key } else { format!(" ({key})") };
+        (quantity, declaration.title, format!("{}{key}", declaration.help))
+    };
+    let choices: Vec<_> = Quantity::ALL.into_iter().map(choice).collect();
     segments::show(ui, "Quantity", &mut editor.view.quantity, &choices);
 }
 

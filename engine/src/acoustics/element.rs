@@ -179,6 +179,8 @@ fn sinc(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use strum::VariantArray;
+
     use super::*;
 
     fn element(model: ElementModel) -> Element {
@@ -243,7 +245,7 @@ mod tests {
 
     #[test]
     fn nothing_is_radiated_backwards_and_nothing_is_infinite() {
-        for model in [ElementModel::Point, ElementModel::Piston, ElementModel::ExactPiston] {
+        for &model in ElementModel::VARIANTS {
             let element = element(model);
             assert_eq!(element.transfer(DVec3::new(0.0, 0.01, -0.01)), Complex64::ZERO);
             for offset in [DVec3::ZERO, DVec3::new(0.005, 0.0, 0.0), DVec3::new(0.0, 0.0, -1e-7)] {

@@ -29,8 +29,10 @@ pub enum Norm {
     Value,
     /// Of |P| (Pa, peak).
     Pressure,
-    /// Of the value: errors are differences of values.
+    /// Of the value: errors are differences of values, weighted by the pressure.
     Difference,
+    /// Likewise, weighted by the energy density: of values that are large where slopes are, too.
+    Energy,
 }
 
 /// One quantity.
@@ -71,6 +73,10 @@ pub struct Declaration {
     pub of_liquid: bool,
     /// And not its surface, but the light that this bends.
     pub of_light: bool,
+    /// Depends on the scene's bead.
+    pub of_bead: bool,
+    /// Depends on the moment, ωt.
+    pub of_moment: bool,
     /// The magnitude of a vector, whose components are computed in f64 instead of by the formula.
     pub is_vector: bool,
 }
@@ -96,6 +102,8 @@ const USUAL: Declaration = Declaration {
     is_slow: false,
     of_liquid: false,
     of_light: false,
+    of_bead: false,
+    of_moment: false,
     is_vector: false,
 };
 
@@ -211,6 +219,7 @@ quantities! {
         range: Range::Signed,
         norm: Norm::Pressure,
         has_mean: false,
+        of_moment: true,
     }
     /// Magnitude of the mean flow of energy, W/m²: |½ Re{P V*}| with V = j∇P/(ρω).
     Intensity {
@@ -274,9 +283,10 @@ quantities! {
         help: "Potential of the scene's bead: it is driven from high to low",
         unit: Unit::Joule,
         range: Range::Signed,
-        norm: Norm::Difference,
+        norm: Norm::Energy,
         is_square: true,
         decibels: 10.0,
+        of_bead: true,
     }
     /// The radiation force on the scene's bead (N), its length: [`crate::force`].
     Force {
@@ -289,6 +299,7 @@ quantities! {
         help: "Force of the sound on the scene's bead, without its weight",
         unit: Unit::Newton,
         decibels: 10.0,
+        of_bead: true,
         is_vector: true,
     }
 }

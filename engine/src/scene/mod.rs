@@ -264,7 +264,7 @@ impl Array {
 }
 
 /// How one element radiates.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantArray)]
 #[serde(rename_all = "kebab-case")]
 pub enum ElementModel {
     /// Far field of a baffled circular piston, the paper's equation (1).
@@ -366,7 +366,7 @@ pub enum Amplitudes {
 
 /// The solver's method; see `crate::solver`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames)]
-#[strum(serialize_all = "lowercase", const_into_str)]
+#[strum(serialize_all = "kebab-case", const_into_str)]
 pub enum Method {
     Focus,
     Pinv,

@@ -9,6 +9,7 @@ use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, reference};
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::simd::Isa;
 use sonoglyph::solver;
+use strum::VariantArray;
 
 use crate::{STEP, gpu, scattered};
 
@@ -91,7 +92,7 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
     ];
     for (plane_name, plane) in &planes {
         for (array_name, rows, columns, off) in arrays {
-            for model in [ElementModel::Piston, ElementModel::ExactPiston, ElementModel::Point] {
+            for &model in ElementModel::VARIANTS {
                 // An odd number of samples, so that the last block and workgroup are partly empty. Exact pistons of
                 // large arrays are slow in f64.
                 let is_slow = model == ElementModel::ExactPiston && rows * columns > 500;

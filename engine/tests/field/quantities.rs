@@ -6,7 +6,7 @@ use glam::{DVec2, DVec3, dvec3};
 use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::{Air, Aperture};
 use sonoglyph::drive::Drive;
-use sonoglyph::field::quantity::{Constants, NORMAL, Norm, PRESSURE, Sound};
+use sonoglyph::field::quantity::{ALONG, Constants, NORMAL, Norm, PRESSURE, Sound};
 use sonoglyph::field::{By, Evaluator, Map, Quantity, Request, Samples, Stages, reference};
 use sonoglyph::scene::{Board, Plane, Scene};
 use sonoglyph::surface::Tank;
@@ -102,8 +102,9 @@ fn planes() -> [(&'static str, Plane); 5] {
 /// The expected maker of a map: the evaluator asked for, if f32 keeps the tolerance and the quantity is formed at
 /// pixels.
 fn maker(asked: By, quantity: Quantity, tolerance: f64, is_near: bool) -> Option<By> {
-    let by_cells = matches!(quantity, Quantity::Radiation | Quantity::Gorkov);
-    let by_pressure = quantity.declaration().parts == PRESSURE;
+    let declaration = quantity.declaration();
+    let by_pressure = declaration.parts == PRESSURE;
+    let by_cells = declaration.is_square && !by_pressure;
     match asked {
         By::Gpu if by_pressure => Some(By::Gpu),
         // Slopes at finer tolerances need f64; slopes near the array are not formed on the GPU.
@@ -115,9 +116,11 @@ fn maker(asked: By, quantity: Quantity, tolerance: f64, is_near: bool) -> Option
     }
 }
 
-/// Below this tolerance slopes are computed in f64. It is coarser for potentials, whose terms nearly cancel.
+/// Below this tolerance slopes are computed in f64. It is coarser for squares of all parts, as potentials, whose terms
+/// nearly cancel.
 fn finest(quantity: Quantity) -> f64 {
-    if quantity == Quantity::Gorkov { 5e-3 } else { 5e-4 }
+    let declaration = quantity.declaration();
+    if declaration.is_square && declaration.parts == PRESSURE | ALONG | NORMAL { 5e-3 } else { 5e-4 }
 }
 
 #[test]

@@ -5,6 +5,7 @@ use std::f64::consts::SQRT_2;
 use glam::{DVec3, dvec2, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
+use sonoglyph::field::quantity::{NORMAL, PRESSURE};
 use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Samples, Stages, Work, reference};
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{Array, Light, Plane, Scene};
@@ -93,7 +94,7 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let (by_cells, of_liquid) = (by_cells(quantity), quantity == Quantity::Depression || of_light);
     let on_gpu = on_gpu && !by_cells;
     // Pressure and normal slope are separate sums; a GPU counts both as one and has no tables for them.
-    let is_solid = matches!(quantity, Quantity::Intensity | Quantity::Gorkov);
+    let is_solid = quantity.declaration().parts & (PRESSURE | NORMAL) == PRESSURE | NORMAL;
     // Forces are summed separately, in f64.
     let sums = match () {
         () if quantity == Quantity::Force => 0,
@@ -106,7 +107,7 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let of_drive = Work { superposition: sums, forming: 1, response: u64::from(of_liquid), ..resized };
     match first {
         // There are no tables in f64.
-        First::Plan if quantity == Quantity::Gorkov => Work { plan: 1, ..of_drive },
+        First::Plan if is_solid && by_cells => Work { plan: 1, ..of_drive },
         First::Plan => Work { plan: 1, transfer: if on_gpu { 0 } else { sums }, ..of_drive },
         First::Superposition => of_drive,
         // A GPU's passes depend on the pixels.

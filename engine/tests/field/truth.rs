@@ -47,8 +47,6 @@ enum Class {
     HighFrequency,
 }
 
-const MODELS: [ElementModel; 3] = [ElementModel::Piston, ElementModel::Point, ElementModel::ExactPiston];
-
 #[derive(Clone, Copy, Debug)]
 enum Tolerance {
     Given(f64),
@@ -69,7 +67,7 @@ impl Case {
         let mut dice = Dice::new(SEED, number);
         let classes = Class::VARIANTS;
         let class = classes[number % classes.len()];
-        let element = MODELS[number / 12 % 3];
+        let element = ElementModel::VARIANTS[number / 12 % ElementModel::VARIANTS.len()];
         let tolerance = match number / 36 % 5 {
             0 => Tolerance::Given(1e-2),
             1 => Tolerance::Given(1e-3),

@@ -202,13 +202,15 @@ fn figures_follow_their_definitions() {
         let made = problem.transfer.pressure(&free);
         let power: f64 = TARGETS.iter().map(|target| target * target).sum();
         let scale = power / made.iter().zip(TARGETS).map(|(p, target)| p.norm() * target).sum::<f64>();
-        let off = |(p, target): (&Complex64, f64)| match method {
-            // The pseudo-inverse prescribes phases, too.
-            Method::Pinv => (p * scale - target).norm_sqr(),
-            _ => (p.norm() * scale - target).powi(2),
+        // The pseudo-inverse prescribes phases, too.
+        let has_phases = method == Method::Pinv;
+        let off = |(p, target): (&Complex64, f64)| {
+            let off =
+                if has_phases { p * scale - target } else { Complex64::from(p.norm() * scale - target) };
+            off.norm_sqr()
         };
         let residual = (made.iter().zip(TARGETS).map(off).sum::<f64>() / power).sqrt();
-        if method == Method::Pinv {
+        if has_phases {
             assert!(quality.residual < 1e-12 && residual < 1e-12, "{residual}, {quality:?}");
         } else {
             near(quality.residual, residual, "residual");

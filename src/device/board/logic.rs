@@ -69,12 +69,11 @@ pub struct Heeded {
 #[derive(Debug)]
 pub struct Stock {
     twin: Twin,
-    profile: Profile,
 }
 
 impl Stock {
     pub fn new(profile: Profile) -> Self {
-        Self { twin: Twin::new(profile), profile }
+        Self { twin: Twin::new(profile) }
     }
 
     pub fn hear(&mut self, byte: u8, at: Instant, heeded: &mut Heeded) {
@@ -83,7 +82,7 @@ impl Stock {
         if heard == Heard::Shown {
             heeded.shown.push(Shown { at, levels: self.twin.shown() });
         }
-        if self.profile == Profile::UltrainoMega64 && byte == mega64::SWAP {
+        if matches!(self.twin, Twin::Mega64(_)) && byte == mega64::SWAP {
             heeded.answer.push(byte);
         }
     }

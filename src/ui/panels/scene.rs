@@ -2,6 +2,7 @@
 
 use egui::{RichText, Sense, Ui};
 use glam::DVec3;
+use strum::VariantArray;
 
 use crate::acoustics::Air;
 use crate::scene::{ElementModel, Listener, Target};
@@ -269,16 +270,13 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
             strength,
             1e-3..=1e4,
         );
-        choice(
-            ui,
-            ("Directivity", "Of one element"),
-            &mut array.element,
-            &[
-                (ElementModel::Piston, "piston, far field"),
-                (ElementModel::ExactPiston, "piston, near field"),
-                (ElementModel::Point, "omnidirectional"),
-            ],
-        );
+        let described = |&model: &ElementModel| match model {
+            ElementModel::Piston => (model, "piston, far field"),
+            ElementModel::ExactPiston => (model, "piston, near field"),
+            ElementModel::Point => (model, "omnidirectional"),
+        };
+        let models: Vec<_> = ElementModel::VARIANTS.iter().map(described).collect();
+        choice(ui, ("Directivity", "Of one element"), &mut array.element, &models);
     });
     boards::known(editor, ui);
     ui.label("Click or drag to switch elements on and off:");

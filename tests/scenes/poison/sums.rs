@@ -19,11 +19,9 @@ fn scene(model: ElementModel) -> Scene {
     scene
 }
 
-const MODELS: [ElementModel; 3] = [ElementModel::Piston, ElementModel::ExactPiston, ElementModel::Point];
-
 #[test]
 fn transfers_are_finite_within_a_thousand_kilometres() {
-    for model in MODELS {
+    for &model in ElementModel::VARIANTS {
         let aperture = Aperture::new(&scene(model));
         let places = [0.0, -0.0, 5e-324, -1e-310, 1e-300, 1e-5, -1e-5, 1e6, -1e6];
         for (x, z) in places.iter().flat_map(|x| places.map(|z| (*x, z))) {

@@ -301,7 +301,7 @@ fn places(parts: u8) -> String {
 fn declared(quantity: Quantity) -> String {
     let declaration = quantity.declaration();
     let extent = match declaration.norm {
-        Norm::Value | Norm::Difference => "abs(value)",
+        Norm::Value | Norm::Difference | Norm::Energy => "abs(value)",
         Norm::Pressure => "length(s.p)",
     };
     format!(

@@ -379,7 +379,7 @@ impl OnCpu {
 
 /// Whether values are differences of larger terms, which f32 rounds.
 fn has_differences(job: &Job<'_>) -> bool {
-    job.request.quantity.declaration().norm == Norm::Difference
+    matches!(job.request.quantity.declaration().norm, Norm::Difference | Norm::Energy)
 }
 
 /// Every pixel in f64, up to its value.

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
 use crate::acoustics::Transfer;
-use crate::field::quantity::{Norm, Quantity, Sound};
+use crate::field::quantity::{Norm, Sound};
 use crate::field::slope::Around;
 use crate::field::stages::request::Request;
 use crate::field::stages::site::{Site, SiteKey};
@@ -110,17 +110,15 @@ impl Probes {
             let norm = |off: Sound<f64>| match declaration.norm {
                 Norm::Value => Some(quantity.exact_value((declaration.exact)(off, &constants))),
                 Norm::Pressure => Some(off.p.norm()),
-                Norm::Difference => None,
+                Norm::Difference | Norm::Energy => None,
             };
             if let Some(norms) = off.map(norm).collect::<Option<Vec<_>>>() {
                 return norms.into_iter().fold(0.0, f64::max);
             }
         }
-        // Potentials are large where slopes are, too.
         let energy = |sound: &Sound<f64>| {
-            let is_solid = quantity == Quantity::Gorkov;
             let squares = sound.x.norm_sqr() + sound.y.norm_sqr() + sound.n.norm_sqr();
-            let slopes = if is_solid { squares } else { 0.0 };
+            let slopes = if declaration.norm == Norm::Energy { squares } else { 0.0 };
             constants.of_pressure * sound.p.norm_sqr() + constants.of_gradient * slopes
         };
         let mut means = vec![Mean::default(); self.places.len()];
@@ -136,7 +134,7 @@ impl Probes {
             let off = (quantity.exact_value(part * mean.value) - f64::from(got)).abs();
             match declaration.norm {
                 // The error of a pressure is weighted by the pressure itself.
-                Norm::Difference => off / (mean.square / loudest).max(FAINT).sqrt(),
+                Norm::Difference | Norm::Energy => off / (mean.square / loudest).max(FAINT).sqrt(),
                 Norm::Value | Norm::Pressure => off,
             }
         };
@@ -204,6 +202,7 @@ mod tests {
 
     use super::*;
     use crate::drive::Drive;
+    use crate::field::Quantity;
     use crate::scene::{Plane, Scene};
 
     #[test]

@@ -70,9 +70,7 @@ impl Request {
     /// An invalid request.
     pub(super) fn relevant(&self) -> Result<Self, FieldError> {
         self.check()?;
-        let Declaration { of_liquid, of_light, .. } = *self.quantity.declaration();
-        let of_bead = matches!(self.quantity, Quantity::Gorkov | Quantity::Force);
-        let of_moment = self.quantity == Quantity::Instantaneous;
+        let Declaration { of_liquid, of_light, of_bead, of_moment, .. } = *self.quantity.declaration();
         let liquid = match (of_liquid, of_light) {
             (_, true) => self.liquid.clone(),
             (true, false) => self.liquid.in_the_dark(),

@@ -110,7 +110,7 @@ impl SiteKey {
     pub(super) fn by_pixels(request: &Request, exact: bool) -> Self {
         let share = match request.quantity.declaration().norm {
             Norm::Value | Norm::Pressure => 1.0,
-            Norm::Difference => SHARE,
+            Norm::Difference | Norm::Energy => SHARE,
         };
         let tolerance = if exact { 0.0 } else { share * request.plane.tolerance };
         Self::with(request, tolerance, None)
