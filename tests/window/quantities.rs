@@ -81,14 +81,14 @@ fn every_quantity_has_a_button_and_the_first_nine_a_key() {
     }
     for (place, quantity) in (1..).zip(Quantity::ALL) {
         let declaration = quantity.declaration();
-        screen.get_by_label(declaration.title).click();
-        rest(&mut screen);
-        shows(&mut screen, quantity);
-        // The pointer is still there: its tip names the key, if there is one.
+        screen.get_by_label(declaration.title).hover();
         screen.run_steps(5);
         let help = declaration.help;
         let tip = if place > DIGITS.len() { help.to_owned() } else { format!("{help} ({place})") };
         assert!(screen.query_by_label(&tip).is_some(), "{tip}");
+        screen.get_by_label(declaration.title).click();
+        rest(&mut screen);
+        shows(&mut screen, quantity);
     }
 }
 
