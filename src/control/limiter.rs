@@ -39,6 +39,8 @@ mod tests {
     fn a_flood_is_let_through_at_the_rate_and_no_faster() {
         let mut limiter = Limiter::new(50.0);
         let start = Instant::now();
+        let mut full = Limiter::new(50.0);
+        assert_eq!((0..100).filter(|_| full.takes(start)).count(), 25);
         let through = (0..20_000).filter(|&i| limiter.takes(start + Duration::from_micros(100 * i)));
         let through = through.count();
         assert!((120..=126).contains(&through), "{through} in 2 s");

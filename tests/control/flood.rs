@@ -3,7 +3,7 @@
 use std::io::Write;
 use std::net::{TcpStream, UdpSocket};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rosc::OscType;
 use sonoglyph::control::desk::Desk;
@@ -113,6 +113,23 @@ fn hear(desk: &Desk, draft: &mut Draft, bytes: &[u8]) -> bool {
 fn vec_of(error: &str) -> Vec<Edit> {
     assert!(!error.trim().is_empty() && !error.contains('\n'), "{error:?}");
     Vec::new()
+}
+
+#[test]
+fn states_are_answered_at_their_rate_and_no_faster() {
+    let serving = Serving::local(TWO);
+    let osc = serving.udp("osc");
+    let start = Instant::now();
+    let mut answers = 0;
+    for round in 0..20 {
+        (0..50).for_each(|_| osc.osc("state", &[]));
+        let patience = Duration::from_millis(if round < 19 { 2 } else { 300 });
+        osc.0.set_read_timeout(Some(patience)).unwrap();
+        answers += std::iter::from_fn(|| osc.0.recv(&mut [0; 100]).ok()).count();
+    }
+    // Half a second's worth at once, and 200 a second.
+    let most = 101.0 + 200.0 * start.elapsed().as_secs_f64();
+    assert!(answers >= 100 && answers as f64 <= most, "{answers}, and at most {most}");
 }
 
 #[test]

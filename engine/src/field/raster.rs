@@ -33,12 +33,8 @@ impl Raster {
     }
 
     /// Pixels.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.width * self.height
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Every pixel of the map.

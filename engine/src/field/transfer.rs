@@ -85,19 +85,15 @@ impl Layout {
     }
 
     /// Values of the table.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.points.len().next_multiple_of(self.run) * self.distinct[0] * self.distinct[1]
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Whether these tables together are within the limit and fit memory.
     pub fn fit(layouts: &[Self], most_bytes: usize) -> bool {
         /// Bytes that need no question.
         const SMALL: usize = 32 << 20;
-        let values = layouts.iter().map(Self::len).fold(0, usize::saturating_add);
+        let values = layouts.iter().map(Self::count).fold(0, usize::saturating_add);
         let bytes = values.saturating_mul(size_of::<Complex32>());
         bytes <= most_bytes && (bytes <= SMALL || memory::holds(bytes))
     }
@@ -164,11 +160,11 @@ impl Transfer {
     pub fn new(board: &Face, wave: &Wave, layout: Layout, old: Option<Self>) -> Self {
         let mut table = old.map_or_else(Split::default, |old| old.table);
         for part in [&mut table.re, &mut table.im] {
-            part.resize(layout.len() + OVERHANG, 0.0);
+            part.resize(layout.count() + OVERHANG, 0.0);
         }
         let (elements, tilts) = layout.elements(board, wave);
         let row = layout.run * elements.len();
-        let whole = layout.len();
+        let whole = layout.count();
         let parts = (table.re[..whole].par_chunks_mut(row), table.im[..whole].par_chunks_mut(row));
         parts.into_par_iter().enumerate().for_each(|(index, (re, im))| {
             for start in (0..layout.run).step_by(LANES) {

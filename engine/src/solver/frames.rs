@@ -360,6 +360,22 @@ mod tests {
     }
 
     #[test]
+    fn a_slow_decline_is_measured_from_the_last_search() {
+        let scene = scene(&ring(8), 64);
+        let aperture = Aperture::new(&scene);
+        let near = |shift: f64| {
+            let place = |at: DVec3| Focus::new(at + DVec3::X * shift, 1.0);
+            Problem::new(&aperture, ring(8).into_iter().map(place).collect())
+        };
+        let found = excite(&near(0.0), &scene.solver).unwrap();
+        let mut before = Link::new(&near(0.0), &scene.solver, found, true);
+        before.most *= 1.0 + 1e-3;
+        let after = go_on(&near(1e-5), &before, &scene.solver).unwrap();
+        assert!(!after.found.cold && after.part < before.most, "{}, {}", after.part, before.most);
+        assert_eq!(after.most, before.most);
+    }
+
+    #[test]
     fn crowded_foci_are_searched_for_where_going_on_fails() {
         let row: Vec<_> =
             (0..16).map(|i| DVec3::new(-0.035 + 0.07 * f64::from(i) / 15.0, 0.0, 0.1)).collect();

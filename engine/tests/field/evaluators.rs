@@ -5,12 +5,13 @@ use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::adapter;
-use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, reference};
+use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, plan, reference};
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::simd::Isa;
 use sonoglyph::solver;
 use strum::VariantArray;
 
+use crate::space::bowl;
 use crate::{STEP, gpu, scattered};
 
 /// Maximum of |P - P_ref| over the maximum of |P_ref|.
@@ -112,6 +113,47 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
                 assert_evaluators_agree(&name, &scene, &drive, &samples, gpu.as_ref());
             }
         }
+    }
+}
+
+#[test]
+fn evaluators_agree_on_bowls() {
+    let gpu = gpu();
+    // Beyond 512 elements with their directions the GPU reads them from a storage buffer.
+    for count in [60, 700] {
+        let (scene, elements) = bowl(count);
+        let drive = uneven(count, &[]);
+        for (name, plane) in [
+            ("across", Plane { centre: DVec3::Z * 0.12, ..Plane::default() }),
+            ("along", Plane { centre: DVec3::Z * 0.12, y_axis: DVec3::Z, ..Plane::default() }),
+            ("far", Plane { centre: dvec3(0.1, -0.2, 1.0), size: DVec2::new(0.5, 0.3), ..Plane::default() }),
+        ] {
+            let samples = Samples::on_plane(&plane, 31, 23).unwrap();
+            assert_evaluators_agree(&format!("{count}, {name}"), &scene, &drive, &samples, gpu.as_ref());
+        }
+        // In an element's own plane, where it is heard, and behind it, where it is not.
+        let (at, normal) = elements[count / 2];
+        let along = normal.any_orthonormal_vector();
+        let points =
+            (1..32).flat_map(|i| [0.0, -1e-3].map(|z| at + along * 0.004 * f64::from(i) + normal * z));
+        let samples = Samples::at(points.collect());
+        assert_evaluators_agree(&format!("{count}, beside one"), &scene, &drive, &samples, gpu.as_ref());
+    }
+}
+
+#[test]
+fn rounding_is_as_estimated_far_beside_the_array() {
+    let scene = Scene::default();
+    let (aperture, drive) = (Aperture::new(&scene), uneven(256, &[]));
+    for aside in [0.5, 2.0, 8.0] {
+        let plane = Plane { centre: dvec3(aside, 0.3 * aside, 0.1), ..Plane::default() };
+        let samples = Samples::on_plane(&plane, 31, 23).unwrap();
+        let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
+        let expected = reference::pressure(&aperture, &drive, &samples);
+        let error = error(&cpu::pressure(&sources, samples.len()), &expected);
+        let estimate = plan::f32_error(&aperture, &samples);
+        println!("{aside} m: {error:.1e}, estimated {estimate:.1e}");
+        assert!(error < 2.0 * estimate && estimate < 50.0 * error, "{aside} m: {error:e}, {estimate:e}");
     }
 }
 

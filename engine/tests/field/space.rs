@@ -117,16 +117,16 @@ fn tilted_boards() -> (Scene, Vec<(DVec3, DVec3)>) {
     (scene, elements)
 }
 
-/// 60 elements on a sphere of 12 cm, all facing its centre.
-fn bowl() -> (Scene, Vec<(DVec3, DVec3)>) {
+/// Elements on a sphere of 12 cm, all facing its centre.
+pub fn bowl(count: usize) -> (Scene, Vec<(DVec3, DVec3)>) {
     let middle = dvec3(0.0, 0.0, 0.12);
     let element = |i: usize| {
-        let (sin, cos) = (0.15 + 0.014 * i as f64).sin_cos();
+        let (sin, cos) = (0.15 + 0.84 * i as f64 / count as f64).sin_cos();
         let (y, x) = (2.4 * i as f64).sin_cos();
         let at = middle + 0.12 * dvec3(sin * x, sin * y, -cos);
         (at, (middle - at).normalize_or_zero())
     };
-    let elements: Vec<_> = (0..60).map(element).collect();
+    let elements: Vec<_> = (0..count).map(element).collect();
     let mut scene = quiet_air();
     scene.array.file = Some("bowl.csv".to_owned());
     let placed = elements.iter().map(|&(at, normal)| Placed { at, normal }).collect();
@@ -136,7 +136,7 @@ fn bowl() -> (Scene, Vec<(DVec3, DVec3)>) {
 
 /// Two bowls, face to face.
 fn two_bowls() -> (Scene, Vec<(DVec3, DVec3)>) {
-    let (scene, elements) = bowl();
+    let (scene, elements) = bowl(60);
     let turn = DQuat::from_rotation_x(0.3);
     let opposite = Board { at: dvec3(0.0, 0.02, 0.3), normal: turn * DVec3::NEG_Z, x_axis: DVec3::X };
     let axes = opposite.axes().unwrap();
@@ -151,7 +151,7 @@ fn boards_and_bowls_radiate_from_their_poses() {
     let (scene, elements) = tilted_boards();
     let drive = scattered(70, STEP);
     assert_heard("two boards", &scene, &drive, &playing(&elements, &drive), &region());
-    let (scene, elements) = bowl();
+    let (scene, elements) = bowl(60);
     let drive = scattered(60, STEP);
     assert_heard("a bowl", &scene, &drive, &playing(&elements, &drive), &region());
     let (scene, elements) = two_bowls();
@@ -259,7 +259,7 @@ fn a_rotation_of_the_whole_scene_rotates_the_field() {
 fn maps_of_boards_keep_their_tolerance() {
     const SIZE: (usize, usize) = (70, 50);
     let (boards, _) = tilted_boards();
-    let (bowl, _) = bowl();
+    let (bowl, _) = bowl(60);
     let (bowls, _) = two_bowls();
     let mut facing = quiet_air();
     facing.boards =

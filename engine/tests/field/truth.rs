@@ -67,8 +67,9 @@ impl Case {
         let mut dice = Dice::new(SEED, number);
         let classes = Class::VARIANTS;
         let class = classes[number % classes.len()];
-        let element = ElementModel::VARIANTS[number / 12 % ElementModel::VARIANTS.len()];
-        let tolerance = match number / 36 % 5 {
+        let models = ElementModel::VARIANTS;
+        let element = models[number / classes.len() % models.len()];
+        let tolerance = match number / (classes.len() * models.len()) % 5 {
             0 => Tolerance::Given(1e-2),
             1 => Tolerance::Given(1e-3),
             2 => Tolerance::Given(dice.one_of(&[1e-4, 1e-5])),

@@ -294,15 +294,20 @@ fn objects_have_their_size_and_no_panel_hides_a_line_on_it() {
             let panel = Item::Panel { centre: at, half, colour: blue };
             let slice = Item::Slice { centre: at, half, opacity: 1.0 };
             let disc = std::f64::consts::PI * 36.0;
-            for (item, area, around) in
-                [(dot, disc, 12.0 * std::f64::consts::PI), (panel, area, around), (slice, area, around)]
-            {
+            let ends = [at - half[0], at + half[0]];
+            let line = Item::Line { ends, width: 4.0, colour: red, shine: 0.0 };
+            let [from, to] = ends.map(|end| projection.screen(end).unwrap().0);
+            let length = from.distance(to);
+            for (item, area, around) in [
+                (dot, disc, 12.0 * std::f64::consts::PI),
+                (panel, area, around),
+                (slice, area, around),
+                (line, 4.0 * length, 2.0 * length),
+            ] {
                 let name = format!("{item:?}, {direction:?}, {is_perspective}");
                 let pixels = drawn(vec![item], &camera).len() as f64;
                 assert!((pixels - area).abs() < 0.6 * around, "{name}: {pixels} pixels, not {area}");
             }
-            let ends = [at - half[0], at + half[0]];
-            let line = Item::Line { ends, width: 4.0, colour: red, shine: 0.0 };
             let red = |items: Vec<Item>| drawn(items, &camera).iter().filter(|rgba| rgba[0] > 150).count();
             let alone = red(vec![line]);
             for items in [vec![line, panel], vec![panel, line]] {

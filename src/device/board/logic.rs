@@ -227,3 +227,21 @@ pub fn committed(packet: &Packet, reply: &Reply) -> Option<Levels> {
     };
     Some(Levels { profile: Profile::Native, elements })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_sounds_while_any_of_its_devices_does() {
+        let now = Instant::now();
+        let mut line = Native::new(&Model::new(7), 2, now);
+        let sounds = |line: &Native| matches!(line.playing(), Playing::Pulses { outputs_on: true, .. });
+        assert!(!sounds(&line));
+        let enable = Packet { address: 1, ..Packet::enable(100) };
+        for byte in enable.to_line() {
+            line.hear(byte, false, now, &mut Heeded::default());
+        }
+        assert!(sounds(&line));
+    }
+}

@@ -273,6 +273,30 @@ mod tests {
     }
 
     #[test]
+    fn figures_do_not_depend_on_the_scale_of_the_drive() {
+        let ends = [DVec3::new(-0.02, 0.0, 0.1), DVec3::new(0.02, 0.0, 0.1)];
+        let line =
+            Target { sampling: Sampling::Whole, ..Target::new(Shape::Line { from: ends[0], to: ends[1] }) };
+        let scene = Scene { targets: vec![line], ..Scene::default() };
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let surroundings = problem.surroundings.as_ref().unwrap();
+        let u = strongest(&problem);
+        let figures = |scale: f64| {
+            let scaled: Vec<_> = u.iter().map(|u| u * scale).collect();
+            figures(&problem, surroundings, &scaled)
+        };
+        let alone = figures(1.0);
+        for scale in [1.0 / 1024.0, 1024.0] {
+            let scaled = figures(scale);
+            assert!((scaled.side_lobe / alone.side_lobe - 1.0).abs() < 1e-9, "{scaled:?}, not {alone:?}");
+            assert_eq!(scaled.side_lobe_position, alone.side_lobe_position);
+            assert!((scaled.evenness / alone.evenness - 1.0).abs() < 1e-9, "{scaled:?}, not {alone:?}");
+            assert!((scaled.strength / alone.strength - 1.0).abs() < 1e-9, "{scaled:?}, not {alone:?}");
+        }
+    }
+
+    #[test]
     fn the_edge_lies_on_the_plane_around_foci_beside_it() {
         let (centre, axes) = (DVec3::Z * 0.1, [DVec3::X, DVec3::new(0.0, 0.8, 0.6)]);
         let normal = axes[0].cross(axes[1]);

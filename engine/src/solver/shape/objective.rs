@@ -386,6 +386,17 @@ mod tests {
         table
     }
 
+    #[test]
+    fn the_mean_square_is_of_the_given_phases() {
+        let aperture = Aperture::new(&Scene::default());
+        let phases = |turns: f64| (0..256).map(|n| turns * scatter(n)).collect::<Vec<_>>();
+        let mean_square = |objective: &mut Objective<f64>, turns| objective.mean_square(&phases(turns));
+        let mut objective = objective::<f64>(&aperture, 1, Weights::default());
+        let [one, other] = [1.0, 5.0].map(|turns| mean_square(&mut objective, turns));
+        assert!(one > 0.0 && other > 0.0 && one != other, "{one}, {other}");
+        assert_eq!(mean_square(&mut objective, 1.0), one);
+    }
+
     /// A few samples of a stroke, and a quiet grid and table.
     fn objective<T: Real>(aperture: &Aperture, drives: usize, weights: Weights) -> Objective<T> {
         const SCALE: f64 = 1e-2;

@@ -180,6 +180,24 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
+    fn the_grid_of_a_parallel_plane_extends_as_far_as_the_array_steers() {
+        let aperture = Aperture::new(&Scene::default());
+        for height in [0.05, 0.1, 0.2] {
+            let at = DVec3::new(0.0, 0.0, height);
+            let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
+            let area = Area::new(&problem, &Plane { centre: at, ..Plane::default() }, false);
+            let Some(Area::Grid(layout)) = area else { panic!("{height}: {area:?}") };
+            let reach = (slope(&aperture) * height).max(aperture.reach().max_element());
+            let farthest = layout.places(aperture.pitch).map(|(_, place)| place.abs().max_element());
+            let farthest = farthest.fold(0.0, f64::max);
+            assert!(
+                (reach..reach + 3.0 * aperture.pitch).contains(&farthest),
+                "{height}: {farthest}, {reach}"
+            );
+        }
+    }
+
+    #[test]
     fn samples_of_tilted_planes_keep_away_from_elements_but_not_from_low_foci() {
         let aperture = Aperture::new(&Scene::default());
         for height in [0.012, 0.02, 0.03, 0.05] {

@@ -87,6 +87,23 @@ fn one_trap_starts_from_its_signature() {
     for (u, phase) in own.iter().zip(known.phases) {
         assert!((u - num_complex::Complex64::cis(phase)).norm() < 1e-12);
     }
+    // Half of the elements around the axis of a bottle, rounded up, are opposed by the others.
+    for columns in [4, 5] {
+        let mut row = Scene { targets: vec![target(at, Trap::Bottle)], ..still_air() };
+        (row.array.rows, row.array.columns) = (1, columns);
+        let aperture = Aperture::new(&row);
+        let problem = Problem::of_scene(&row, &aperture, outline::foci(&row).unwrap());
+        let own = trap::signature(&problem, problem.traps.as_ref().unwrap());
+        let mut places: Vec<_> = aperture.positions.iter().zip(own).collect();
+        places.sort_by(|(one, _), (other, _)| (one.x - at.x).abs().total_cmp(&(other.x - at.x).abs()));
+        let known = focused(&aperture, at, |_| 0.0);
+        let phase = |place: &DVec3| known.phases[aperture.positions.iter().position(|p| p == place).unwrap()];
+        for (n, (place, u)) in places.iter().enumerate() {
+            let sign = if n < places.len().div_ceil(2) { 1.0 } else { -1.0 };
+            let expected = sign * num_complex::Complex64::cis(phase(place));
+            assert!((u - expected).norm() < 1e-12, "{n} of {columns}");
+        }
+    }
     for &kind in Trap::VARIANTS {
         scene.targets = vec![target(at, kind)];
         let [before, after] = weakest(&scene);
