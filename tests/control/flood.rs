@@ -180,7 +180,7 @@ fn a_flooded_server_keeps_answering() {
         }
     }
     let osc = serving.udp("osc");
-    osc.0.set_read_timeout(Some(std::time::Duration::from_millis(500))).unwrap();
+    osc.0.set_read_timeout(Some(Duration::from_millis(500))).unwrap();
     let until = Instant::now() + PATIENCE;
     loop {
         osc.osc("clear", &[]);

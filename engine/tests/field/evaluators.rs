@@ -136,7 +136,7 @@ fn evaluators_agree_on_bowls() {
         let along = normal.any_orthonormal_vector();
         let points =
             (1..32).flat_map(|i| [0.0, -1e-3].map(|z| at + along * 0.004 * f64::from(i) + normal * z));
-        let samples = Samples::at(points.collect());
+        let samples = Samples::at(points.chain([DVec3::Z * 0.12]).collect());
         assert_evaluators_agree(&format!("{count}, beside one"), &scene, &drive, &samples, gpu.as_ref());
     }
 }
@@ -153,7 +153,7 @@ fn rounding_is_as_estimated_far_beside_the_array() {
         let error = error(&cpu::pressure(&sources, samples.len()), &expected);
         let estimate = plan::f32_error(&aperture, &samples);
         println!("{aside} m: {error:.1e}, estimated {estimate:.1e}");
-        assert!(error < 2.0 * estimate && estimate < 50.0 * error, "{aside} m: {error:e}, {estimate:e}");
+        assert!(error < 5.0 * estimate && estimate < 50.0 * error, "{aside} m: {error:e}, {estimate:e}");
     }
 }
 

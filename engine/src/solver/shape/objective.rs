@@ -377,6 +377,7 @@ mod tests {
     use super::*;
     use crate::acoustics::Aperture;
     use crate::scene::Scene;
+    use crate::solver::shape::STROKES;
     use crate::solver::shape::grid::{Grid, Layout};
     use crate::solver::starts::scatter;
 
@@ -391,7 +392,7 @@ mod tests {
         let aperture = Aperture::new(&Scene::default());
         let phases = |turns: f64| (0..256).map(|n| turns * scatter(n)).collect::<Vec<_>>();
         let mean_square = |objective: &mut Objective<f64>, turns| objective.mean_square(&phases(turns));
-        let mut objective = objective::<f64>(&aperture, 1, Weights::default());
+        let mut objective = objective::<f64>(&aperture, 1, STROKES);
         let [one, other] = [1.0, 5.0].map(|turns| mean_square(&mut objective, turns));
         assert!(one > 0.0 && other > 0.0 && one != other, "{one}, {other}");
         assert_eq!(mean_square(&mut objective, 1.0), one);
