@@ -135,7 +135,7 @@ fn evaluators_agree_on_bowls() {
         let (at, normal) = elements[count / 2];
         let along = normal.any_orthonormal_vector();
         let points =
-            (1..32).flat_map(|i| [0.0, -1e-3].map(|z| at + along * 0.004 * f64::from(i) + normal * z));
+            (10..32).flat_map(|i| [0.0, -1e-3].map(|z| at + along * 0.004 * f64::from(i) + normal * z));
         let samples = Samples::at(points.chain([DVec3::Z * 0.12]).collect());
         assert_evaluators_agree(&format!("{count}, beside one"), &scene, &drive, &samples, gpu.as_ref());
     }
@@ -150,7 +150,11 @@ fn rounding_is_as_estimated_far_beside_the_array() {
         let samples = Samples::on_plane(&plane, 31, 23).unwrap();
         let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
         let expected = reference::pressure(&aperture, &drive, &samples);
-        let error = error(&cpu::pressure(&sources, samples.len()), &expected);
+        // A common phase does not change a map.
+        let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        let off = expected.iter().zip(cpu::pressure(&sources, samples.len()));
+        let off = off.map(|(expected, p)| (expected.norm() - f64::from(p.norm())).abs());
+        let error = off.fold(0.0, f64::max) / peak;
         let estimate = plan::f32_error(&aperture, &samples);
         println!("{aside} m: {error:.1e}, estimated {estimate:.1e}");
         assert!(error < 5.0 * estimate && estimate < 50.0 * error, "{aside} m: {error:e}, {estimate:e}");

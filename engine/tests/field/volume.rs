@@ -1,5 +1,6 @@
 //! Volumes and their pictures: sampled values against f64, surfaces against closed forms, the GPU against the CPU.
 
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3, UVec3, Vec3, Vec4};
@@ -21,7 +22,7 @@ fn scattered(aperture: &Aperture, seed: f64) -> Drive {
     let part = |i: usize| ((i as f64 + seed) * 0.618_034).fract();
     Drive {
         amplitudes: (0..count).map(|i| 0.3 + 0.7 * part(3 * i)).collect(),
-        phases: (0..count).map(|i| std::f64::consts::TAU * part(i)).collect(),
+        phases: (0..count).map(|i| TAU * part(i)).collect(),
     }
 }
 
@@ -281,7 +282,7 @@ fn objects_have_their_size_and_no_panel_hides_a_line_on_it() {
     let at = BLOCK.centre;
     let [blue, red] = [Vec4::new(0.0, 0.0, 1.0, 1.0), Vec4::new(1.0, 0.0, 0.0, 1.0)];
     let half = [DVec3::X * 0.022, DVec3::Y * 0.016];
-    for direction in [[0.0, std::f64::consts::FRAC_PI_2], [0.6, 0.8], [2.5, 0.9], [4.0, 0.7], [5.5, 0.6]] {
+    for direction in [[0.0, FRAC_PI_2], [0.6, 0.8], [2.5, 0.9], [4.0, 0.7], [5.5, 0.6]] {
         for is_perspective in [true, false] {
             let camera = Camera::of(&BLOCK, direction, 1.0, is_perspective);
             let projection = camera.projection(DVec2::splat(120.0));
@@ -293,16 +294,17 @@ fn objects_have_their_size_and_no_panel_hides_a_line_on_it() {
             let dot = Item::Dot { at, radius: 6.0, colour: blue, shine: 0.0 };
             let panel = Item::Panel { centre: at, half, colour: blue };
             let slice = Item::Slice { centre: at, half, opacity: 1.0 };
-            let disc = std::f64::consts::PI * 36.0;
+            let disc = PI * 36.0;
             let ends = [at - half[0], at + half[0]];
             let line = Item::Line { ends, width: 4.0, colour: red, shine: 0.0 };
             let [from, to] = ends.map(|end| projection.screen(end).unwrap().0);
             let length = from.distance(to);
             for (item, area, around) in [
-                (dot, disc, 12.0 * std::f64::consts::PI),
+                (dot, disc, 12.0 * PI),
                 (panel, area, around),
                 (slice, area, around),
-                (line, 4.0 * length, 2.0 * length),
+                // Half a pixel more on all sides, with round ends.
+                (line, 5.0 * length + 6.25 * PI, 2.0 * length + 5.0 * PI),
             ] {
                 let name = format!("{item:?}, {direction:?}, {is_perspective}");
                 let pixels = drawn(vec![item], &camera).len() as f64;

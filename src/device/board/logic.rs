@@ -238,8 +238,8 @@ mod tests {
         let mut line = Native::new(&Model::new(7), 2, now);
         let sounds = |line: &Native| matches!(line.playing(), Playing::Pulses { outputs_on: true, .. });
         assert!(!sounds(&line));
-        let enable = Packet { address: 1, ..Packet::enable(100) };
-        for byte in enable.to_line() {
+        // The first of them.
+        for byte in Packet::enable(100).to_line() {
             line.hear(byte, false, now, &mut Heeded::default());
         }
         assert!(sounds(&line));

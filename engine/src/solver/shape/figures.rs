@@ -280,11 +280,11 @@ mod tests {
         let scene = Scene { targets: vec![line], ..Scene::default() };
         let aperture = Aperture::new(&scene);
         let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
-        let surroundings = problem.surroundings.as_ref().unwrap();
+        let surroundings = Surroundings::of_plane(scene.plane.clone(), 0.0);
         let u = strongest(&problem);
         let figures = |scale: f64| {
             let scaled: Vec<_> = u.iter().map(|u| u * scale).collect();
-            figures(&problem, surroundings, &scaled)
+            figures(&problem, &surroundings, &scaled)
         };
         let alone = figures(1.0);
         for scale in [1.0 / 1024.0, 1024.0] {
