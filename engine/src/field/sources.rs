@@ -365,6 +365,18 @@ mod tests {
     }
 
     #[test]
+    fn phases_are_fractions_of_a_turn_about_zero() {
+        let wave = wave(&aperture(0.0)).unwrap();
+        for i in 0..=100 {
+            let phase = 0.37 * f64::from(i) - 18.0;
+            let [.., turns, amplitude] = wave.element(DVec3::ZERO, 0.5, phase);
+            assert!(turns.abs() <= 0.5 && amplitude > 0.0, "{turns}, {amplitude}");
+            let off = phase / std::f64::consts::TAU + 0.25 - f64::from(turns);
+            assert!((off - off.round()).abs() < 1e-7, "{phase}: {turns}");
+        }
+    }
+
+    #[test]
     fn every_distance_lies_in_the_decays_range() {
         let aperture = aperture(3.66);
         let plane = Plane {

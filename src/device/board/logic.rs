@@ -242,6 +242,7 @@ mod tests {
         for byte in Packet::enable(100).to_line() {
             line.hear(byte, false, now, &mut Heeded::default());
         }
+        line.run_until(now + Duration::from_millis(1));
         assert!(sounds(&line));
     }
 }
