@@ -371,7 +371,7 @@ mod tests {
             let phase = 0.37 * f64::from(i) - 18.0;
             let [.., turns, amplitude] = wave.element(DVec3::ZERO, 0.5, phase);
             assert!(turns.abs() <= 0.5 && amplitude > 0.0, "{turns}, {amplitude}");
-            let off = phase / std::f64::consts::TAU + 0.25 - f64::from(turns);
+            let off = phase / TAU + 0.25 - f64::from(turns);
             assert!((off - off.round()).abs() < 1e-7, "{phase}: {turns}");
         }
     }
