@@ -409,7 +409,10 @@ fn bench_writes_a_table_the_json_and_charts() {
     let table = bench(&["stability", "--json", "bench.json"]);
     // Of 14 sets by all methods for several foci.
     let count = 14 * (Method::VARIANTS.len() - 1);
-    assert!(table.contains("condition") && table.contains(&format!("{count} of {count} solutions")), "{table}");
+    assert!(
+        table.contains("condition") && table.contains(&format!("{count} of {count} solutions")),
+        "{table}"
+    );
     let json: Value =
         serde_json::from_str(&fs::read_to_string(folder.path().join("bench.json")).unwrap()).unwrap();
     let sets = json["stability"].as_array().unwrap();
