@@ -27,7 +27,6 @@ known! {
     "SonicSurface, 16 x 16": "sonicsurface",
     "Two SonicSurfaces face to face": "two-sonicsurfaces",
     "Ultraino, 8 x 8": "ultraino-8",
-    "Ultraino, 16 x 16": "ultraino-16",
     "TinyLev, 2 x 36": "tinylev-72",
     "BigLev, 2 x 36": "biglev-72",
     "AUTD3, 249": "autd3-249",

@@ -13,6 +13,7 @@ use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock;
 use sonoglyph::scene::{Array, Scene, Shape, Target};
 use sonoglyph::solver;
+use sonoglyph::studio::presets::KNOWN;
 
 use crate::published::{Gateware, Transducer, played};
 
@@ -20,10 +21,24 @@ use crate::published::{Gateware, Transducer, played};
 const FOCUS: DVec3 = dvec3(0.03, -0.02, 0.1);
 
 fn scene(profile: Profile) -> Scene {
-    let [columns, rows] = profile.shape().unwrap_or([16, 16]);
-    let pitch = if profile == Profile::UltrainoMega64 { 10e-3 } else { 10.5e-3 };
+    let preset = |title: &str| {
+        let known = KNOWN.iter().find(|known| known.title == title).unwrap();
+        Array { element_radius: Array::default().element_radius, ..known.array().unwrap().0 }
+    };
+    let array = match profile {
+        Profile::SonicSurface | Profile::SonicSurfaceTactile => preset("SonicSurface, 16 x 16"),
+        Profile::UltrainoMega64 => preset("Ultraino, 8 x 8"),
+        Profile::Native
+        | Profile::Natives(_)
+        | Profile::SonicSurface2
+        | Profile::UltrainoSimpleFpga
+        | Profile::Acoustophoretic512 => {
+            let [columns, rows] = profile.shape().unwrap_or([16, 16]);
+            Array { columns, rows, pitch: 10.5e-3, ..Array::default() }
+        }
+    };
     Scene {
-        array: Array { columns, rows, pitch, ..Array::default() },
+        array,
         targets: vec![Target::new(Shape::Point { at: FOCUS })],
         ..Scene::default()
     }
@@ -32,10 +47,7 @@ fn scene(profile: Profile) -> Scene {
 fn bytes(profile: Profile, calibration: &Calibration) -> Vec<u8> {
     let drive = solver::solve(&scene(profile)).unwrap().drive;
     let levels = Levels::new(profile, &drive, calibration).unwrap();
-    match profile {
-        Profile::Native => Packet::playing(&levels, 0, true).to_line(),
-        _ => stock::frame(&levels),
-    }
+    if profile == Profile::Native { Packet::playing(&levels, 0, true).to_line() } else { stock::frame(&levels) }
 }
 
 /// Complex pressure at a point, Pa (peak).
