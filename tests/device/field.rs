@@ -37,17 +37,17 @@ fn scene(profile: Profile) -> Scene {
             Array { columns, rows, pitch: 10.5e-3, ..Array::default() }
         }
     };
-    Scene {
-        array,
-        targets: vec![Target::new(Shape::Point { at: FOCUS })],
-        ..Scene::default()
-    }
+    Scene { array, targets: vec![Target::new(Shape::Point { at: FOCUS })], ..Scene::default() }
 }
 
 fn bytes(profile: Profile, calibration: &Calibration) -> Vec<u8> {
     let drive = solver::solve(&scene(profile)).unwrap().drive;
     let levels = Levels::new(profile, &drive, calibration).unwrap();
-    if profile == Profile::Native { Packet::playing(&levels, 0, true).to_line() } else { stock::frame(&levels) }
+    if profile == Profile::Native {
+        Packet::playing(&levels, 0, true).to_line()
+    } else {
+        stock::frame(&levels)
+    }
 }
 
 /// Complex pressure at a point, Pa (peak).
