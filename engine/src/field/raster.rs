@@ -32,11 +32,6 @@ impl Raster {
         Some(Self { interpolated, ..direct })
     }
 
-    /// Pixels.
-    pub fn count(&self) -> usize {
-        self.width * self.height
-    }
-
     /// Every pixel of the map.
     pub fn pixels(&self) -> Samples {
         self.pixel_rows(0..self.height)
