@@ -15,7 +15,7 @@ const LEAST: egui::Vec2 = vec2(200.0, 180.0);
 
 const HINTS: [(&str, &str); 3] = [
     ("Draw", "Pick a tool on the left and draw on the map: the array's phases follow at once."),
-    ("Look", "Turn the wheel to zoom, press 1 to 8 for another quantity, and XZ for the side view."),
+    ("Look", "Turn the wheel to zoom, press 1 to 9 for another quantity, and XZ for the side view."),
     ("Find", "Ctrl P lists every command; F1 the keys."),
 ];
 
