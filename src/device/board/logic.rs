@@ -10,7 +10,6 @@ use crate::device::native::model::{CHANNELS, Model, Pulse};
 use crate::device::native::packet::{BROADCAST, Kind, Outcome, Packet, Reply, Splitter};
 use crate::device::native::version_1;
 use crate::device::profile::Profile;
-use crate::device::stock::mega64;
 use crate::device::stock::{Heard, Twin};
 use crate::drive::Drive;
 
@@ -82,9 +81,7 @@ impl Stock {
         if heard == Heard::Shown {
             heeded.shown.push(Shown { at, levels: self.twin.shown() });
         }
-        if matches!(self.twin, Twin::Mega64(_)) && byte == mega64::SWAP {
-            heeded.answer.push(byte);
-        }
+        heeded.answer.extend(self.twin.answer(byte));
     }
 
     pub fn playing(&self) -> Playing {

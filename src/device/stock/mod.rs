@@ -155,6 +155,14 @@ impl Twin {
         }
     }
 
+    /// What the board sends back after a byte.
+    pub fn answer(&self, byte: u8) -> Option<u8> {
+        match self {
+            Self::Mega64(_) => (byte == mega64::SWAP).then_some(byte),
+            Self::PhaseList(_) | Self::Acoustophoretic(_) => None,
+        }
+    }
+
     /// The played levels.
     pub fn shown(&self) -> Levels {
         match self {
