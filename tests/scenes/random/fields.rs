@@ -8,7 +8,9 @@ use sonoglyph::acoustics::Aperture;
 use sonoglyph::acoustics::element::Element;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::plan::Costs;
-use sonoglyph::field::{By, Map, Plan, Quantity, Request, Samples, Sources, Stages, cpu, promised, reference};
+use sonoglyph::field::{
+    By, Map, Plan, Quantity, Request, Samples, Sources, Stages, cpu, promised, reference,
+};
 use sonoglyph::scene::{ElementModel, Plane, Scene};
 use sonoglyph::simd::Isa;
 
