@@ -225,3 +225,20 @@ fn derivatives_are_those_of_the_transfer() {
         }
     }
 }
+
+#[test]
+fn exact_pistons_are_right_close_to_an_element() {
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns, scene.array.element) = (2, 2, ElementModel::ExactPiston);
+    let aperture = Aperture::new(&scene);
+    let excitation = vec![Complex64::ONE; 4];
+    let emitters = Emitters::new(&aperture, &excitation);
+    let radius = scene.array.element_radius;
+    for (across, height) in [(0.4, 0.1), (0.7, 0.15), (0.9, 0.3), (1.05, 0.12), (0.0, 0.1)] {
+        let point = aperture.positions[2] + DVec3::new(across, 0.0, height) * radius;
+        let transfer = aperture.transfer(&[point]);
+        let scale: f64 = transfer.row(0).map(|h| h.norm()).sum();
+        let off = (emitters.derivatives(point).pressure() - transfer.pressure(&excitation)[0]).norm() / scale;
+        assert!(off < 1e-10, "{across} and {height} radii from its centre: off by {off:e}");
+    }
+}
