@@ -87,7 +87,7 @@ impl<'a> Swell<'a> {
             stages.show_progress(progress.part(index..index + 1, request.drives.len()));
             let of_drive = Request { drives: [drive.clone()].into(), ..request.clone() };
             let (tank, dent) = stages.surface(&of_drive)?;
-            if request.drives.len() * tank.len() * size_of::<f64>() > MOST_BYTES {
+            if request.drives.len() * tank.count() * size_of::<f64>() > MOST_BYTES {
                 return Err(FieldError::TooManyCells);
             }
             rests.push(Rest::new(tank, &dent.depth));

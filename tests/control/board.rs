@@ -3,12 +3,17 @@
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::Arc;
 
 use rosc::OscType;
+use sonoglyph::control;
+use sonoglyph::control::board::Play;
 use sonoglyph::device::board::{Board, Setup};
 use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::levels::Levels;
+use sonoglyph::device::link::Settings;
 use sonoglyph::device::profile::Profile;
+use sonoglyph::scene::Envelope;
 use sonoglyph::solver;
 
 use crate::waiting::{PATIENCE, eventually};
@@ -95,6 +100,27 @@ fn a_board_follows_falls_silent_and_comes_back() {
     eventually("silence at the end", || is_silent(&board));
     let said = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
     assert!(said.contains("looking for it\n") && said.contains("the board is back\n"), "{said}");
+}
+
+#[test]
+fn what_has_not_changed_is_not_sent_again_and_a_modulation_is() {
+    let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
+    let settings = Settings { port: board.path().to_owned(), profile: PROFILE, baud: None };
+    let mut own = control::board::Board::open(settings, Calibration::default(), || false).unwrap().unwrap();
+    let mut scene = scene(SCENE);
+    let play = Play::Still(Arc::new(solver::solve(&scene).unwrap()));
+    own.play(&scene, play.clone()).unwrap();
+    eventually("the scene", || plays(&board, SCENE) && own.report().health.in_place);
+    own.play(&scene, play.clone()).unwrap();
+    assert!(own.report().health.in_place, "nothing new is on its way");
+    scene.modulation.shape = Envelope::Square;
+    scene.modulation.frequency = 5.0;
+    own.play(&scene, play).unwrap();
+    for _ in 0..2 {
+        eventually("silence in between", || is_silent(&board));
+        eventually("sound in between", || plays(&board, SCENE));
+    }
+    own.close();
 }
 
 #[test]

@@ -1,12 +1,13 @@
 //! Commands of every protocol edit the scene as its file would, atomically.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use rosc::OscType;
 use serde_json::json;
 use sonoglyph::control::desk::Desk;
 use sonoglyph::control::edit::{Edit, Wish};
+use sonoglyph::control::live::Live;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
 use sonoglyph::scene::wave::{Samples, Wave};
 use sonoglyph::scene::{Envelope, Modulation, Scene};
@@ -262,6 +263,17 @@ fn json_removes_targets_by_the_numbers_before_the_edit_in_any_order() {
 }
 
 /// A shape's quick drive is replaced by the full one; many foci have no quick one.
+#[test]
+fn the_loop_rests_until_something_changes() {
+    let text = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n";
+    let desk = Arc::new(Desk::new(Arc::new(scene(text)), Box::new(|| {})));
+    let mut live = Live::new(desk, None).unwrap();
+    live.turn();
+    let begun = Instant::now();
+    (0..10).for_each(|_| live.turn());
+    assert!(begun.elapsed() > Duration::from_millis(100), "{:?}", begun.elapsed());
+}
+
 #[test]
 fn shapes_and_many_foci_are_solved_in_the_background() {
     for target in ["radius = 0.02", "radius = 0.05\npoints = 130\n[solver]\nmethod = \"naive\""] {

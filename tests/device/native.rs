@@ -219,6 +219,20 @@ fn the_emergency_stop_is_immediate_and_prevents_enable() {
 }
 
 #[test]
+fn reset_is_refused_until_the_last_period_of_sound_is_over() {
+    for periods in 0..5 {
+        let mut model = playing(7, &ramp());
+        apply(&mut model, &Packet::mute());
+        run(&mut model, periods);
+        let mut next = model.clone();
+        next.period();
+        let sounds = model.outputs_on() || next.outputs_on();
+        let refused = model.apply(&Packet::reset()).outcome == Outcome::State;
+        assert_eq!(refused, sounds, "{periods} periods after MUTE");
+    }
+}
+
+#[test]
 fn reset_is_refused_during_sound_and_clears_all_but_the_line() {
     let mut model = playing(7, &ramp());
     apply(&mut model, &Packet::baud(4800));

@@ -190,7 +190,7 @@ pub(super) fn images(
             let rest = |gain: f64, times: i32| (gain / (1.0 - both.abs()) / f64::from(2 * times + 1)).abs();
             for times in 0..=MOST_REFLECTIONS {
                 let gain = both.powi(times);
-                if times > 0 && rest(gain, times) < SILENCE {
+                if rest(gain, times) < SILENCE {
                     break;
                 }
                 let pose = face.pose.moved(up * (2.0 * f64::from(times) * mirror.height(board.at)));

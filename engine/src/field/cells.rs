@@ -57,17 +57,13 @@ impl Cells {
         })
     }
 
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.counts[0] * self.counts[1]
     }
 
     /// Distance (m) from a point to the farthest cell of its interpolation.
     pub fn reach(&self) -> f64 {
         self.half_width as f64 * self.step
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Cells extended beyond every wall by the window's reach, with the same centre.
@@ -185,7 +181,7 @@ mod tests {
             assert!(places[0] <= -0.13 + cells.step && (places[0] + places[places.len() - 1]).abs() < 1e-12);
             assert_eq!(smooth(cells.counts[axis]), cells.counts[axis]);
         }
-        let area = cells.integral(scene.plane.size, (0..cells.len()).map(|_| 1.0));
+        let area = cells.integral(scene.plane.size, (0..cells.count()).map(|_| 1.0));
         assert!((area - 0.04).abs() < 1e-12, "{area}");
         assert_eq!((smooth(7), smooth(121), smooth(0)), (8, 125, 1));
         for (width, margin) in [(0.1, 0.0), (0.1234, 0.0), (0.0501, 0.001), (0.2, 0.03), (0.2003, 0.0307)] {

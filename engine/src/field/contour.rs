@@ -218,6 +218,16 @@ mod tests {
     }
 
     #[test]
+    fn a_pixel_in_a_corner_is_cut_off() {
+        for corner in [0, WIDTH - 1, (HEIGHT - 1) * WIDTH, HEIGHT * WIDTH - 1] {
+            for high in [1.0f32, -1.0] {
+                let lines = of(high / 2.0, |i| if i == corner { high } else { 0.0 });
+                assert_eq!(lines.len(), 1, "{corner}, {high}");
+            }
+        }
+    }
+
+    #[test]
     fn lines_end_at_the_edge_and_nowhere_else() {
         // A saddle, whose lines all cross the edge.
         let saddle = |i| (at(i).0 - 45.0) * (at(i).1 - 35.0);

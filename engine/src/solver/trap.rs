@@ -366,4 +366,23 @@ mod tests {
             );
         }
     }
+
+    #[test]
+    fn the_value_is_of_the_shape_of_the_field_and_not_of_its_strength() {
+        let value = |strength: f64| {
+            let mut scene = Scene::default();
+            (scene.array.rows, scene.array.columns, scene.array.strength) = (4, 5, strength);
+            let trap = Shape::Trap { at: DVec3::Z * 0.05, trap: Trap::Twin, charge: 1 };
+            scene.targets = vec![Target::new(trap)];
+            let aperture = Aperture::new(&scene);
+            let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+            // Without the bead's weight, which does not grow with the field.
+            let traps = Traps { load: 0.0, ..problem.traps.clone().unwrap() };
+            let start = signature(&problem, &traps);
+            let x: Vec<_> = start.iter().enumerate().map(|(n, u)| u.arg() + 0.3 * (n as f64).sin()).collect();
+            Stiffness::new(&problem, &traps, &start).evaluate(&x, &mut vec![0.0; x.len()])
+        };
+        let [one, other] = [3.0, 3000.0].map(value);
+        assert!((one - other).abs() < 1e-9 * one.abs(), "{one} and {other}");
+    }
 }

@@ -55,12 +55,9 @@ impl Tank {
         Self { counts, step, transforms: counts.map(cosines) }
     }
 
-    pub fn len(&self) -> usize {
+    /// Cells.
+    pub fn count(&self) -> usize {
         self.counts[0] * self.counts[1]
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// The depression under a pressure (Pa) given for every cell, row by row.
@@ -77,7 +74,7 @@ impl Tank {
     /// The amplitudes of the cosines that a shape is the sum of: a_kl of a_kl cos(πkx/X) cos(πly/Y), row by row.
     pub fn modes(&self, shape: &[f64]) -> Vec<f64> {
         let [columns, rows] = self.counts;
-        assert_eq!(shape.len(), self.len(), "a value for every cell");
+        assert_eq!(shape.len(), self.count(), "a value for every cell");
         let mut modes = shape.to_vec();
         self.along_both(&mut modes, |transform, line, scratch| {
             transform.process_dct2_with_scratch(line, scratch);
@@ -92,7 +89,7 @@ impl Tank {
 
     /// The shape with these modes.
     pub fn surface(&self, mut modes: Vec<f64>) -> Vec<f64> {
-        assert_eq!(modes.len(), self.len(), "an amplitude for every mode");
+        assert_eq!(modes.len(), self.count(), "an amplitude for every mode");
         self.along_both(&mut modes, |transform, line, scratch| {
             line[0] *= 2.0;
             transform.process_dct3_with_scratch(line, scratch);

@@ -52,7 +52,7 @@ impl Waves {
     pub fn new(tank: &Tank, liquid: &Liquid, step: f64) -> Self {
         assert!((0.0..=1e9).contains(&step), "no time: {step} s");
         let steps = tank.squares().map(|square| Step::new(Mode::new(liquid, square.sqrt()), step)).collect();
-        Self { depth: vec![0.0; tank.len()], speed: vec![0.0; tank.len()], steps }
+        Self { depth: vec![0.0; tank.count()], speed: vec![0.0; tank.count()], steps }
     }
 
     /// Advances by one step under `part` of a pressure.
@@ -107,7 +107,7 @@ mod tests {
 
     /// One cosine along a row of cells.
     fn single(tank: &Tank, mode: usize) -> Vec<f64> {
-        let mut modes = vec![0.0; tank.len()];
+        let mut modes = vec![0.0; tank.count()];
         modes[mode] = 1.0;
         tank.surface(modes)
     }
@@ -252,7 +252,7 @@ mod tests {
         let tank = Tank::new([30, 24], [0.0015, 0.0015]);
         for &name in LiquidName::VARIANTS {
             let liquid = Liquid { name, ..Liquid::default() };
-            let pressure: Vec<_> = (0..tank.len()).map(|i| f64::from(u8::from(i == 370))).collect();
+            let pressure: Vec<_> = (0..tank.count()).map(|i| f64::from(u8::from(i == 370))).collect();
             let pressed = rest(&tank, &liquid, &pressure);
             let mut waves = Waves::new(&tank, &liquid, 0.004);
             waves.advance(&pressed, 1.0);

@@ -169,7 +169,7 @@ fn a_given_surface_is_drawn_like_a_depression() {
         // At rest, under steady sound, whatever the envelope.
         let surface = |stages: &mut Stages, part: f64| {
             let (tank, dent) = stages.surface(&Request { part, ..request.clone() }).unwrap();
-            assert_eq!(dent.depth.len(), tank.len());
+            assert_eq!(dent.depth.len(), tank.count());
             dent.clone()
         };
         let dent = surface(&mut stages, 1.0);

@@ -29,11 +29,19 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
     let to_the_array =
         Plane { y_axis: DVec3::Z, centre: dvec3(0.0, 0.002, 0.05), size: dvec2(0.08, 0.1), ..level.clone() };
     let tilted = Plane { x_axis: dvec3(1.0, 0.2, 0.4), y_axis: dvec3(0.0, 1.0, -0.5), ..level.clone() };
+    // Its lowest corner is just clear of the array.
+    let sloping = Plane {
+        x_axis: dvec3(1.0, 0.0, 0.4),
+        centre: dvec3(0.0, 0.0, 0.04),
+        size: dvec2(0.1, 0.08),
+        ..level.clone()
+    };
     for (name, plane, drives, is_direct) in [
         ("level", level.clone(), &drives[..1], false),
         ("level, of drives that take turns", level, &drives[..], false),
         ("upright", upright, &drives[..1], false),
         ("tilted", tilted, &drives[..1], false),
+        ("sloping", sloping, &drives[..1], false),
         ("near", low, &drives[..1], true),
         ("down to the array", to_the_array, &drives[..1], false),
     ] {

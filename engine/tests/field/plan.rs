@@ -182,6 +182,27 @@ fn rows_near_the_array_and_small_maps_are_evaluated_pixel_by_pixel() {
 }
 
 #[test]
+fn planes_near_the_array_are_sampled_finely_enough_at_once() {
+    let (mut scene, _) = hit();
+    let wavelength = Aperture::new(&scene).wavelength();
+    let mut stages = Stages::new(Evaluator::Cpu);
+    for model in [ElementModel::Point, ElementModel::Piston] {
+        scene.array.element = model;
+        for wavelengths in [1.05, 1.3, 2.0, 4.0] {
+            for tolerance in [1e-2, 1e-3, 1e-4] {
+                scene.plane.centre.z = wavelengths * wavelength;
+                scene.plane.tolerance = tolerance;
+                let (map, _, error) = made(&mut stages, &scene, &scattered(256, STEP), (500, 400), 331);
+                let what = format!("{model:?}, {wavelengths} wavelengths, {tolerance:e}: {}", map.how);
+                println!("{what} {error:e}");
+                assert!(map.by == By::Cpu && map.how.contains("every pixel is interpolated"), "{what}");
+                assert!(error < tolerance, "{what}: {error:e}");
+            }
+        }
+    }
+}
+
+#[test]
 fn samples_are_evaluated_in_f64_if_the_elements_cancel() {
     let mut scene = Scene::default();
     scene.array.pitch = 0.004;

@@ -9,7 +9,7 @@ use sonoglyph::surface::{Light, Rays, Tank, caustic};
 /// The pressure on every cell as a function of its position (m) from the centre.
 fn load(tank: &Tank, at: impl Fn(f64, f64) -> f64) -> Vec<f64> {
     let place = |axis: usize, i: usize| (i as f64 + 0.5 - tank.counts[axis] as f64 / 2.0) * tank.step[axis];
-    (0..tank.len()).map(|i| at(place(0, i % tank.counts[0]), place(1, i / tank.counts[0]))).collect()
+    (0..tank.count()).map(|i| at(place(0, i % tank.counts[0]), place(1, i / tank.counts[0]))).collect()
 }
 
 fn reference() -> Value {
@@ -146,6 +146,24 @@ impl Gaussian {
 /// The throw that gives the middle of a Gaussian the brightness (1 + a)⁻².
 fn throw(a: f64) -> f64 {
     a * WIDE * WIDE / (2.0 * DEEP)
+}
+
+#[test]
+fn a_patch_that_lands_at_a_point_lights_its_pixel() {
+    // All four rays land at (2.5, 1.5).
+    let slopes = [[-1.5, -0.5, -1.5, -0.5], [-0.5, -0.5, 0.5, 0.5]];
+    let rays = Rays {
+        counts: [2; 2],
+        first: [1.0; 2],
+        step: [1.0; 2],
+        slopes: slopes.each_ref().map(|slopes| &slopes[..]),
+        throw: [1.0; 2],
+    };
+    let mut values = vec![0.0; 5 * 4];
+    let light = caustic::light(&[rays], 5, &mut values);
+    let lit: Vec<_> = (0..values.len()).filter(|&pixel| values[pixel] != 0.0).collect();
+    assert_eq!(lit, [5 + 2]);
+    assert_eq!((values[lit[0]], light.sent, light.landed), (1.0, 1.0, 1.0));
 }
 
 #[test]

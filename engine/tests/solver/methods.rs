@@ -54,6 +54,17 @@ fn relative(problem: &Problem<'_>, values: &[Complex64]) -> Vec<f64> {
 }
 
 #[test]
+fn near_and_distant_foci_have_equal_weight() {
+    let mut scene = Scene::default();
+    scene.medium.absorption = Some(0.0);
+    let aperture = Aperture::new(&scene);
+    // The distant one hears a millionth of the near one, in another direction.
+    let transfer = aperture.transfer(&[dvec3(0.0, 0.0, 0.1), dvec3(6e4, 0.0, 8e4)]);
+    let (rank, condition) = solver::rank_and_condition(&transfer);
+    assert!(rank == 2 && condition < 1.5, "{rank}, {condition}");
+}
+
+#[test]
 fn naive_is_phase_conjugation() {
     let aperture = aperture();
     let problem = problem(&aperture);

@@ -230,6 +230,17 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_packet_takes_one_period() {
+        let now = Instant::now();
+        let mut line = Native::new(&Model::new(7), 1, now);
+        let period = Duration::from_secs_f64(1.0 / line.carrier());
+        for byte in Packet::stop().to_line() {
+            line.hear(byte, false, now, &mut Heeded::default());
+        }
+        assert_eq!(line.at, now + period);
+    }
+
+    #[test]
     fn a_line_sounds_while_any_of_its_devices_does() {
         let now = Instant::now();
         let mut line = Native::new(&Model::new(7), 2, now);

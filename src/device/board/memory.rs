@@ -27,8 +27,8 @@ pub struct VirtualBoard {
     logic: Logic,
     baud: f64,
     pace: Pace,
-    /// Bytes on the line, and when each arrives.
-    coming: VecDeque<(Instant, u8)>,
+    /// Bytes on the line, when each arrives, and at which bit rate.
+    coming: VecDeque<(Instant, u8, f64)>,
     answers: Vec<u8>,
     shown: Vec<Shown>,
 }
@@ -48,7 +48,6 @@ impl VirtualBoard {
 
     /// The other end's bit rate, from the next byte on.
     pub fn set_baud(&mut self, baud: u32) {
-        self.run();
         self.baud = f64::from(baud);
         self.pace = Pace::new(self.baud, Instant::now());
     }
@@ -56,7 +55,7 @@ impl VirtualBoard {
     pub fn write(&mut self, bytes: &[u8]) {
         let now = Instant::now();
         for &byte in bytes {
-            self.coming.push_back((self.pace.sent(1, now), byte));
+            self.coming.push_back((self.pace.sent(1, now), byte, self.baud));
         }
         self.run();
     }
@@ -84,7 +83,7 @@ impl VirtualBoard {
     /// When the next byte arrives, or a moment from now.
     pub fn next_in(&self) -> Duration {
         const MOMENT: Duration = Duration::from_micros(500);
-        let next = self.coming.front().map(|(at, _)| at.saturating_duration_since(Instant::now()));
+        let next = self.coming.front().map(|(at, ..)| at.saturating_duration_since(Instant::now()));
         next.unwrap_or(MOMENT).min(MOMENT)
     }
 
@@ -92,11 +91,11 @@ impl VirtualBoard {
     fn run(&mut self) {
         let now = Instant::now();
         let mut heeded = Heeded::default();
-        while let Some((at, byte)) = self.coming.pop_front_if(|(at, _)| *at <= now) {
+        while let Some((at, byte, baud)) = self.coming.pop_front_if(|(at, ..)| *at <= now) {
             match &mut self.logic {
                 Logic::Stock(stock) => stock.hear(byte, at, &mut heeded),
                 Logic::Native(native) => {
-                    let unread = (self.baud / native.baud() - 1.0).abs() > BAUD_TOLERANCE;
+                    let unread = (baud / native.baud() - 1.0).abs() > BAUD_TOLERANCE;
                     native.hear(byte, unread, at, &mut heeded);
                 }
             }
@@ -109,5 +108,65 @@ impl VirtualBoard {
         const KEPT: usize = 1024;
         self.shown.append(&mut heeded.shown);
         self.shown.drain(..self.shown.len().saturating_sub(KEPT));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::thread::sleep;
+
+    use super::*;
+    use crate::device::native::packet::{Outcome, Packet, Reply, Splitter};
+
+    const MILLI: Duration = Duration::from_millis(1);
+
+    fn native() -> VirtualBoard {
+        VirtualBoard::new(Profile::Native, Profile::Native.baud())
+    }
+
+    /// The answer to a question, within half a second.
+    fn answer(board: &mut VirtualBoard) -> Option<Reply> {
+        let mut splitter = Splitter::default();
+        let part = (0..500).find_map(|_| {
+            sleep(MILLI);
+            board.read().into_iter().find_map(|byte| splitter.push(byte))
+        });
+        part.and_then(|part| Reply::of_line(&part).ok())
+    }
+
+    #[test]
+    fn bytes_arrive_at_the_rate_that_they_were_sent_at() {
+        let mut board = native();
+        for (now, next, outcome) in [(Profile::Native.baud(), 9600, Outcome::Ok), (9600, 9600, Outcome::Crc)]
+        {
+            board.set_baud(now);
+            board.write(&Packet::info().to_line());
+            // The bytes are still on the line.
+            board.set_baud(next);
+            assert_eq!(answer(&mut board).map(|reply| reply.outcome), Some(outcome), "{now}");
+        }
+    }
+
+    #[test]
+    fn sound_goes_on_while_nothing_is_sent() {
+        let mut board = native();
+        let frame = |slot: u8| Packet::phases(slot, 255, &[64 * slot; 256], false);
+        for packet in [frame(1), frame(2), Packet::silencer(0xFFFF, 0xFFFF), Packet::enable(10_000)] {
+            board.write(&packet.to_line());
+        }
+        board.write(&Packet::play(1, 2, 400, 0, false).to_line());
+        let mut heard = Vec::new();
+        for _ in 0..500 {
+            sleep(MILLI);
+            let first = board.playing().drive();
+            let first = (first.amplitudes[0], first.phases[0]);
+            if first.0 > 0.0 && heard.last() != Some(&first) {
+                heard.push(first);
+            }
+            if heard.len() > 3 {
+                return;
+            }
+        }
+        panic!("{heard:?}");
     }
 }

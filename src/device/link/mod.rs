@@ -413,6 +413,20 @@ mod tests {
     }
 
     #[test]
+    fn only_the_latest_wish_is_waited_on() {
+        let (events, _heard) = std::sync::mpsc::sync_channel(1);
+        let shared = Shared::new(events, Box::new(|| {}));
+        shared.renew(&mut shared.wanted.lock(), Instant::now(), |_| {});
+        let waited = |generation: u64, timeout: Duration| {
+            let begun = Instant::now();
+            crate::device::task::finish(shared.wait(generation, timeout));
+            begun.elapsed() >= timeout
+        };
+        assert!(waited(1, Duration::from_millis(5)), "no newer wish came");
+        assert!(!waited(0, Duration::from_secs(600)), "a newer one was there");
+    }
+
+    #[test]
     fn frames_take_turns_and_each_stands_until_the_next_is_due() {
         const HAIR: Duration = Duration::from_micros(1);
         let content = motion(3, 4.0);

@@ -102,3 +102,21 @@ impl<T> Watched<T> {
         self.bell.wait_while(&self.value, timeout, is_so).await;
     }
 }
+
+#[cfg(all(test, not(target_arch = "wasm32")))]
+mod tests {
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn a_joined_task_has_ended() {
+        static ENDED: AtomicBool = AtomicBool::new(false);
+        let work = || async {
+            sleep(Duration::from_millis(20)).await;
+            ENDED.store(true, Ordering::SeqCst);
+        };
+        Task::start("a test's", work).unwrap().join();
+        assert!(ENDED.load(Ordering::SeqCst));
+    }
+}

@@ -165,7 +165,7 @@ fn invalid_planes_have_no_plan_samples_or_cells() {
         let cells =
             [Cells::new(&aperture, &plane(), poison, 1e-3), Cells::new(&aperture, &plane(), 0.01, poison)];
         for cells in cells.into_iter().flatten() {
-            assert!(cells.len() <= 1 << 23, "{poison}");
+            assert!(cells.count() <= 1 << 23, "{poison}");
         }
     }
     // The widest plane of a scene, in metres and in wavelengths.

@@ -57,7 +57,7 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, peak: f64, dice: &mut 
         return count("averages left out: elements wider than they are far away");
     }
     let cells = Cells::new(&solved.aperture, &scene.plane, 0.0, FINEST);
-    if cells.as_ref().is_some_and(|cells| cells.len() > MOST_CELLS) {
+    if cells.as_ref().is_some_and(|cells| cells.count() > MOST_CELLS) {
         return count("averages left out: more cells than there is time for");
     }
     let request = |quantity| Request::new(scene, vec![solved.solution.drive.clone()], quantity, SIZE);

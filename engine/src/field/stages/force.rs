@@ -139,7 +139,7 @@ impl Scenery<'_> {
         let points: Vec<_> = places.clone().map(point).collect();
         let forces = self.forces(&points, progress);
         [0, 1, 2].map(|axis| {
-            let mut values = vec![0.0; cells.len()];
+            let mut values = vec![0.0; cells.count()];
             values[places.clone()]
                 .iter_mut()
                 .zip(&forces)
@@ -176,7 +176,7 @@ impl Scenery<'_> {
         );
         let peak = values.iter().fold(0.0f32, |most, value| most.max(*value));
         let error = self.error(&values, peak);
-        let evaluated = cells.len() + near.len();
+        let evaluated = cells.count() + near.len();
         Map { width, height, values, peak, error, evaluated, by: By::CpuInF64, how }
     }
 

@@ -56,7 +56,7 @@ impl Share {
         let (parts, constants) = (job.key.parts, job.request.constants().narrow());
         let formula = job.request.quantity.declaration().formula;
         let Some(grid) = &job.site.plan.grid else { return };
-        let (columns, count) = (grid.samples.columns.len(), filled.cells.len());
+        let (columns, count) = (grid.samples.columns.len(), filled.cells.count());
         sums.clear();
         sums.resize(count, 0.0);
         lattice.resize(parts, count);

@@ -310,7 +310,7 @@ impl OnCpu {
         let Self { superposition, shares, cells, progress, work, .. } = self;
         cells.update(key, |cells| {
             cells.clear();
-            cells.resize(filled.cells.len(), 0.0);
+            cells.resize(filled.cells.count(), 0.0);
             let most = (MOST_SHARED_CELLS / cells.len()).clamp(1, SHARES);
             let count = job.excitations.len();
             for first in (0..count).step_by(TOGETHER) {

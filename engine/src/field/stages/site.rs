@@ -168,7 +168,7 @@ impl Site {
             return Err(FieldError::NotLevel);
         }
         let cells = Cells::new(aperture, plane, margin, accuracy).ok_or(FieldError::TooManyCells)?;
-        let values = cells.len() * key.parts.count_ones() as usize;
+        let values = cells.count() * key.parts.count_ones() as usize;
         let mut plan =
             Plan::new(aperture, &cells.plane, costs.for_values(values)).ok_or(FieldError::NoPlane)?;
         let both = PRESSURE | NORMAL;

@@ -330,31 +330,8 @@ impl Painter<'_> {
         }
         let slope =
             self.volume.slope(grid.start + grid.direction * inside) * Vec3::from(self.params.per_metre);
-        let colour = self.lit(Vec4::from(self.params.surface).truncate(), slope, ray.direction);
+        let colour = lit(self.params, slope, ray.direction);
         (inside, colour.extend(1.0))
-    }
-
-    /// A colour lit from above the eye's left.
-    fn lit(&self, colour: Vec3, slope: Vec3, direction: Vec3) -> Vec3 {
-        let (right, up, forward) =
-            (Vec3::from(self.params.right), Vec3::from(self.params.up), Vec3::from(self.params.forward));
-        let towards = -direction * direction.length_recip();
-        let mut normal = -slope / slope.length().max(1e-20);
-        if normal.dot(towards) < 0.0 {
-            normal = -normal;
-        }
-        let light = up * 0.64 - right * 0.44 - forward * 0.63;
-        let facing = 0.5 + 0.5 * normal.dot(light);
-        let between = light + towards;
-        let glint = normal.dot(between * between.length_recip()).max(0.0);
-        let glint = glint * glint;
-        let glint = glint * glint;
-        let glint = glint * glint;
-        let glint = glint * glint;
-        let glint = glint * glint;
-        let rim = 1.0 - normal.dot(towards);
-        let lit = colour * (0.22 + 0.86 * facing * facing) + 0.28 * glint + 0.16 * rim * rim * rim;
-        lit.clamp(Vec3::ZERO, Vec3::ONE)
     }
 
     /// The largest value along a ray.
@@ -388,9 +365,49 @@ impl Painter<'_> {
     }
 }
 
+/// The colour of the surface where the field has this slope, lit from above the left of an eye that looks along
+/// `direction`.
+fn lit(params: &ShotParams, slope: Vec3, direction: Vec3) -> Vec3 {
+    let colour = Vec4::from(params.surface).truncate();
+    let (right, up, forward) = (Vec3::from(params.right), Vec3::from(params.up), Vec3::from(params.forward));
+    let towards = -direction * direction.length_recip();
+    let mut normal = -slope / slope.length().max(1e-20);
+    if normal.dot(towards) < 0.0 {
+        normal = -normal;
+    }
+    let light = up * 0.64 - right * 0.44 - forward * 0.63;
+    let facing = 0.5 + 0.5 * normal.dot(light);
+    let between = light + towards;
+    let glint = normal.dot(between * between.length_recip()).max(0.0);
+    let glint = glint * glint;
+    let glint = glint * glint;
+    let glint = glint * glint;
+    let glint = glint * glint;
+    let glint = glint * glint;
+    let rim = 1.0 - normal.dot(towards);
+    let lit = colour * (0.22 + 0.86 * facing * facing) + 0.28 * glint + 0.16 * rim * rim * rim;
+    lit.clamp(Vec3::ZERO, Vec3::ONE)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn light_depends_on_where_the_eye_looks_and_not_on_how_far() {
+        let params = ShotParams {
+            right: [1.0, 0.0, 0.0],
+            up: [0.0, 1.0, 0.0],
+            forward: [0.0, 0.0, 1.0],
+            surface: [0.4, 0.5, 0.3, 1.0],
+            ..ShotParams::default()
+        };
+        let slope = Vec3::new(0.3, -0.5, 0.6);
+        let seen = |direction: Vec3| lit(&params, slope, direction);
+        let along = Vec3::new(0.5, 0.1, 1.0);
+        assert!(seen(along).distance(seen(along * 1.3)) < 1e-6);
+        assert!(seen(along).distance(seen(Vec3::Z)) > 1e-3);
+    }
 
     #[test]
     fn edges_are_a_pixel_that_differs_and_those_beside_it() {

@@ -9,7 +9,9 @@ use crate::scene::{Aim, Focus, Sampling, Scene, Shape, Target, outline};
 use crate::solver::Problem;
 use crate::solver::descent::Function;
 use crate::solver::shape::objective::Loudness;
-use crate::solver::shape::{AREA, COARSE, FINE, LAST, Search, Stage, Surroundings};
+use crate::solver::shape::{
+    AREA, COARSE, FINE, LAST, OTHER_STEPS, Search, Stage, Surroundings, TRIAL, TRIAL_REST,
+};
 
 fn scene(fill: bool, quiet: f64, aim: Aim, tilt: f64) -> Scene {
     let mut scene = Scene::default();
@@ -62,8 +64,13 @@ fn assert_consistent(search: &mut Search<'_>, stage: Stage, what: &str) {
 fn stages(search: &mut Search<'_>, what: &str) -> Vec<Stage> {
     let mut stages = Vec::new();
     loop {
-        let stage = search.stage();
+        let (stage, before) = (search.stage(), search.steps);
         let found = search.advance();
+        // The best of the other starts goes on for longer than a trial.
+        if matches!(stage, Stage::Other(_)) && search.stage() == Stage::Leader(0) {
+            let done = search.steps - before;
+            assert!(done > OTHER_STEPS + TRIAL && done <= OTHER_STEPS + TRIAL + TRIAL_REST, "{what}: {done}");
+        }
         if stage == Stage::Done {
             assert!(found.is_none(), "{what}");
             return stages;

@@ -1,6 +1,8 @@
 //! Modulation from here: pulses and pauses, still, in motion, and while the user drags.
 
 use super::*;
+use crate::device::link::stock::pulses::{Act, Pulses};
+use crate::device::link::stock::rhythm::Rhythm;
 
 #[test]
 fn pulses_and_pauses_are_equal_and_go_on() {
@@ -110,6 +112,31 @@ fn a_drag_under_modulation_is_heard() {
         let load = line.pace.time_of(stock::load(&frame(profile, 1)).len());
         assert!((load..2 * allowed).contains(&latency.median), "{what}: {latency:?}");
     }
+}
+
+#[test]
+fn an_idle_line_is_given_the_frame_of_now() {
+    let profile = Profile::SonicSurface;
+    let (shared, _events) = shared();
+    let wanted = shared.wanted();
+    let content = Arc::new(motion(profile, 16, 40.0));
+    let rhythm = Rhythm::new(0.5, 6 * MILLI, MILLI);
+    let mut now = wanted.since;
+    let mut pulses = Pulses::new(rhythm, true, &content, &wanted, now);
+    loop {
+        match pulses.next(now, now) {
+            Act::Watch(due) => now = due,
+            act => pulses.done(act, now, now + 6 * MILLI),
+        }
+        if pulses.next(now, now) == Act::Show {
+            pulses.done(Act::Show, now, now);
+            break;
+        }
+    }
+    let free_at = now;
+    now += 260 * MILLI;
+    let frame = content.at(now - wanted.since).0;
+    assert_eq!(pulses.next(now, free_at), Act::Stream((wanted.generation, frame)));
 }
 
 #[test]
