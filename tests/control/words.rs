@@ -8,10 +8,11 @@ use serde_json::json;
 use sonoglyph::control::desk::Desk;
 use sonoglyph::control::edit::{Edit, Wish};
 use sonoglyph::control::live::Live;
+use sonoglyph::control::report::Report;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
 use sonoglyph::scene::wave::{Samples, Wave};
 use sonoglyph::scene::{Envelope, Modulation, Scene};
-use sonoglyph::solver;
+use sonoglyph::solver::{self, Solution};
 use tungstenite::Message;
 
 use crate::{Serving, TWO, eventually, floats, message, scene};
@@ -263,6 +264,28 @@ fn json_removes_targets_by_the_numbers_before_the_edit_in_any_order() {
 }
 
 /// A shape's quick drive is replaced by the full one; many foci have no quick one.
+#[test]
+fn a_number_sends_and_stops_and_every_packet_is_counted() {
+    let serving = Serving::local(TWO);
+    let osc = serving.udp("osc");
+    for (number, sends) in [(1.0, true), (0.0, false), (-2.5, true)] {
+        osc.osc("send", &floats([number]));
+        eventually("the wish", || serving.desk.wish().0.sends == sends);
+    }
+    assert_eq!(serving.desk.counts.tally().packets, 3);
+}
+
+#[test]
+fn a_report_tells_of_a_solution_that_came_or_went() {
+    let solution = Arc::new(solver::solve(&scene(TWO)).unwrap());
+    let with = Report { solution: Some(Arc::clone(&solution)), ..Report::default() };
+    let (same, without) = (with.clone(), Report::default());
+    assert!(!with.tells_more_than(&same) && !without.tells_more_than(&without));
+    assert!(with.tells_more_than(&without) && without.tells_more_than(&with));
+    let other = Report { solution: Some(Arc::new(Solution::clone(&solution))), ..Report::default() };
+    assert!(other.tells_more_than(&with));
+}
+
 #[test]
 fn the_loop_rests_until_something_changes() {
     let text = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n";

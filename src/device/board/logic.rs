@@ -238,6 +238,9 @@ mod tests {
             line.hear(byte, false, now, &mut Heeded::default());
         }
         assert_eq!(line.at, now + period);
+        // And no period begins before its time.
+        line.run_until(now + period * 21 / 2);
+        assert_eq!(line.at, now + period * 10);
     }
 
     #[test]

@@ -133,6 +133,8 @@ fn an_idle_line_is_given_the_frame_of_now() {
             break;
         }
     }
+    // Whatever was on is followed by half a period of silence.
+    assert_eq!(now - wanted.since, 6 * MILLI + rhythm.half - MILLI);
     let free_at = now;
     now += 260 * MILLI;
     let frame = content.at(now - wanted.since).0;
