@@ -99,6 +99,7 @@ fn a_board_follows_falls_silent_and_comes_back() {
     assert_eq!(status(&mut child).code(), Some(0));
     eventually("silence at the end", || is_silent(&board));
     let said = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
+    assert!(said.contains("89 frames/s at 230400 baud\n"), "{said}");
     assert!(said.contains("looking for it\n") && said.contains("the board is back\n"), "{said}");
 }
 
@@ -120,6 +121,20 @@ fn what_has_not_changed_is_not_sent_again_and_a_modulation_is() {
         eventually("silence in between", || is_silent(&board));
         eventually("sound in between", || plays(&board, SCENE));
     }
+    own.stop();
+    eventually("silence", || is_silent(&board));
+    std::thread::sleep(std::time::Duration::from_millis(250));
+    assert!(is_silent(&board), "for more than half a period");
+    own.close();
+}
+
+#[test]
+fn scenes_are_solved_for_the_carrier_of_the_board() {
+    let setup = Setup { carrier_millihertz: 40_500_000, ..Setup::new(Profile::Native) };
+    let board = Board::start(setup, Box::new(|_| {})).unwrap();
+    let settings = Settings { port: board.path().to_owned(), profile: Profile::Native, baud: None };
+    let own = control::board::Board::open(settings, Calibration::default(), || false).unwrap().unwrap();
+    assert_eq!(own.carrier(), Some(40_500.0));
     own.close();
 }
 

@@ -159,6 +159,7 @@ fn ultraino_commands_place_points_with_y_upwards_and_play_at_commit() {
     }
     ultraino.send(b"place 7 0 0.1 0\ncommit");
     assert!(String::from_utf8(ultraino.answer()).unwrap().contains("target 8: the scene has 2"));
+    assert_eq!(serving.desk.counts.tally().malformed, 5);
 }
 
 #[test]
@@ -265,6 +266,25 @@ fn json_removes_targets_by_the_numbers_before_the_edit_in_any_order() {
 
 /// A shape's quick drive is replaced by the full one; many foci have no quick one.
 #[test]
+fn a_key_alone_changes_and_speed_and_rate_replace_each_other() {
+    let text = "format = 1\n[[target]]\nkind = \"text\"\ntext = \"A\"\nat = [0, 0, 0.1]\n";
+    let serving = Serving::local(text);
+    let mut web = serving.web();
+    let mut ask = |text: &str| {
+        let answer = web.ask(text);
+        assert!(answer["done"].is_number(), "{text}: {answer}");
+        serving.desk.wish().0.scene
+    };
+    let scene = ask(r#"{"targets": {"1": {"angle": 0.5, "visible": false}}, "id": 1}"#);
+    assert_eq!((scene.targets[0].angle, scene.targets[0].visible), (0.5, false));
+    let circle = r#"{"motion": {"path": "circle", "radius": 0.02, "rate": 2.0}, "id": 2}"#;
+    let by_rate = ask(circle);
+    let by_speed = ask(r#"{"motion": {"speed": 0.5}, "id": 3}"#);
+    assert!(by_rate.motion != by_speed.motion);
+    assert_eq!(ask(r#"{"motion": {"rate": 2.0}, "id": 4}"#).motion, by_rate.motion);
+}
+
+#[test]
 fn a_number_sends_and_stops_and_every_packet_is_counted() {
     let serving = Serving::local(TWO);
     let osc = serving.udp("osc");
@@ -272,7 +292,10 @@ fn a_number_sends_and_stops_and_every_packet_is_counted() {
         osc.osc("send", &floats([number]));
         eventually("the wish", || serving.desk.wish().0.sends == sends);
     }
-    assert_eq!(serving.desk.counts.tally().packets, 3);
+    osc.osc("state", &[]);
+    osc.heard();
+    let tally = serving.desk.counts.tally();
+    assert_eq!((tally.packets, tally.answers, tally.unanswered), (4, 1, 0));
 }
 
 #[test]
@@ -284,6 +307,13 @@ fn a_report_tells_of_a_solution_that_came_or_went() {
     assert!(with.tells_more_than(&without) && without.tells_more_than(&with));
     let other = Report { solution: Some(Arc::new(Solution::clone(&solution))), ..Report::default() };
     assert!(other.tells_more_than(&with));
+    for more in [
+        Report { generation: 1, ..with.clone() },
+        Report { problem: Some("none".to_owned()), ..with.clone() },
+        Report { is_solving: true, ..with.clone() },
+    ] {
+        assert!(more.tells_more_than(&with) && with.tells_more_than(&more), "{more:?}");
+    }
 }
 
 #[test]
@@ -300,14 +330,29 @@ fn the_loop_rests_until_something_changes() {
 #[test]
 fn shapes_and_many_foci_are_solved_in_the_background() {
     for target in ["radius = 0.02", "radius = 0.05\npoints = 130\n[solver]\nmethod = \"naive\""] {
-        let text = format!("format = 1\n[[target]]\nkind = \"circle\"\nat = [0, 0, 0.1]\n{target}\n");
-        let serving = Serving::local(&text);
-        let expected = solver::solve(&scene(&text)).unwrap().pressures;
-        eventually("the full solution", || {
-            let foci = serving.desk.report().foci();
-            let pairs = foci.iter().zip(&expected);
-            foci.len() == expected.len()
-                && pairs.into_iter().all(|((_, a), b)| (a / b.norm() - 1.0).abs() < 1e-9)
-        });
+        let text =
+            |x: f32| format!("format = 1\n[[target]]\nkind = \"circle\"\nat = [{x}, 0, 0.1]\n{target}\n");
+        let serving = Serving::local(&text(0.0));
+        let is_solved = |text: &str| {
+            let expected = solver::solve(&scene(text)).unwrap();
+            eventually(&format!("the full solution of {text}"), || {
+                let foci = serving.desk.report().foci();
+                let pairs = foci.iter().zip(expected.foci.iter().zip(&expected.pressures));
+                foci.len() == expected.foci.len()
+                    && pairs.into_iter().all(|((at, a), (focus, b))| {
+                        *at == focus.position && (a / b.norm() - 1.0).abs() < 1e-9
+                    })
+            });
+        };
+        is_solved(&text(0.0));
+        // The first drive of a shape is quick enough for a turn, that of many foci is not.
+        let desk = Arc::new(Desk::new(Arc::new(scene(&text(0.0).replace("0.02", "0.06"))), Box::new(|| {})));
+        Live::new(Arc::clone(&desk), None).unwrap().turn();
+        assert_eq!(desk.report().solution.is_some(), !target.contains("points"), "{target}");
+        // The drive of many foci replaces that of the scene before; a moved shape goes on from it, to another one.
+        if target.contains("points") {
+            serving.udp("osc").osc("target/1/at", &floats([0.01, 0.0, 0.1]));
+            is_solved(&text(0.01));
+        }
     }
 }

@@ -196,6 +196,36 @@ fn the_native_device_plays_no_corrupted_frame() {
     });
 }
 
+/// What a board has sent before anything was said to it.
+fn greeting(board: &Board) -> Vec<u8> {
+    let mut port = finish(Port::open(board.path(), Profile::SonicSurface.baud())).unwrap();
+    finish(port.read(Duration::from_secs(2))).unwrap()
+}
+
+#[test]
+fn garbage_is_sent_whenever_a_board_is_plugged_in() {
+    let garbage = Faults { garbage: true, ..Faults::default() };
+    let (board, _shown) = board(Setup { faults: garbage, ..Setup::new(Profile::SonicSurface) });
+    assert!(!greeting(&board).is_empty());
+    board.unplug(true);
+    eventually("no port", || !board.path().exists());
+    board.unplug(false);
+    eventually("the port", || board.path().exists());
+    assert!(!greeting(&board).is_empty());
+}
+
+#[test]
+fn a_board_takes_bytes_no_faster_than_its_line_carries_them() {
+    const BYTES: usize = 200;
+    let (board, _shown) = board(Setup { baud: Some(9600), ..Setup::new(Profile::SonicSurface) });
+    let mut port = finish(Port::open(board.path(), 9600)).unwrap();
+    let begun = Instant::now();
+    finish(port.write(&[0; BYTES])).unwrap();
+    eventually("all bytes", || board.report().bytes == BYTES as u64);
+    let carried = BYTES as f64 * 10.0 / 9600.0;
+    assert!(begun.elapsed().as_secs_f64() > 0.9 * carried, "{:?} of {carried} s", begun.elapsed());
+}
+
 #[test]
 fn garbage_at_the_start_does_no_harm() {
     let garbage = Faults { garbage: true, ..Faults::default() };

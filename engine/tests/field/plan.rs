@@ -186,6 +186,8 @@ fn planes_near_the_array_are_sampled_finely_enough_at_once() {
     let (mut scene, _) = hit();
     let wavelength = Aperture::new(&scene).wavelength();
     let mut stages = Stages::new(Evaluator::Cpu);
+    // Along the rows of elements samples are finer, since they are shared.
+    (scene.plane.x_axis, scene.plane.y_axis) = (DVec3::new(1.0, 0.3, 0.0), DVec3::new(-0.3, 1.0, 0.0));
     for model in [ElementModel::Point, ElementModel::Piston] {
         scene.array.element = model;
         for wavelengths in [1.05, 1.3, 2.0, 4.0] {
@@ -199,6 +201,20 @@ fn planes_near_the_array_are_sampled_finely_enough_at_once() {
                 assert!(error < tolerance, "{what}: {error:e}");
             }
         }
+    }
+}
+
+#[test]
+fn maps_just_above_elements_are_right_beside_them() {
+    let (mut scene, drive) = hit();
+    scene.array.element = ElementModel::Point;
+    let element = Aperture::new(&scene).positions[100];
+    for height in [1e-3, 3e-5, 1e-5] {
+        let centre = element + DVec3::new(2e-5, 1e-5, height);
+        scene.plane = Plane { centre, size: DVec2::splat(0.03), tolerance: 0.0, ..Plane::default() };
+        let (map, _, error) = made(&mut Stages::new(Evaluator::Cpu), &scene, &drive, (81, 81), 1);
+        println!("{height}: {error:e}, measured {:e}, {:?}", map.error, map.by);
+        assert!(error < 2e-5, "{height} m above: {error:e}, measured {:e}, {:?}", map.error, map.by);
     }
 }
 

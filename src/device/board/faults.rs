@@ -130,6 +130,9 @@ mod tests {
         assert!(near(passed(Faults { insert: 0.01, ..Faults::default() }).len() - 100_000, 1000));
         let flipped = passed(Faults { flip: 0.01, ..Faults::default() });
         assert!(near(flipped.iter().filter(|&&byte| byte != 7).count(), 1000));
+        let mut garbled = Vec::new();
+        (0..1000).for_each(|_| Damage::new(Faults::default(), garbled.len() as u64).garble(&mut garbled));
+        assert!(garbled.len() == 1000 && garbled.iter().any(|&byte| byte != garbled[0]));
         let noisy = passed(Faults { burst: 0.001, ..Faults::default() });
         assert!(near(noisy.iter().filter(|&&byte| byte != 7).count(), 2350));
     }

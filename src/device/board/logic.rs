@@ -230,6 +230,15 @@ mod tests {
     use super::*;
 
     #[test]
+    fn phases_end_at_half_a_turn() {
+        let of = |rise| fundamental(Pulse { rise, width: 128 }, 256, true);
+        for (rise, phase) in [(64, PI), (192, 0.0), (0, -PI / 2.0), (128, PI / 2.0)] {
+            let (amplitude, got) = of(rise);
+            assert!(amplitude == 1.0 && (got - phase).abs() < 1e-12, "{rise}: {amplitude}, {got}");
+        }
+    }
+
+    #[test]
     fn a_packet_takes_one_period() {
         let now = Instant::now();
         let mut line = Native::new(&Model::new(7), 1, now);

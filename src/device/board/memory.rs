@@ -148,6 +148,14 @@ mod tests {
     }
 
     #[test]
+    fn only_the_latest_shown_frames_are_kept() {
+        let mut board = VirtualBoard::new(Profile::UltrainoMega64, u32::MAX);
+        board.write(&[crate::device::stock::mega64::SWAP; 1100]);
+        sleep(5 * MILLI);
+        assert_eq!(board.frames().len(), 1024);
+    }
+
+    #[test]
     fn sound_goes_on_while_nothing_is_sent() {
         let mut board = native();
         let frame = |slot: u8| Packet::phases(slot, 255, &[64 * slot; 256], false);

@@ -110,6 +110,30 @@ mod tests {
     use super::*;
 
     #[test]
+    fn a_change_wakes_who_waits_for_it() {
+        let watched = std::sync::Arc::new(Watched::new(false));
+        let its = std::sync::Arc::clone(&watched);
+        const TIMEOUT: Duration = Duration::from_secs(20);
+        let waiting = std::thread::spawn(move || {
+            let begun = Instant::now();
+            finish(its.wait_while(TIMEOUT, |value| !value));
+            begun.elapsed()
+        });
+        std::thread::sleep(Duration::from_millis(20));
+        *watched.lock() = true;
+        watched.ring();
+        assert!(waiting.join().unwrap() < TIMEOUT);
+    }
+
+    #[test]
+    fn lingering_takes_its_time() {
+        const TIME: Duration = Duration::from_millis(20);
+        let begun = Instant::now();
+        linger(TIME);
+        assert!(begun.elapsed() >= TIME);
+    }
+
+    #[test]
     fn a_joined_task_has_ended() {
         static ENDED: AtomicBool = AtomicBool::new(false);
         let work = || async {

@@ -222,3 +222,21 @@ async fn come_back(port: &mut Port, asker: &mut Asker, info: &Info) -> Result<()
     }
     asker.order(port, &Packet::status()).await.map(drop)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trial_is_clean_if_all_that_was_sent_arrived() {
+        let tried = |sent, lost, wrong| Trial {
+            baud: RATES[0],
+            outcome: TrialOutcome::Tried(Figures { sent, lost, wrong, ..Figures::default() }),
+        };
+        assert!(tried(9, 0, 0).is_clean());
+        let impossible = Trial { baud: RATES[0], outcome: TrialOutcome::Impossible("no rate".to_owned()) };
+        for trial in [tried(0, 0, 0), tried(9, 1, 0), tried(9, 0, 1), impossible] {
+            assert!(!trial.is_clean(), "{trial:?}");
+        }
+    }
+}

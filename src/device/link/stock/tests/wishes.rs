@@ -1,9 +1,26 @@
 //! What becomes of wishes: repetitions, motions beyond the line, random wishes, damaged lines.
 
 use super::*;
+use crate::device::link::stock::watch;
+use crate::device::task::finish;
 
 /// Random conversations of each kind.
 const SEEDS: u64 = 40;
+
+#[test]
+fn a_watch_ends_when_it_is_due_and_earlier_only_for_a_newer_wish() {
+    let (shared, _events) = shared();
+    let wanted = shared.wanted();
+    for _ in 0..20 {
+        let due = Instant::now() + MILLI;
+        finish(watch(due, &wanted, &shared));
+        assert!(Instant::now() >= due);
+    }
+    shared.renew(&mut shared.wanted.lock(), Instant::now(), |_| {});
+    let due = Instant::now() + Duration::from_secs(60);
+    finish(watch(due, &wanted, &shared));
+    assert!(Instant::now() < due);
+}
 
 #[test]
 fn unchanged_content_and_silence_are_repeated_and_the_line_rests_in_between() {
