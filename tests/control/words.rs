@@ -277,7 +277,7 @@ fn a_key_alone_changes_and_speed_and_rate_replace_each_other() {
     };
     let scene = ask(r#"{"targets": {"1": {"angle": 0.5, "visible": false}}, "id": 1}"#);
     assert_eq!((scene.targets[0].angle, scene.targets[0].visible), (0.5, false));
-    let circle = r#"{"motion": {"path": "circle", "radius": 0.02, "rate": 2.0}, "id": 2}"#;
+    let circle = r#"{"motion": {"path": "circle", "size": 0.04, "rate": 2.0}, "id": 2}"#;
     let by_rate = ask(circle);
     let by_speed = ask(r#"{"motion": {"speed": 0.5}, "id": 3}"#);
     assert!(by_rate.motion != by_speed.motion);
