@@ -123,7 +123,7 @@ fn what_has_not_changed_is_not_sent_again_and_a_modulation_is() {
     }
     own.stop();
     eventually("silence", || is_silent(&board));
-    std::thread::sleep(std::time::Duration::from_millis(250));
+    std::thread::sleep(std::time::Duration::from_millis(150));
     assert!(is_silent(&board), "for more than half a period");
     own.close();
 }
