@@ -414,12 +414,12 @@ mod tests {
 
     #[test]
     fn only_the_latest_wish_is_waited_on() {
-        let (events, _heard) = std::sync::mpsc::sync_channel(1);
+        let (events, _heard) = sync_channel(1);
         let shared = Shared::new(events, Box::new(|| {}));
         shared.renew(&mut shared.wanted.lock(), Instant::now(), |_| {});
         let waited = |generation: u64, timeout: Duration| {
             let begun = Instant::now();
-            crate::device::task::finish(shared.wait(generation, timeout));
+            task::finish(shared.wait(generation, timeout));
             begun.elapsed() >= timeout
         };
         assert!(waited(1, Duration::from_millis(5)), "no newer wish came");

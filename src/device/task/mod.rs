@@ -114,11 +114,12 @@ mod tests {
         let watched = std::sync::Arc::new(Watched::new(false));
         let its = std::sync::Arc::clone(&watched);
         const TIMEOUT: Duration = Duration::from_secs(20);
-        let waiting = std::thread::spawn(move || {
+        let wait = move || {
             let begun = Instant::now();
             finish(its.wait_while(TIMEOUT, |value| !value));
             begun.elapsed()
-        });
+        };
+        let waiting = std::thread::Builder::new().name("waiting".to_owned()).spawn(wait).unwrap();
         std::thread::sleep(Duration::from_millis(20));
         *watched.lock() = true;
         watched.ring();
