@@ -162,7 +162,8 @@ pub(super) fn corners((width, height): (usize, usize)) -> [usize; 4] {
     [0, width - 1, last, last + width - 1]
 }
 
-/// The four pixels around the point of the plane nearest to an element, for the elements closest to it.
+/// The pixels around the point of the plane nearest to an element, two on each side, for the elements closest to it:
+/// rounding in the four nearest may be small by chance.
 fn beside_elements(
     key: &SiteKey,
     [x, y, _]: [DVec3; 3],
@@ -181,7 +182,7 @@ fn beside_elements(
     near.truncate(BESIDE);
     let around = move |place: f64, length: f64, count: usize| {
         let low = ((place / length + 0.5) * count as f64 - 0.5).max(0.0) as usize;
-        [low.min(count - 1), (low + 1).min(count - 1)]
+        [low.saturating_sub(1), low, low + 1, low + 2].map(|pixel| pixel.min(count - 1))
     };
     near.into_iter().flat_map(move |(_, place)| {
         let columns = around(place.x, 2.0 * half.x, width);
@@ -205,8 +206,10 @@ mod tests {
     use crate::field::Quantity;
     use crate::scene::{Plane, Scene};
 
+    const AROUND: usize = 16;
+
     #[test]
-    fn elements_beside_the_plane_are_between_their_four_pixels() {
+    fn elements_beside_the_plane_are_between_their_pixels() {
         let plane =
             Plane { centre: dvec3(0.001, 0.002, 0.004), size: DVec2::new(0.1, 0.08), ..Plane::default() };
         let scene = Scene { plane: plane.clone(), ..Scene::default() };
@@ -214,15 +217,15 @@ mod tests {
         let request = Request::new(&scene, vec![Drive::default()], Quantity::Rms, size);
         let places: Vec<_> =
             beside_elements(&SiteKey::new(&request, false), [DVec3::X, DVec3::Y, DVec3::Z], size).collect();
-        assert_eq!(places.len(), 4 * BESIDE);
+        assert_eq!(places.len(), AROUND * BESIDE);
         let counts = DVec2::new(size.0 as f64, size.1 as f64);
         let pixel = |&place: &usize| {
             let at = DVec2::new((place % size.0) as f64, (place / size.0) as f64) + 0.5;
             plane.centre.truncate() + (at / counts - 0.5) * plane.size
         };
-        for four in places.chunks(4) {
-            let low = four.iter().map(pixel).fold(DVec2::INFINITY, DVec2::min);
-            let high = four.iter().map(pixel).fold(DVec2::NEG_INFINITY, DVec2::max);
+        for own in places.chunks(AROUND) {
+            let low = own.iter().map(pixel).fold(DVec2::INFINITY, DVec2::min);
+            let high = own.iter().map(pixel).fold(DVec2::NEG_INFINITY, DVec2::max);
             let is_between = |at: DVec2| low.cmple(at).all() && high.cmpge(at).all();
             assert!(request.aperture.positions.iter().any(|at| is_between(at.truncate())), "{low} to {high}");
         }
