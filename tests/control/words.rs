@@ -264,7 +264,6 @@ fn json_removes_targets_by_the_numbers_before_the_edit_in_any_order() {
     serving.has_foci_of("format = 1\n[[target]]\nat = [0, 0.02, 0.1]\n");
 }
 
-/// A shape's quick drive is replaced by the full one; many foci have no quick one.
 #[test]
 fn a_key_alone_changes_and_speed_and_rate_replace_each_other() {
     let text = "format = 1\n[[target]]\nkind = \"text\"\ntext = \"A\"\nat = [0, 0, 0.1]\n";
@@ -327,6 +326,7 @@ fn the_loop_rests_until_something_changes() {
     assert!(begun.elapsed() > Duration::from_millis(100), "{:?}", begun.elapsed());
 }
 
+/// A shape's quick drive is replaced by the full one; many foci have no quick one.
 #[test]
 fn shapes_and_many_foci_are_solved_in_the_background() {
     for target in ["radius = 0.02", "radius = 0.05\npoints = 130\n[solver]\nmethod = \"naive\""] {
