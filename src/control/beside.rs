@@ -90,7 +90,7 @@ impl Drop for Beside {
 
 fn work(held: &Watched<Held>, done: &SyncSender<Done>) {
     loop {
-        finish(held.wait_while(Duration::from_secs(1), |held| held.next.is_none() && !held.closing));
+        finish(held.wait_while(Duration::MAX, |held| held.next.is_none() && !held.closing));
         let mut now = held.lock();
         if now.closing {
             return;
