@@ -164,4 +164,17 @@ mod tests {
             assert!(Gate::new([127, 0, 0, 1].into(), Some(bad.to_owned())).is_err(), "{bad}");
         }
     }
+
+    #[test]
+    fn a_token_with_one_other_letter_does_not_fit() {
+        const TOKEN: &str = "correct-horse";
+        let gate = Gate::new([127, 0, 0, 1].into(), Some(TOKEN.to_owned())).unwrap();
+        assert!(gate.fits(TOKEN));
+        for place in 0..TOKEN.len() {
+            let mut other = TOKEN.to_owned();
+            other.replace_range(place..=place, "_");
+            assert!(!gate.fits(&other) && !gate.fits(&TOKEN[..place]), "{other}");
+        }
+        assert!(!gate.fits(&format!("{TOKEN}_")));
+    }
 }

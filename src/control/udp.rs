@@ -190,23 +190,110 @@ pub fn ultraino(socket: UdpSocket, desk: Arc<Desk>, gate: Arc<Gate>) -> io::Resu
         let mut bytes = vec![0; ultraino::LONGEST + 1];
         let mut draft = Draft::default();
         while !post.desk.is_closing() {
-            let Some((length, from)) = post.next(&mut bytes) else { continue };
-            if !post.gate.knows_host(from.ip()) {
-                post.rebuff(from, b"ERR the token is missing");
-                continue;
-            }
-            let refusal = match draft.take(&bytes[..length]) {
-                Ok(None) => None,
-                Ok(Some(edits)) => post.desk.change(&edits).err().map(|error| error.to_string()),
-                Err(text) => {
-                    post.desk.counts.malformed.add();
-                    Some(text)
-                }
-            };
-            if let Some(text) = refusal {
-                post.refuse(from, format!("ERR {}", crate::echo::message(&text)).as_bytes());
+            if let Some((length, from)) = post.next(&mut bytes) {
+                hear_ultraino(&mut post, &bytes[..length], from, &mut draft);
             }
         }
     };
     std::thread::Builder::new().name("ultraino".to_owned()).spawn(listen)
+}
+
+fn hear_ultraino(post: &mut Post, bytes: &[u8], from: SocketAddr, draft: &mut Draft) {
+    if !post.gate.knows_host(from.ip()) {
+        return post.rebuff(from, b"ERR the token is missing");
+    }
+    let refusal = match draft.take(bytes) {
+        Ok(None) => None,
+        Ok(Some(edits)) => post.desk.change(&edits).err().map(|error| error.to_string()),
+        Err(text) => {
+            post.desk.counts.malformed.add();
+            Some(text)
+        }
+    };
+    if let Some(text) = refusal {
+        post.refuse(from, format!("ERR {}", crate::echo::message(&text)).as_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::report::Report;
+    use crate::scene::Scene;
+
+    /// A post whose desk has no loop, so that no change is ever reported as solved.
+    fn post(listen: [u8; 4]) -> Post {
+        let desk = Arc::new(Desk::new(Arc::new(Scene::default()), Box::new(|| {})));
+        let gate = Arc::new(Gate::new(listen.into(), None).unwrap());
+        Post::new(UdpSocket::bind("127.0.0.1:0").unwrap(), desk, gate).unwrap()
+    }
+
+    fn waiting() -> Waiting {
+        Waiting { states: Limiter::new(STATES), who: VecDeque::new() }
+    }
+
+    fn client() -> (UdpSocket, SocketAddr) {
+        let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+        client.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
+        let address = client.local_addr().unwrap();
+        (client, address)
+    }
+
+    #[test]
+    fn so_many_wait_for_a_state_and_all_have_it_once_the_changes_are_solved() {
+        let (post, mut waiting, (client, address)) = (post([127, 0, 0, 1]), waiting(), client());
+        // As the system rounds it.
+        let timeout = || post.socket.read_timeout().unwrap().unwrap();
+        let usual = timeout();
+        for count in 1..=MOST_WAITING + 6 {
+            waiting.add(address, &post);
+            assert_eq!(waiting.who.len(), count.min(MOST_WAITING));
+            assert!(timeout() < usual, "an answer is looked for more often");
+        }
+        assert_eq!(post.desk.counts.unanswered.get(), 6);
+        let generation = post.desk.generation();
+        post.desk.tell(Report { generation, ..Report::default() });
+        waiting.serve(&post);
+        assert_eq!((waiting.who.len(), post.desk.counts.answers.get()), (0, MOST_WAITING as u64));
+        assert_eq!(timeout(), usual);
+        let state = osc::state(&post.desk.report());
+        for _ in 0..MOST_WAITING {
+            let mut bytes = [0; 1024];
+            let length = client.recv(&mut bytes).unwrap();
+            assert_eq!(bytes[..length], state);
+        }
+    }
+
+    #[test]
+    fn only_a_patient_client_gets_a_state_from_before_its_change() {
+        let (post, mut waiting, (_client, address)) = (post([127, 0, 0, 1]), waiting(), client());
+        let now = Instant::now();
+        let generation = post.desk.generation();
+        waiting.who.push_back((address, generation, now.checked_sub(2 * PATIENCE).unwrap()));
+        // This one has not even asked yet.
+        waiting.who.push_back((address, generation, now + Duration::from_secs(3600)));
+        waiting.serve(&post);
+        assert_eq!((waiting.who.len(), post.desk.counts.answers.get()), (1, 1));
+    }
+
+    #[test]
+    fn bytes_that_are_no_osc_are_counted_and_refused() {
+        let (mut post, mut waiting, (_client, address)) = (post([127, 0, 0, 1]), waiting(), client());
+        hear_osc(&mut post, b"no OSC", address, &mut waiting);
+        let tally = post.desk.counts.tally();
+        assert_eq!((tally.malformed, tally.answers, tally.refused), (1, 1, 0));
+    }
+
+    #[test]
+    fn strangers_change_nothing_by_either_protocol() {
+        let (mut post, mut waiting, mut draft) = (post([0, 0, 0, 0]), waiting(), Draft::default());
+        let before = post.desk.wish();
+        // An address for documentation: no network carries the answer.
+        let stranger = SocketAddr::from(([192, 0, 2, 1], 9));
+        hear_ultraino(&mut post, b"clear\ncommit", stranger, &mut draft);
+        assert_eq!((post.desk.counts.strangers.get(), &draft), (1, &Draft::default()));
+        hear_osc(&mut post, b"/sonoglyph/send\0", stranger, &mut waiting);
+        hear_osc(&mut post, b"no OSC", stranger, &mut waiting);
+        assert_eq!((post.desk.counts.strangers.get(), post.desk.wish()), (3, before));
+    }
 }
