@@ -4,17 +4,21 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::Arc;
+use std::sync::mpsc::sync_channel;
 
 use rosc::OscType;
 use sonoglyph::control;
 use sonoglyph::control::board::Play;
-use sonoglyph::device::board::{Board, Setup};
+use sonoglyph::control::desk::Desk;
+use sonoglyph::control::edit::Edit;
+use sonoglyph::control::live::Live;
+use sonoglyph::device::board::{Board, Setup, Shown};
 use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::levels::Levels;
 use sonoglyph::device::link::Settings;
 use sonoglyph::device::profile::Profile;
-use sonoglyph::scene::Envelope;
-use sonoglyph::solver;
+use sonoglyph::scene::{Envelope, Modulation, Scene};
+use sonoglyph::solver::{self, frames};
 
 use crate::waiting::{PATIENCE, eventually};
 use crate::{Udp, floats, message, scene};
@@ -32,6 +36,12 @@ fn plays(board: &Board, text: &str) -> bool {
     let solution = solver::solve(&scene(text)).unwrap();
     let levels = Levels::new(PROFILE, &solution.drive, &Calibration::default()).unwrap();
     board.report().playing.is_some_and(|playing| playing.drive() == levels.drive())
+}
+
+/// This program's board at a port.
+fn opened(port: &Path, profile: Profile) -> control::board::Board {
+    let settings = Settings { port: port.to_owned(), profile, baud: None };
+    control::board::Board::open(settings, Calibration::default(), || false).unwrap().unwrap()
 }
 
 /// The program, and its OSC socket.
@@ -54,13 +64,20 @@ fn serve(folder: &Path, args: &[&str]) -> (Child, BufReader<ChildStdout>, Udp) {
     (child, out, Udp(socket))
 }
 
+/// Ends the program as the user does, and returns its messages.
+fn ended(mut child: Child) -> String {
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(0));
+    std::io::read_to_string(child.stderr.take().unwrap()).unwrap()
+}
+
 #[test]
 fn a_board_follows_falls_silent_and_comes_back() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("two.toml"), SCENE).unwrap();
     let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
     let port = board.path().display().to_string();
-    let (mut child, _out, osc) =
+    let (child, _out, osc) =
         serve(folder.path(), &["two.toml", "--port", &port, "--profile", PROFILE.name()]);
     osc.osc("state", &[]);
     assert_eq!(osc.heard()[0].args[4], OscType::String("ready".to_owned()));
@@ -92,13 +109,8 @@ fn a_board_follows_falls_silent_and_comes_back() {
     board.unplug(false);
     let text = text.replace("0.01, 0, 0.11]", "0.012, 0, 0.11]");
     eventually("the newest scene after a lost connection", || plays(&board, &text));
-    let status = |child: &mut Child| {
-        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
-        child.wait().unwrap()
-    };
-    assert_eq!(status(&mut child).code(), Some(0));
+    let said = ended(child);
     eventually("silence at the end", || is_silent(&board));
-    let said = std::io::read_to_string(child.stderr.take().unwrap()).unwrap();
     assert!(said.contains("89 frames/s at 230400 baud\n"), "{said}");
     assert!(said.contains("looking for it\n") && said.contains("the board is back\n"), "{said}");
 }
@@ -106,8 +118,7 @@ fn a_board_follows_falls_silent_and_comes_back() {
 #[test]
 fn what_has_not_changed_is_not_sent_again_and_a_modulation_is() {
     let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
-    let settings = Settings { port: board.path().to_owned(), profile: PROFILE, baud: None };
-    let mut own = control::board::Board::open(settings, Calibration::default(), || false).unwrap().unwrap();
+    let mut own = opened(board.path(), PROFILE);
     let mut scene = scene(SCENE);
     let play = Play::Still(Arc::new(solver::solve(&scene).unwrap()));
     own.play(&scene, play.clone()).unwrap();
@@ -129,13 +140,115 @@ fn what_has_not_changed_is_not_sent_again_and_a_modulation_is() {
 }
 
 #[test]
-fn scenes_are_solved_for_the_carrier_of_the_board() {
+fn content_that_a_board_cannot_play_silences_it_until_the_next() {
+    let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
+    let mut own = opened(board.path(), PROFILE);
+    let scene = scene(SCENE);
+    let play = Play::Still(Arc::new(solver::solve(&scene).unwrap()));
+    let tones = Modulation { shape: Envelope::Tones, ..Modulation::default() };
+    let tones = Scene { modulation: tones, ..scene.clone() };
+    let mut small = scene.clone();
+    small.array.rows = 8;
+    for (impossible, part) in [(tones, "sonicsurface"), (small, "8 elements")] {
+        own.play(&scene, play.clone()).unwrap();
+        eventually("the scene", || plays(&board, SCENE));
+        let why = own.play(&impossible, play.clone()).unwrap_err();
+        assert!(why.contains(part), "{why}");
+        eventually("silence", || is_silent(&board));
+    }
+    own.close();
+}
+
+#[test]
+fn a_motion_follows_its_changes_and_one_without_a_solution_is_silent() {
+    let text = |size: f64, rest: &str| {
+        format!(
+            "format = 1\n[[target]]\nat = [0, 0.01, 0.1]\n{rest}\n[motion]\npath = \"circle\"\nsize = {size}\n\
+             frames = 3\nrate = 20\n"
+        )
+    };
+    let (sender, shown) = sync_channel(100_000);
+    let watch = move |frame: &Shown| drop(sender.try_send(frame.levels.clone()));
+    let board = Board::start(Setup::new(PROFILE), Box::new(watch)).unwrap();
+    let desk = Arc::new(Desk::new(Arc::new(scene(&text(0.01, ""))), Box::new(|| {})));
+    let mut live = Live::new(Arc::clone(&desk), Some(opened(board.path(), PROFILE))).unwrap();
+    desk.change(&[Edit::Send(true)]).unwrap();
+    for size in [0.01, 0.02] {
+        let scene = scene(&text(size, ""));
+        let frames = frames::follow(&scene).unwrap().frames;
+        desk.change(&[Edit::Scene(Box::new(scene))]).unwrap();
+        let levels = |frame: &frames::Frame| Levels::new(PROFILE, &frame.drive, &Calibration::default());
+        let mut missing: Vec<_> = frames.iter().map(|frame| levels(frame).unwrap()).collect();
+        eventually("all frames", || {
+            live.turn();
+            shown.try_iter().for_each(|levels| missing.retain(|frame| *frame != levels));
+            missing.is_empty()
+        });
+        // Each motion is solved once.
+        eventually("rest", || {
+            live.turn();
+            !desk.report().is_solving
+        });
+    }
+    let two = text(0.02, "[[target]]\n[solver]\nmethod = \"focus\"\n");
+    desk.change(&[Edit::Scene(Box::new(scene(&two)))]).unwrap();
+    eventually("silence", || {
+        live.turn();
+        is_silent(&board)
+    });
+    assert!(desk.report().problem.as_ref().is_some_and(|problem| problem.contains("steers one focus")));
+    live.close();
+}
+
+#[test]
+fn the_carrier_is_that_of_the_board_that_came_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let port = folder.path().join("port");
+    let plugged = |carrier_millihertz| {
+        let setup = Setup { carrier_millihertz, ..Setup::new(Profile::Native) };
+        let board = Board::start(setup, Box::new(|_| {})).unwrap();
+        std::os::unix::fs::symlink(board.path(), &port).unwrap();
+        board
+    };
+    let first = plugged(40_500_000);
+    let mut own = opened(&port, Profile::Native);
+    assert_eq!(own.carrier(), Some(40_500.0));
+    drop(first);
+    std::fs::remove_file(&port).unwrap();
+    let _second = plugged(39_500_000);
+    eventually("the other carrier", || {
+        own.attend();
+        own.carrier() == Some(39_500.0)
+    });
+    own.close();
+}
+
+/// A board's carrier is noted when it is found, and a scene of another frequency when it begins to sound.
+#[test]
+fn frequencies_that_differ_are_said_once() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = format!("{SCENE}[array]\nfrequency = 41000\n");
+    std::fs::write(folder.path().join("two.toml"), &text).unwrap();
+    let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
+    let port = board.path().display().to_string();
+    let (child, _out, osc) =
+        serve(folder.path(), &["two.toml", "--port", &port, "--profile", PROFILE.name()]);
+    osc.osc("send", &[]);
+    eventually("the scene", || plays(&board, &text));
+    for x in ["0.015", "-0.01"] {
+        osc.osc("target/1/at", &floats([x.parse().unwrap(), 0.02, 0.1]));
+        eventually("the moved focus", || plays(&board, &text.replace("[0.01,", &format!("[{x},"))));
+    }
+    let said = ended(child);
+    assert_eq!(said.matches("the board plays 40000 Hz, the scene 41000 Hz").count(), 1, "{said}");
+
     let setup = Setup { carrier_millihertz: 40_500_000, ..Setup::new(Profile::Native) };
     let board = Board::start(setup, Box::new(|_| {})).unwrap();
-    let settings = Settings { port: board.path().to_owned(), profile: Profile::Native, baud: None };
-    let own = control::board::Board::open(settings, Calibration::default(), || false).unwrap().unwrap();
-    assert_eq!(own.carrier(), Some(40_500.0));
-    own.close();
+    let port = board.path().display().to_string();
+    let (child, _out, _osc) =
+        serve(folder.path(), &["two.toml", "--port", &port, "--profile", Profile::Native.name()]);
+    let said = ended(child);
+    assert_eq!(said.matches("the board's carrier is 40500 Hz").count(), 1, "{said}");
 }
 
 #[test]

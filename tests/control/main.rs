@@ -5,6 +5,7 @@
 
 #[cfg(feature = "serial")]
 mod board;
+mod desk;
 #[path = "../dice/mod.rs"]
 #[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
@@ -13,6 +14,7 @@ mod flood;
 #[path = "../scenes/fuzz/mutation.rs"]
 #[expect(dead_code, reason = "the fuzz targets have a dictionary")]
 mod mutation;
+mod packets;
 #[path = "../waiting/mod.rs"]
 mod waiting;
 mod words;
