@@ -163,8 +163,8 @@ fn content_that_a_board_cannot_play_silences_it_until_the_next() {
 fn a_motion_follows_its_changes_and_one_without_a_solution_is_silent() {
     let text = |size: f64, rest: &str| {
         format!(
-            "format = 1\n[[target]]\nat = [0, 0.01, 0.1]\n{rest}\n[motion]\npath = \"circle\"\nsize = {size}\n\
-             frames = 3\nrate = 20\n"
+            "format = 1\n[[target]]\nat = [0, 0.01, 0.1]\n{rest}\n[motion]\npath = \"circle\"\n\
+             size = {size}\nframes = 3\nrate = 20\n"
         )
     };
     let (sender, shown) = sync_channel(100_000);
