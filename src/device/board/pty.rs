@@ -78,3 +78,32 @@ impl Drop for Pty {
         let _ = fs::remove_file(&self.link);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::io::{Read, Write};
+
+    use super::*;
+
+    #[test]
+    fn all_bytes_pass_as_they_are_in_both_directions() {
+        let link = std::env::temp_dir().join(format!("pty-of-a-test-{}", std::process::id()));
+        let pty = Pty::open(&link, 230_400).unwrap();
+        let mut port = fs::File::options().read(true).write(true).open(&link).unwrap();
+        let bytes: Vec<u8> = (0..=255).collect();
+        port.write_all(&bytes).unwrap();
+        let (mut read, mut part) = (Vec::<u8>::new(), [0; 256]);
+        while read.len() < bytes.len() {
+            pty.wait(Duration::from_secs(10));
+            let count = pty.read(&mut part);
+            assert!(count > 0, "{} bytes came", read.len());
+            read.extend(&part[..count]);
+        }
+        assert_eq!(read, bytes);
+        pty.write(&bytes);
+        port.read_exact(&mut part).unwrap();
+        assert_eq!(part[..], bytes);
+        drop(pty);
+        assert!(!link.exists());
+    }
+}

@@ -73,7 +73,6 @@ struct Hand {
     unplugged: AtomicBool,
     stalled: AtomicBool,
     pressed: AtomicBool,
-    faults: Mutex<Faults>,
 }
 
 /// A running board, ended by dropping it.
@@ -128,7 +127,6 @@ impl Board {
         let name = format!("{LINK}{}-{}-{count}", setup.profile.name(), std::process::id());
         let path = std::env::temp_dir().join(name);
         let hand = Arc::new(Hand::default());
-        *locked(&hand.faults) = setup.faults;
         let report = Arc::new(Mutex::new(Report::default()));
         let line = Line::new(&path, setup, watch, Arc::clone(&hand), Arc::clone(&report))?;
         locked(&report).playing = Some(line.playing());
@@ -157,10 +155,6 @@ impl Board {
     /// The emergency stop of a native board.
     pub fn press(&self, pressed: bool) {
         self.hand.pressed.store(pressed, Ordering::Relaxed);
-    }
-
-    pub fn set_faults(&self, faults: Faults) {
-        *locked(&self.hand.faults) = faults;
     }
 }
 
@@ -234,7 +228,6 @@ impl Line {
     fn run(mut self) {
         let set = |flag: &AtomicBool| flag.load(Ordering::Relaxed);
         while !set(&self.hand.stop) {
-            self.damage.faults = *locked(&self.hand.faults);
             let plugged = !set(&self.hand.unplugged);
             if plugged != self.pty.is_some() {
                 self.plug(plugged);
@@ -400,6 +393,8 @@ fn switched_on(setup: &Setup) -> io::Result<Logic> {
 mod tests {
     use super::*;
 
+    const PATIENCE: Duration = Duration::from_secs(20);
+
     #[test]
     fn links_of_boards_are_told_from_other_files() {
         assert_eq!(parse_link("sonoglyph-sonicsurface-2-4711-0"), Some((Profile::SonicSurface2, 4711)));
@@ -410,5 +405,17 @@ mod tests {
             assert_eq!(parse_link(other), None, "{other}");
         }
         assert!(is_running(std::process::id()));
+    }
+
+    #[test]
+    fn the_end_of_a_simulator_is_reported() {
+        let setup = Setup { program: Some("/bin/true".into()), ..Setup::new(Profile::Native) };
+        let board = Board::start(setup, Box::new(|_| {})).unwrap();
+        let until = Instant::now() + PATIENCE;
+        while board.report().events.is_empty() {
+            assert!(Instant::now() < until);
+            thread::sleep(TICK);
+        }
+        assert!(board.report().events[0].starts_with("the simulated device ended"));
     }
 }

@@ -264,4 +264,24 @@ mod tests {
         let wrong = ask(Profile::Native.baud() / 2, Duration::from_millis(200));
         assert!(wrong.iter().all(|reply| !matches!(reply.body, Body::Info(_))), "{wrong:?}");
     }
+
+    #[test]
+    fn last_bytes_are_left_to_the_line() {
+        let profile = Profile::SonicSurface;
+        let levels = Levels::checkerboard(profile, 16);
+        let mut port = finish(Port::open(&virtual_board(profile), 10_000)).unwrap();
+        assert!(port.leave(&stock::frame(&levels)));
+        let backlog = port.backlog();
+        assert!(!backlog.is_zero());
+        finish(task::sleep(backlog + Duration::from_millis(1)));
+        let Line::Virtual(board) = &mut port.line else { panic!("not virtual") };
+        assert_eq!(board.frames().len(), 1);
+    }
+
+    #[test]
+    fn a_read_of_a_virtual_board_waits_for_its_answer() {
+        let mut port = finish(Port::open(&virtual_board(Profile::Native), Profile::Native.baud())).unwrap();
+        finish(port.write(&Packet::info().to_line())).unwrap();
+        assert!(!finish(port.read(PATIENCE)).unwrap().is_empty());
+    }
 }

@@ -243,3 +243,64 @@ mod tests {
         assert!(!named(Some("\u{1b}[2J"), None).unwrap().contains('\u{1b}'), "text from outside is escaped");
     }
 }
+
+#[cfg(all(test, unix))]
+mod tests_with_boards {
+    use web_time::Instant;
+
+    use super::*;
+    use crate::device::board::{Board, Setup};
+    use crate::device::native::packet::Packet;
+    use crate::device::task::{finish, sleep};
+
+    const PATIENCE: Duration = Duration::from_secs(20);
+
+    fn board(profile: Profile) -> Board {
+        Board::start(Setup::new(profile), Box::new(|_| {})).unwrap()
+    }
+
+    #[test]
+    fn virtual_boards_are_listed_in_order_as_long_as_they_run() {
+        let profiles = Profile::ALL;
+        let boards = profiles.map(board);
+        let mut own: Vec<_> = boards.iter().map(|board| board.path().to_owned()).zip(profiles).collect();
+        own.sort_by(|(one, _), (other, _)| one.cmp(other));
+        let listed = || -> Vec<_> {
+            let all = finish(available()).unwrap().into_iter();
+            let all = all.filter_map(|listed| Some((listed.path, listed.profile?)));
+            all.filter(|board| own.contains(board)).collect()
+        };
+        assert_eq!(listed(), own);
+        drop(boards);
+        assert!(listed().is_empty());
+    }
+
+    #[test]
+    fn folders_are_no_ports() {
+        let opened = finish(Wire::open(&std::env::temp_dir(), 9600));
+        assert!(matches!(opened, Err(PortError::NotSerial(_))));
+    }
+
+    #[test]
+    fn a_read_waits_for_the_answer() {
+        let board = board(Profile::Native);
+        let mut wire = finish(Wire::open(board.path(), Profile::Native.baud())).unwrap();
+        finish(wire.write(&Packet::info().to_line())).unwrap();
+        assert!(!finish(wire.read(PATIENCE)).unwrap().is_empty());
+    }
+
+    #[test]
+    fn bytes_at_another_bit_rate_are_noise() {
+        let board = board(Profile::Native);
+        // No packet ends in them.
+        let bytes = [0x55; 2000];
+        let mut wire = finish(Wire::open(board.path(), Profile::Native.baud() / 2)).unwrap();
+        finish(wire.write(&bytes)).unwrap();
+        let until = Instant::now() + PATIENCE;
+        while board.report().wrong_baud < bytes.len() as u64 {
+            assert!(Instant::now() < until);
+            finish(sleep(Duration::from_millis(1)));
+        }
+        assert!(board.report().spoiled > 0);
+    }
+}
