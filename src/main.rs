@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use sonoglyph::cli::{BadArguments, Next};
-use sonoglyph::studio::evaluator::Renderer;
+use sonoglyph::studio::evaluator::{self, Renderer};
 use sonoglyph::studio::output::mention;
 
 /// Called by the loader before Rust opens /dev/null for a closed standard output.
@@ -20,7 +20,7 @@ extern "C" fn look_at_standard() {
 }
 
 fn main() -> ExitCode {
-    quiet_drivers();
+    evaluator::quiet_drivers();
     match sonoglyph::cli::run().and_then(go_on) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is::<BadArguments>() => ExitCode::from(2),
@@ -61,14 +61,6 @@ fn open(scene: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
 #[cfg(not(feature = "window"))]
 fn open(scene: Option<&Path>, _: Renderer) -> anyhow::Result<()> {
     sonoglyph::studio::still::default_sheet(scene)
-}
-
-/// Silences Mesa's device-selection layer, which prints an error about Wayland without a desktop session.
-#[expect(unsafe_code, reason = "no other thread runs yet")]
-fn quiet_drivers() {
-    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
-        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
-    }
 }
 
 /// Returns freed memory to the system. By default glibc gives each thread a heap and raises the threshold for

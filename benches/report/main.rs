@@ -19,6 +19,7 @@ use serde_json::{Value, json};
 use sonoglyph::bench::drawings::DRAWINGS;
 use sonoglyph::bench::{Report, conditions, shapes, stability};
 use sonoglyph::picture::export;
+use sonoglyph::studio::evaluator;
 use sonoglyph::studio::output::{note, print, warn, write};
 
 /// Measures time against error, relative to baselines in the same run, and writes one page, report.html, with
@@ -109,6 +110,7 @@ struct Section {
 }
 
 fn main() -> anyhow::Result<()> {
+    evaluator::quiet_drivers();
     let args = Arguments::parse();
     if !args.readme.is_empty() {
         return write_readme(&args.readme);

@@ -30,6 +30,16 @@ pub enum Renderer {
     Glow,
 }
 
+/// Silences Mesa's device-selection layer, which prints an error about Wayland without a desktop session. A program
+/// calls this first, while no other thread runs.
+#[cfg(not(target_arch = "wasm32"))]
+#[expect(unsafe_code, reason = "no other thread runs yet")]
+pub fn quiet_drivers() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
 /// The evaluator for maps. `auto` takes a hardware GPU if available, otherwise the CPU, mentioned only if verbose.
 ///
 /// # Errors
