@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use sonoglyph::device::board::{Board, Setup};
+use sonoglyph::device::board::{Board, Playing, Setup};
 use sonoglyph::device::health::State;
 use sonoglyph::device::levels::{Level, Levels};
 use sonoglyph::device::link::{Content, Link, Settings};
@@ -51,7 +51,9 @@ fn the_gateware_plays_the_frames_of_the_link() {
     let Some(program) = program() else { return };
     let setup = Setup { program: Some(program), phase_bits: PHASE_BITS, ..Setup::new(Profile::Native) };
     let board = Board::start(setup, Box::new(|_| {})).unwrap();
-    let settings = Settings { port: board.path().to_owned(), profile: Profile::Native, baud: None };
+    // The link connects at the device's own rate, then changes it.
+    let settings =
+        Settings { port: board.path().to_owned(), profile: Profile::Native, baud: Some(2_000_000) };
     let link = Link::open(settings, Box::new(|| {})).unwrap();
     let wait = |what: &str, condition: &dyn Fn() -> bool| {
         let until = Instant::now() + PATIENCE;
@@ -66,6 +68,7 @@ fn the_gateware_plays_the_frames_of_the_link() {
         }
     };
     wait("the board", &|| link.health().state == State::Ready);
+    assert!(matches!(board.report().playing, Some(Playing::Pulses { outputs_on: false, .. })));
     for number in 0..5 {
         let levels = frame(number);
         link.show(Content::Still(levels.clone()));
