@@ -123,15 +123,23 @@ mod tests {
         {
             let carrier = 40_000.0;
             let table = Table::new(&modulation, carrier).unwrap();
-            let frequency = f64::from(table.step) * carrier / FULL;
             let period = modulation.period().unwrap();
-            assert!((frequency * period - 1.0).abs() < 1e-4, "{modulation:?}: {frequency} Hz");
+            let off = f64::from(table.step) - FULL / carrier / period;
+            assert!(off.abs() <= 0.5 + 1e-6, "{modulation:?}: the step is {off} off");
             for (n, &value) in table.values.iter().enumerate() {
                 let wanted = 255.0 * modulation.envelope(n as f64 / 256.0 * period);
                 assert!((f64::from(value) - wanted).abs() <= 0.5 + 1e-9, "{modulation:?}");
             }
         }
         assert_eq!(Table::new(&Modulation::default(), 40e3), Ok(Table::steady()));
+    }
+
+    #[test]
+    fn a_modulation_faster_than_the_carrier_has_the_largest_step() {
+        for frequency in [40e3, 1e6] {
+            let sine = Modulation { shape: Envelope::Sine, frequency, ..Modulation::default() };
+            assert_eq!(Table::new(&sine, 40e3).unwrap().step, 0xFF_FFFF, "{frequency} Hz");
+        }
     }
 
     #[test]

@@ -11,6 +11,7 @@ mod native;
 mod published;
 #[path = "../requirement/mod.rs"]
 mod requirement;
+mod silencer;
 
 use std::f64::consts::{PI, TAU};
 
@@ -144,6 +145,26 @@ fn silence_is_silent_after_any_bytes() {
                 twin.push(swap);
                 assert_eq!(twin.shown(), Levels::off(profile), "{} {seed}: the other buffer", profile.name());
             }
+        }
+    }
+}
+
+#[test]
+fn a_swap_within_a_list_shows_a_torn_frame() {
+    for profile in [
+        Profile::SonicSurface,
+        Profile::SonicSurface2,
+        Profile::SonicSurfaceTactile,
+        Profile::UltrainoSimpleFpga,
+    ] {
+        let frame = stock::frame(&random_levels(profile, 5));
+        let mut twin = Twin::new(profile);
+        hear(&mut twin, &stock::silence(profile));
+        // Of two boards, a list of the first or of the second.
+        for cut in [100, frame.len() - 100] {
+            let torn = [&frame[..cut], &frame[frame.len() - 1..]].concat();
+            assert_eq!(hear(&mut twin, &torn), [Heard::Nonsense], "{} after {cut}", profile.name());
+            assert_eq!(hear(&mut twin, &frame), [Heard::Shown], "{}", profile.name());
         }
     }
 }

@@ -5,13 +5,13 @@ use sonoglyph::device::native::model::{Model, Pulse};
 use sonoglyph::device::native::packet::{BROADCAST, Body, Info, Kind, Outcome, Packet, Reply, Status, Table};
 
 /// Applies a packet that must succeed.
-fn apply(model: &mut Model, packet: &Packet) -> Reply {
+pub fn apply(model: &mut Model, packet: &Packet) -> Reply {
     let reply = model.apply(packet);
     assert_eq!(reply.outcome, Outcome::Ok, "{packet:?}");
     reply
 }
 
-fn run(model: &mut Model, periods: u32) {
+pub fn run(model: &mut Model, periods: u32) {
     (0..periods).for_each(|_| {
         model.period();
     });
@@ -24,7 +24,7 @@ fn status(model: &mut Model) -> (Reply, Status) {
 }
 
 /// Without silencer, one frame at full amplitude in slot 1.
-fn playing(phase_bits: u8, phases: &[u8; 256]) -> Model {
+pub fn playing(phase_bits: u8, phases: &[u8; 256]) -> Model {
     let mut model = Model::new(phase_bits);
     apply(&mut model, &Packet::silencer(0xFFFF, 0xFFFF));
     apply(&mut model, &Packet::enable(1000));
@@ -33,7 +33,7 @@ fn playing(phase_bits: u8, phases: &[u8; 256]) -> Model {
     model
 }
 
-fn ramp() -> [u8; 256] {
+pub fn ramp() -> [u8; 256] {
     std::array::from_fn(|n| n as u8)
 }
 
@@ -87,16 +87,18 @@ fn amplitude_is_the_sine_of_the_width_up_to_half_a_period() {
 }
 
 #[test]
-fn an_element_that_moves_alone_reaches_its_level() {
-    let mut model = playing(8, &[0; 256]);
-    run(&mut model, 50);
-    apply(&mut model, &Packet::silencer(0x0100, 0x0100));
-    let mut phases = [0; 256];
-    phases[0] = 40;
-    apply(&mut model, &Packet::phases(2, 255, &phases, true));
-    run(&mut model, 60);
-    let played = *model.played();
-    assert_eq!(played[0].rise.wrapping_sub(played[1].rise), 40);
+fn widths_are_rounded_to_levels() {
+    for phase_bits in 5..=8 {
+        let mut model = playing(phase_bits, &[0; 256]);
+        apply(&mut model, &Packet::widths(&ramp().map(|n| n / 2)));
+        let pairs = std::array::from_fn(|n| [0, n as u8]);
+        apply(&mut model, &Packet::frame(2, &pairs, true));
+        run(&mut model, 2);
+        for (n, pulse) in model.played().iter().enumerate() {
+            let wanted = f64::from(model.levels()) * (n / 2) as f64 / 256.0;
+            assert_eq!(f64::from(pulse.width), wanted.round(), "{phase_bits} bits: {n}");
+        }
+    }
 }
 
 #[test]
@@ -159,6 +161,7 @@ fn slots_are_played_for_their_periods_and_loops() {
     for _ in 0..15 {
         model.period();
         slots.push(status(&mut model).1.slot);
+        assert_eq!(slots.last(), Some(&model.slot()));
         if slots.len() == 4 {
             apply(&mut model, &Packet::play(8, 8, 1, 0, true));
         }
@@ -299,11 +302,10 @@ fn a_device_heeds_its_address_and_broadcasts() {
     for other in [0, 2, 4, 8, 254] {
         assert_eq!(model.hear(&Packet::enable(10).to(other)), None);
     }
-    assert_eq!(
-        model.hear(&Packet { code: 0x83, ..Packet::status().to(3) }),
-        None,
-        "a reply is not a command"
-    );
+    // A reply is not a command.
+    for code in [0x80, 0x83] {
+        assert_eq!(model.hear(&Packet { code, ..Packet::status().to(3) }), None, "{code:#x}");
+    }
     let reply = model.hear(&Packet::status().to(3)).unwrap();
     let Body::Status(counts) = reply.body else { panic!() };
     assert_eq!((reply.address, counts.good, reply.flags.enabled), (3, 1, false));
@@ -357,14 +359,16 @@ fn modulation_follows_its_table_at_its_rate() {
 }
 
 #[test]
-fn the_silencer_turns_phases_the_short_way() {
-    let mut model = playing(8, &[250; 256]);
-    apply(&mut model, &Packet::silencer(0x0100, 0xFFFF));
-    apply(&mut model, &Packet::phases(2, 255, &[6; 256], true));
-    let rises: Vec<_> = (0..15).map(|_| i32::from(model.period()[0].rise)).collect();
-    let steps: Vec<_> = rises.windows(2).map(|pair| (pair[1] - pair[0]).rem_euclid(256)).collect();
-    assert_eq!(steps.iter().sum::<i32>(), 12);
-    assert!(steps.iter().all(|&step| step <= 1), "{rises:?}");
+fn a_rate_restarts_the_envelope_if_asked_to() {
+    let mut model = playing(8, &[0; 256]);
+    let table = std::array::from_fn(|n| if n < 128 { 255 } else { 0 });
+    apply(&mut model, &Packet::envelope(&table));
+    // A step of the table per period.
+    for (restart, periods, width) in [(true, 150, 0), (false, 2, 0), (true, 2, 128)] {
+        apply(&mut model, &Packet::rate(1 << 16, restart));
+        run(&mut model, periods);
+        assert_eq!(model.played()[0].width, width, "{restart}");
+    }
 }
 
 #[test]

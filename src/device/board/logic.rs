@@ -228,6 +228,7 @@ pub fn committed(packet: &Packet, reply: &Reply) -> Option<Levels> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::device::native::packet::Body;
 
     #[test]
     fn phases_end_at_half_a_turn() {
@@ -250,6 +251,35 @@ mod tests {
         // And no period begins before its time.
         line.run_until(now + period * 21 / 2);
         assert_eq!(line.at, now + period * 10);
+    }
+
+    #[test]
+    fn elapsed_periods_are_run_but_only_the_last_of_a_long_pause() {
+        let (now, period) = (Instant::now(), Duration::from_micros(25));
+        for (elapsed, periods) in [(0, 0), (1, 1), (999, 999), (1000, 1000), (40_000, 1000)] {
+            let mut line = Native::new(&Model::new(7), 1, now);
+            line.run_until(now + period * elapsed);
+            assert_eq!(line.at, now + period * elapsed);
+            let Body::Status(status) = line.models[0].apply(&Packet::status()).body else { panic!() };
+            assert_eq!(status.periods, periods, "of {elapsed}");
+        }
+    }
+
+    #[test]
+    fn info_of_version_1_is_answered_in_its_form_unless_a_stop_bit_is_missing() {
+        for unframed in [false, true] {
+            let (now, mut heeded) = (Instant::now(), Heeded::default());
+            let mut line = Native::new(&Model::new(7), 2, now);
+            for byte in version_1::info(9) {
+                line.hear(byte, unframed, now, &mut heeded);
+            }
+            let mut device = Model::new(7);
+            let answer = match unframed {
+                false => device.introduce(9).unwrap().to_line(),
+                true => device.spoil(true).unwrap().to_line(),
+            };
+            assert_eq!((heeded.answer, heeded.spoiled), (answer, 1), "without a stop bit: {unframed}");
+        }
     }
 
     #[test]

@@ -148,6 +148,20 @@ mod tests {
     }
 
     #[test]
+    fn the_next_byte_is_awaited_and_never_for_more_than_a_moment() {
+        let profile = Profile::SonicSurface;
+        let waits = |baud: u32, count: usize| {
+            let mut board = VirtualBoard::new(profile, baud);
+            board.write(&vec![0; count]);
+            board.next_in()
+        };
+        // A byte in ten seconds, and bytes in a third of a millisecond each.
+        let moment = waits(1, 0);
+        assert_eq!(waits(1, 1), moment);
+        assert!(waits(30_000, 10_000) < moment);
+    }
+
+    #[test]
     fn only_the_latest_shown_frames_are_kept() {
         let mut board = VirtualBoard::new(Profile::UltrainoMega64, u32::MAX);
         board.write(&[crate::device::stock::mega64::SWAP; 1100]);

@@ -214,3 +214,113 @@ fn a_board_with_one_buffer_is_not_switched_faster_than_its_line() {
         assert_eq!(said.contains(&refused), !is_switched, "{said}");
     }
 }
+
+#[test]
+fn a_wish_is_in_place_when_its_own_frame_sounds() {
+    for (profile, baud, frequency, _) in SWITCHED {
+        let (shared, _events) = shared();
+        let mut line = Line::new(profile, baud, &shared);
+        line.modulate(Envelope::Square, frequency);
+        for number in 1..10 {
+            line.show(still(profile, number));
+            let from = line.now;
+            while !line.health().in_place {
+                line.turn(line.now + MILLI);
+                assert!(line.now - from < Duration::from_secs(5));
+            }
+            line.pass(line.now + line.pace.backlog(line.now));
+            let what = format!("{} at {baud} baud, {frequency} Hz", profile.name());
+            assert!(line.playing() == frame(profile, number), "{what}: frame {number} is not heard");
+            let pause = line.chance.u32(1..20) * MILLI;
+            line.run(pause);
+        }
+    }
+}
+
+#[test]
+fn a_frame_loaded_too_late_for_a_pulse_waits_for_the_next() {
+    let (shared, _events) = shared();
+    let wanted = shared.wanted();
+    let content = Arc::new(still(Profile::SonicSurface, 3));
+    let rhythm = Rhythm::new(10.0, 9 * MILLI, MILLI);
+    // The swap takes a millisecond after the frame.
+    for (early, later) in [(MILLI, 0), (MILLI - MICRO, 1), (Duration::ZERO, 1)] {
+        let now = wanted.since;
+        let mut pulses = Pulses::new(rhythm, true, &content, &wanted, now);
+        pulses.done(Act::Darken, now, now);
+        let due = now + rhythm.half;
+        pulses.done(Act::Load((wanted.generation, 0)), now, due - early);
+        let shown = due + 2 * rhythm.half * later - rhythm.show;
+        assert_eq!(pulses.next(now, due - early), Act::Watch(shown), "{early:?} before the pulse");
+    }
+}
+
+#[test]
+fn both_buffers_are_filled_again_seldom_and_while_there_is_time() {
+    let (shared, _events) = shared();
+    let wanted = shared.wanted();
+    let content = Arc::new(still(Profile::SonicSurface, 3));
+    let rhythm = Rhythm::new(10.0, 9 * MILLI, MILLI);
+    for (rest, fits) in [(10 * MILLI, true), (10 * MILLI - MICRO, false)] {
+        let (mut now, mut acts) = (wanted.since, Vec::new());
+        let mut pulses = Pulses::new(rhythm, true, &content, &wanted, now);
+        while acts.iter().filter(|act| **act == Act::Show).count() < 3 {
+            match pulses.next(now, now) {
+                Act::Watch(due) => now = due,
+                act => {
+                    pulses.done(act, now, now + MILLI);
+                    acts.push(act);
+                }
+            }
+        }
+        let load = Act::Load((wanted.generation, 0));
+        let swapped = [Act::Show, Act::ShowDark, Act::Show, Act::ShowDark, Act::Show];
+        assert!(acts[..2] == [Act::Darken, load] && acts[2..] == swapped, "{acts:?}");
+        // The third pulse: both buffers were filled more than 250 ms ago.
+        let dark_at = now + rhythm.show + rhythm.half;
+        let next = if fits { Act::LoadDark } else { Act::Watch(dark_at - rhythm.show) };
+        assert_eq!(pulses.next(dark_at - rest, dark_at - rest), next, "{rest:?} before the pause");
+    }
+}
+
+#[test]
+fn a_late_pause_leaves_out_the_pulse_that_would_be_cut_short() {
+    // A frame takes 2.6 ms of a half period of 3.3 ms.
+    let (profile, frequency) = (Profile::Acoustophoretic512, 150.0);
+    let (shared, _events) = shared();
+    let mut line = Line::new(profile, 2_000_000, &shared);
+    line.modulate(Envelope::Square, frequency);
+    line.show(motion(profile, 8, 2.0 * frequency));
+    line.run(20 * MILLI);
+    let (from, half) = (line.now, Duration::from_secs_f64(0.5 / frequency));
+    let dark = Levels::off(profile);
+    for late in 0..20 {
+        for sounds in [false, true] {
+            while (line.shown.last().unwrap().1 != dark) != sounds {
+                line.turn(line.now + 300 * MICRO);
+            }
+        }
+        // A busy computer, while it sounds.
+        line.pass(line.now + half * late / 10);
+    }
+    line.run(10 * MILLI);
+    let sounds: Vec<_> = line.halves_since(from).into_iter().filter(|(sounds, _)| *sounds).collect();
+    assert!(sounds.len() >= 20 && sounds.iter().all(|(_, time)| *time + 30 * MICRO > half), "{sounds:?}");
+}
+
+#[test]
+fn the_longest_frame_of_a_motion_sets_its_rhythm() {
+    let profile = Profile::UltrainoSimpleFpga;
+    let mut frames: Vec<_> = (0..3).map(|number| frame(profile, number)).collect();
+    // A frame with amplitudes has twice the bytes.
+    frames[1].elements[0] = profile.level(0.5, 0.0);
+    let longest = stock::frame(&frames[1]).len();
+    assert!(longest > 500 && stock::frame(&frames[0]).len() < 300);
+    let (shared, _events) = shared();
+    let mut line = Line::new(profile, 230_400, &shared);
+    line.modulate(Envelope::Square, 2.0);
+    line.show(Content::Motion { frames, rate: 1000.0 });
+    line.run(10 * MILLI);
+    let rates = line.health().rates.unwrap();
+    assert!((rates.played - 23_040.0 / longest as f64).abs() < 1e-3, "{rates}");
+}

@@ -1,7 +1,9 @@
 //! What becomes of wishes: repetitions, motions beyond the line, random wishes, damaged lines.
 
 use super::*;
-use crate::device::link::stock::watch;
+use crate::device::link::Link;
+use crate::device::link::stock::{run, watch};
+use crate::device::port::virtual_board;
 use crate::device::task::finish;
 
 /// Random conversations of each kind.
@@ -20,6 +22,38 @@ fn a_watch_ends_when_it_is_due_and_earlier_only_for_a_newer_wish() {
     let due = Instant::now() + Duration::from_secs(60);
     finish(watch(due, &wanted, &shared));
     assert!(Instant::now() < due);
+}
+
+#[test]
+fn the_silence_at_the_start_is_counted() {
+    let profile = Profile::SonicSurface;
+    let (shared, events) = shared();
+    let settings = Settings { port: virtual_board(profile), profile, baud: Some(10_000_000) };
+    shared.wanted.lock().closing = true;
+    finish(run(&settings, &shared)).unwrap();
+    assert!(matches!(events.try_recv(), Ok(Event::Ready(_))));
+    let health = shared.health();
+    assert!(health.silenced && health.bytes == stock::silence(profile).len() as u64, "{health:?}");
+}
+
+#[test]
+fn a_frame_waits_for_the_line() {
+    // The port takes bytes at once; the line carries 190 frames/s.
+    let (profile, baud) = (Profile::SonicSurface, 500_000);
+    let settings = Settings { port: virtual_board(profile), profile, baud: Some(baud) };
+    let link = Link::open(settings, Box::new(|| {})).unwrap();
+    let begun = Instant::now();
+    link.show(motion(profile, 64, 1e5));
+    let frames = loop {
+        let frames = link.health().frames;
+        if frames > 7 {
+            break frames;
+        }
+        assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", link.health());
+        std::thread::sleep(MILLI);
+    };
+    let carried = Pace::new(f64::from(baud), begun).time_of(profile.frame_bytes()) * (frames as u32 - 1);
+    assert!(begun.elapsed() + LEAD >= carried, "{frames} frames in {:?}", begun.elapsed());
 }
 
 #[test]
