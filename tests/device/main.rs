@@ -72,6 +72,17 @@ fn boards_play_the_frames_sent() {
     }
 }
 
+/// Of a list by another program: this one gives an element that is off no phase.
+#[test]
+fn an_element_with_a_phase_and_no_amplitude_is_off() {
+    let profile = Profile::UltrainoSimpleFpga;
+    let mut bytes = [&[254][..], &[0; 256], &[251], &[16; 256], &[253]].concat();
+    bytes[1 + 256 + 1] = 0;
+    let mut twin = Twin::new(profile);
+    assert_eq!(hear(&mut twin, &bytes), [Heard::Shown]);
+    assert_eq!(twin.shown().elements.iter().filter(|element| element.is_none()).count(), 1);
+}
+
 #[test]
 fn frame_lengths_agree_with_the_bandwidth() {
     for profile in stock_profiles() {
@@ -379,6 +390,8 @@ fn modulation_is_by_the_board_or_by_the_host() {
     // 1250 / (step + 1): 208.3 Hz is the nearest step of the tactile build.
     let tactile = |modulation| modulated(Profile::SonicSurfaceTactile, modulation);
     assert_eq!(tactile(&modulation), Modulated::ByBoard(0xA5, 1250.0 / 6.0));
+    let between = Modulation { frequency: 190.0, ..modulation.clone() };
+    assert_eq!(tactile(&between), Modulated::ByBoard(0xA6, 1250.0 / 7.0));
     let slow = Modulation { frequency: 1.0, ..modulation.clone() };
     assert_eq!(tactile(&slow), Modulated::ByBoard(0xBF, 1250.0 / 32.0), "its slowest step");
     let unknown = Modulation { frequency: f64::NAN, ..modulation.clone() };

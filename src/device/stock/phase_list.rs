@@ -94,7 +94,7 @@ pub fn load(levels: &Levels) -> Vec<u8> {
     bytes
 }
 
-/// The byte for the tactile build's modulation frequency nearest to a frequency (Hz), and that frequency.
+/// The byte for the tactile build's modulation whose period is nearest to that of a frequency (Hz), and its frequency.
 pub fn tactile_step(frequency: f64) -> (u8, f64) {
     let wanted = TACTILE_FASTEST / frequency - 1.0;
     // NaN gets the slowest.
