@@ -90,8 +90,8 @@ impl Board {
             BoardCommand::Focus => self.focus(editor, shown),
             BoardCommand::SaveCalibration(text) => self.save_calibration(text, editor, shown),
             BoardCommand::TakeCarrier => {
-                if let Some(carrier) = shown.board.found.and_then(|found| found.carrier) {
-                    editor.document.scene.array.frequency = carrier;
+                if let Some(found) = shown.board.found {
+                    editor.document.scene.array.frequency = found.carrier;
                 }
             }
         }
@@ -136,7 +136,7 @@ impl Board {
 
     fn focus(&mut self, editor: &Editor, shown: &mut Shown) {
         let profile = editor.board.profile;
-        let carrier = shown.board.found.and_then(|found| found.carrier).unwrap_or(profile.carrier());
+        let carrier = shown.board.found.map_or(profile.carrier(), |found| found.carrier);
         let levels = solver::solve(&focus_scene(profile, carrier)).map_err(|error| error.to_string());
         let levels = levels.and_then(|solution| {
             Levels::new(profile, &solution.drive, &self.calibration).map_err(|error| error.to_string())

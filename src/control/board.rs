@@ -88,10 +88,8 @@ impl Board {
     }
 
     fn found(&mut self, found: Found) {
-        if let Some(carrier) = found.carrier
-            && self.carrier.replace(carrier) != Some(carrier)
-        {
-            note(&format!("the board's carrier is {carrier} Hz; scenes are solved for it"));
+        if self.carrier.replace(found.carrier) != Some(found.carrier) {
+            note(&format!("the board's carrier is {} Hz; scenes are solved for it", found.carrier));
         }
     }
 
@@ -151,12 +149,11 @@ impl Board {
                 Content::Motion { frames: frames?, rate }
             }
         };
-        if self.played.is_none() {
-            let frequency = self.carrier.unwrap_or(scene.array.frequency);
-            if let Play::Still(solution) = &play {
-                let notices = levels::notices(profile, &solution.drive, &self.calibration, frequency);
-                notices.iter().for_each(|notice| warn(notice));
-            }
+        if self.played.is_none()
+            && let Play::Still(solution) = &play
+        {
+            let notice = levels::amplitude_notice(profile, &solution.drive, &self.calibration);
+            notice.iter().for_each(|notice| warn(notice));
         }
         self.link.show(content);
         self.played = Some((play, rate));

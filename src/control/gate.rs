@@ -77,7 +77,8 @@ impl Gate {
 
     /// Whether a host is admitted for protocols without a token: this machine, or the host of an admitted sender.
     pub fn knows_host(&self, host: IpAddr) -> bool {
-        host.is_loopback() || locked(&self.senders).iter().any(|known| known.ip() == host)
+        // A server at all addresses sees those of IPv4 as ::ffff:127.0.0.1.
+        host.to_canonical().is_loopback() || locked(&self.senders).iter().any(|known| known.ip() == host)
     }
 
     /// Admits a sender with the token.
@@ -163,6 +164,18 @@ mod tests {
         for bad in ["short", "with space in it", "ümlaut-ümlaut"] {
             assert!(Gate::new([127, 0, 0, 1].into(), Some(bad.to_owned())).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn hosts_are_this_machine_and_those_of_admitted_senders() {
+        let gate = Gate::new([0, 0, 0, 0].into(), Some("correct-horse".to_owned())).unwrap();
+        let [one, other] = ["192.0.2.1:5000", "192.0.2.2:5000"].map(|sender| sender.parse().unwrap());
+        assert!(gate.admit(one, "correct-horse") && gate.admit(other, "correct-horse"));
+        let known = |host: &str| gate.knows_host(host.parse().unwrap());
+        for host in ["127.0.0.1", "::1", "::ffff:127.0.0.1", "192.0.2.1", "192.0.2.2"] {
+            assert!(known(host), "{host}");
+        }
+        assert!(!known("192.0.2.3") && !known("::ffff:192.0.2.3"));
     }
 
     #[test]

@@ -8,8 +8,8 @@ use crate::device::statistics::Spread;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
     pub baud: u32,
-    /// Hz; `None` if the board does not report it.
-    pub carrier: Option<f64>,
+    /// Hz, as the board reports it, or as its kind has it.
+    pub carrier: f64,
     /// Frames of a motion in its store; 0 for streamed motions.
     pub slots: usize,
     /// Of the native device.

@@ -122,18 +122,11 @@ impl Levels {
     }
 }
 
-/// Notices about a drive, a calibration and a scene's frequency on a board; a sentence each.
-pub fn notices(profile: Profile, drive: &Drive, calibration: &Calibration, frequency: f64) -> Vec<String> {
-    let mut notices = Vec::new();
+/// The notice about a drive, or a calibration, with amplitudes that a board lacks.
+pub fn amplitude_notice(profile: Profile, drive: &Drive, calibration: &Calibration) -> Option<String> {
     let weaker = drive.amplitudes.iter().any(|&amplitude| amplitude > 0.0 && amplitude < 1.0 - 1e-9);
-    if profile.strength() == Strength::Fixed && (weaker || calibration.has_gains()) {
-        notices.push(format!(
-            "{} has no amplitudes: elements with reduced amplitude play fully",
-            profile.name()
-        ));
-    }
-    notices.extend(carrier_notice(profile.carrier(), frequency));
-    notices
+    (profile.strength() == Strength::Fixed && (weaker || calibration.has_gains()))
+        .then(|| format!("{} has no amplitudes: elements with reduced amplitude play fully", profile.name()))
 }
 
 /// The notice about a carrier that differs from the scene's frequency (Hz).

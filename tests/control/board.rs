@@ -223,32 +223,39 @@ fn the_carrier_is_that_of_the_board_that_came_back() {
     own.close();
 }
 
-/// A board's carrier is noted when it is found, and a scene of another frequency when it begins to sound.
 #[test]
-fn frequencies_that_differ_are_said_once() {
+fn scenes_are_solved_for_the_carrier_of_any_board_which_is_said_once() {
     let folder = tempfile::tempdir().unwrap();
-    let text = format!("{SCENE}[array]\nfrequency = 41000\n");
-    std::fs::write(folder.path().join("two.toml"), &text).unwrap();
+    let text = |frequency: f64| format!("{SCENE}[array]\nfrequency = {frequency}\n");
+    std::fs::write(folder.path().join("two.toml"), text(41_000.0)).unwrap();
     let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
     let port = board.path().display().to_string();
     let (child, _out, osc) =
         serve(folder.path(), &["two.toml", "--port", &port, "--profile", PROFILE.name()]);
     osc.osc("send", &[]);
-    eventually("the scene", || plays(&board, &text));
+    eventually("the scene", || plays(&board, &text(PROFILE.carrier())));
     for x in ["0.015", "-0.01"] {
         osc.osc("target/1/at", &floats([x.parse().unwrap(), 0.02, 0.1]));
-        eventually("the moved focus", || plays(&board, &text.replace("[0.01,", &format!("[{x},"))));
+        let moved = text(PROFILE.carrier()).replace("[0.01,", &format!("[{x},"));
+        eventually("the moved focus", || plays(&board, &moved));
     }
     let said = ended(child);
-    assert_eq!(said.matches("the board plays 40000 Hz, the scene 41000 Hz").count(), 1, "{said}");
+    assert_eq!(
+        said.matches("the board's carrier is 40000 Hz; scenes are solved for it").count(),
+        1,
+        "{said}"
+    );
 
     let setup = Setup { carrier_millihertz: 40_500_000, ..Setup::new(Profile::Native) };
     let board = Board::start(setup, Box::new(|_| {})).unwrap();
     let port = board.path().display().to_string();
-    let (child, _out, _osc) =
+    let (child, _out, osc) =
         serve(folder.path(), &["two.toml", "--port", &port, "--profile", Profile::Native.name()]);
+    osc.osc("send", &[]);
+    eventually("a frame", || board.report().frames > 0);
     let said = ended(child);
     assert_eq!(said.matches("the board's carrier is 40500 Hz").count(), 1, "{said}");
+    assert!(!said.contains("warning"), "{said}");
 }
 
 #[test]

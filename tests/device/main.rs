@@ -266,13 +266,10 @@ fn calibration_corrects_phases_and_amplitudes() {
     assert_eq!(levels.elements[5], None);
     // An element that leads by a fifth of a period is played a fifth of a period later.
     assert_eq!(levels.elements[6], Some(Level { delay: 2, amplitude: 5 }));
-    let notices = levels::notices(Profile::SonicSurface, &drive, &calibration, 40_000.0);
-    assert!(notices.len() == 1 && notices[0].contains("no amplitudes"), "{notices:?}");
-    let notices = levels::notices(Profile::Native, &drive, &calibration, 25_000.0);
-    assert!(
-        notices.len() == 1 && notices[0].contains("40000") && notices[0].contains("25000"),
-        "{notices:?}"
-    );
+    let notice = levels::amplitude_notice(Profile::SonicSurface, &drive, &calibration).unwrap();
+    assert!(notice.contains("sonicsurface has no amplitudes"), "{notice}");
+    let notice = levels::carrier_notice(40_000.0, 25_000.0).unwrap();
+    assert!(notice.contains("40000") && notice.contains("25000"), "{notice}");
 }
 
 #[test]
@@ -281,7 +278,7 @@ fn amplitudes_that_a_board_lacks_are_noticed_and_others_are_not() {
         let drive = Drive { amplitudes: vec![amplitude, 1.0], phases: vec![0.0; 2] };
         let calibration =
             Calibration::parse(&format!("element,offset,gain,off\n{row}\n1,0,1,0\n"), 2).unwrap();
-        levels::notices(profile, &drive, &calibration, 40_000.0).len()
+        usize::from(levels::amplitude_notice(profile, &drive, &calibration).is_some())
     };
     let plain = "0,0,1,0";
     assert_eq!([0.0, 0.5, 1.0].map(|amplitude| of(Profile::SonicSurface, amplitude, plain)), [0, 1, 0]);

@@ -146,10 +146,9 @@ fn part(scene: &Scene, board: Option<usize>) -> anyhow::Result<Range<usize>> {
 
 /// Gives the scene the board's carrier frequency.
 fn follow_carrier(scene: &mut Scene, found: Found) {
-    let Some(carrier) = found.carrier else { return };
-    if let Some(notice) = levels::carrier_notice(carrier, scene.array.frequency) {
+    if let Some(notice) = levels::carrier_notice(found.carrier, scene.array.frequency) {
         warn(&notice);
-        scene.array.frequency = carrier;
+        scene.array.frequency = found.carrier;
     }
 }
 
@@ -163,10 +162,8 @@ fn content(
     let profile = settings.profile;
     let levels = |drive: &Drive| Levels::new(profile, &drive.part(part.clone()), calibration);
     let warn_of = |drive: &Drive| {
-        let drive = &drive.part(part.clone());
-        // The scene already has the carrier of a native board.
-        let frequency = if profile.answers() { profile.carrier() } else { scene.array.frequency };
-        levels::notices(profile, drive, calibration, frequency).iter().for_each(|notice| warn(notice));
+        let notice = levels::amplitude_notice(profile, &drive.part(part.clone()), calibration);
+        notice.iter().for_each(|notice| warn(notice));
     };
     let Some(cycle) = motion::cycle(scene) else {
         let solution = solver::solve(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;

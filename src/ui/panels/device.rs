@@ -258,7 +258,7 @@ fn button(ui: &mut Ui, name: &str, tip: &str, obstacle: Option<&str>) -> bool {
 
 /// The board's carrier (Hz), if it differs from the scene's frequency.
 fn other_carrier(editor: &Editor, board: &BoardShown) -> Option<f64> {
-    let carrier = board.found.and_then(|found| found.carrier)?;
+    let carrier = board.found?.carrier;
     crate::device::levels::carrier_notice(carrier, editor.scene().array.frequency).map(|_| carrier)
 }
 

@@ -60,7 +60,7 @@ fn drives_of_the_wrong_length_are_refused() {
             let is_level = |level: &Level| level.delay < profile.levels() && level.amplitude <= most(profile);
             assert!(levels.elements.iter().flatten().all(is_level), "{profile:?} {poison}");
             assert!(levels.drive().amplitudes.iter().all(|amplitude| (0.0..=1.0).contains(amplitude)));
-            levels::notices(profile, &drive, &Calibration::default(), poison);
+            levels::amplitude_notice(profile, &drive, &Calibration::default());
         }
         for size in SIZES {
             assert!(Levels::one(profile, size).elements.len() == count);

@@ -185,7 +185,7 @@ impl Check {
     }
 
     fn focus(&mut self, link: &Link, found: Found) -> anyhow::Result<()> {
-        let scene = focus_scene(self.profile, found.carrier.unwrap_or(self.profile.carrier()));
+        let scene = focus_scene(self.profile, found.carrier);
         let solution = solver::solve(&scene)?;
         let levels = Levels::new(self.profile, &solution.drive, &self.calibration)?;
         link.modulate(Modulation { shape: Envelope::Sine, ..Modulation::default() });

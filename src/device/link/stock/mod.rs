@@ -25,7 +25,8 @@ pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> 
     shared.note_bytes(silence.len());
     task::sleep(board.port.backlog()).await;
     let mut session = Session::new(settings, shared, Instant::now());
-    let found = Found { baud: settings.baud(), carrier: None, slots: 0, phase_bits: None };
+    let carrier = settings.profile.carrier();
+    let found = Found { baud: settings.baud(), carrier, slots: 0, phase_bits: None };
     shared.tell(Event::Ready(found));
     if let Some(remark) = settings.profile.remark() {
         shared.notice(&format!("{}: {remark}", settings.profile.name()));

@@ -169,7 +169,7 @@ impl<'a> Session<'a> {
     pub fn found(&self) -> Found {
         Found {
             baud: self.baud,
-            carrier: Some(self.carrier()),
+            carrier: self.carrier(),
             slots: usize::from(self.info.slots),
             phase_bits: Some(self.info.phase_bits),
         }
