@@ -3,6 +3,7 @@
 #![cfg(all(unix, feature = "serial"))]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod attempts;
 mod commands;
 mod motions;
 #[path = "../requirement/mod.rs"]

@@ -398,6 +398,9 @@ impl Content {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Weak;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
     use super::*;
 
     fn motion(frames: usize, rate: f64) -> Content {
@@ -441,5 +444,29 @@ mod tests {
         let levels = Levels::one(Profile::UltrainoMega64, 2);
         assert_eq!(content.at(Duration::from_millis(600)), (2, &levels));
         assert_eq!(Content::Still(levels).next_in(Duration::ZERO), Duration::MAX);
+    }
+
+    #[test]
+    fn who_is_told_of_an_event_may_read_the_figures() {
+        static WERE_FREE: AtomicBool = AtomicBool::new(false);
+        let (events, _heard) = sync_channel(1);
+        let shared = Arc::new_cyclic(|shared: &Weak<Shared>| {
+            let shared = Weak::clone(shared);
+            let are_free = move || shared.upgrade().is_some_and(|shared| shared.figures.try_lock().is_ok());
+            Shared::new(events, Box::new(move || WERE_FREE.store(are_free(), Ordering::SeqCst)))
+        });
+        shared.notice("now");
+        assert!(WERE_FREE.load(Ordering::SeqCst));
+    }
+
+    #[test]
+    fn frames_and_bytes_count_in_all_and_per_second() {
+        let shared = Shared::new(sync_channel(1).0, Box::new(|| {}));
+        let begun = Instant::now();
+        shared.note_frame();
+        shared.note_bytes(7);
+        let Figures { health, frames, bytes, .. } = &mut *locked(&shared.figures);
+        assert_eq!((health.frames, health.bytes), (1, 7));
+        assert_eq!((frames.per_second(begun), bytes.per_second(begun)), (1.0, 7.0));
     }
 }

@@ -94,3 +94,38 @@ impl Asker {
         Err(LinkError::Refused(Kind::Reset.into_str()))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::port::virtual_board;
+    use crate::device::profile::Profile;
+    use crate::device::task::finish;
+
+    fn port() -> Port {
+        finish(Port::open(&virtual_board(Profile::Native), Profile::Native.baud())).unwrap()
+    }
+
+    #[test]
+    fn an_answer_is_awaited_for_as_long_as_the_line_is_busy() {
+        let mut port = port();
+        // 120 ms of delimiters, which the board ignores.
+        finish(port.write(&vec![0; 24_000])).unwrap();
+        let reply = finish(Asker::new().order(&mut port, &Packet::status()));
+        assert!(reply.is_ok(), "{reply:?}");
+    }
+
+    #[test]
+    fn a_device_that_sounds_is_reset_once_it_is_silent() {
+        let (mut port, mut asker) = (port(), Asker::new());
+        let mut order = |packet: &Packet| finish(asker.order(&mut port, packet)).unwrap();
+        // At full amplitude at once, and silent only after the longest ramp.
+        order(&Packet::phases(1, 255, &[0; 256], true));
+        order(&Packet::silencer(0xFFFF, 0xFFFF));
+        order(&Packet::enable(10_000));
+        let sounding = order(&Packet::silencer(0xFFFF, 0x0100));
+        assert!(sounding.flags.outputs_on);
+        let reset = finish(asker.reset(&mut port, 0)).unwrap();
+        assert!(!reset.flags.enabled && !reset.flags.outputs_on);
+    }
+}

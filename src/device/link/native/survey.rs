@@ -125,7 +125,7 @@ struct Frame {
 
 impl Burst {
     fn new(info: &Info) -> Self {
-        let slots = info.slots.min(256).saturating_sub(1) as u8;
+        let slots = info.slots.saturating_sub(1) as u8;
         Self {
             slots,
             figures: Figures::default(),
@@ -155,6 +155,13 @@ impl Burst {
         let seconds = begun.elapsed().as_secs_f64();
         self.figures.frames_per_second = f64::from(self.figures.sent - self.figures.lost) / seconds;
         self.figures.round_trip = self.round_trips.spread().map_or(Duration::ZERO, |spread| spread.median);
+        self.figures.wrong = self.read_back(port, asker, &written).await?;
+        Ok(self.figures)
+    }
+
+    /// The number of slots with contents other than sent, of the latest frames.
+    async fn read_back(&self, port: &mut Port, asker: &mut Asker, written: &[u32]) -> Result<u32, LinkError> {
+        let mut wrong = 0;
         for &number in written.iter().rev().take(WINDOW) {
             let digest = asker.ask(port, &Packet::digest(Table::Slot(self.slot(number)))).await?;
             let told = digest.and_then(|reply| match reply.body {
@@ -162,9 +169,9 @@ impl Burst {
                 Body::Info(_) | Body::Status(_) => None,
             });
             let right = told == Some(line::digest(pattern(number).as_flattened()));
-            self.figures.wrong += u32::from(!right);
+            wrong += u32::from(!right);
         }
-        Ok(self.figures)
+        Ok(wrong)
     }
 
     async fn send(&mut self, port: &mut Port) -> Result<(), LinkError> {
@@ -225,7 +232,34 @@ async fn come_back(port: &mut Port, asker: &mut Asker, info: &Info) -> Result<()
 
 #[cfg(test)]
 mod tests {
+    use std::collections::{BTreeSet, HashSet};
+
     use super::*;
+    use crate::device::port::virtual_board;
+    use crate::device::task::finish;
+
+    const INFO: Info = Info {
+        protocol: 2,
+        phase_bits: 7,
+        slots: 64,
+        version: 2,
+        carrier_millihertz: 40_000_000,
+        channels: 256,
+        largest_baud: 30,
+    };
+    /// A trial ends with so many lost frames.
+    const MOST: u32 = 2 * WINDOW as u32;
+
+    fn port(profile: Profile) -> Port {
+        finish(Port::open(&virtual_board(profile), Profile::Native.baud())).unwrap()
+    }
+
+    /// How frames fare with a virtual board after so many of them, of which some were lost.
+    fn burst(profile: Profile, slots: u8, sent: u32, lost: u32) -> Figures {
+        let figures = Figures { sent, lost, ..Figures::default() };
+        let burst = Burst { slots, figures, ..Burst::new(&INFO) };
+        finish(burst.run(&mut port(profile), &mut Asker::new())).unwrap()
+    }
 
     #[test]
     fn a_trial_is_clean_if_all_that_was_sent_arrived() {
@@ -238,5 +272,56 @@ mod tests {
         for trial in [tried(0, 0, 0), tried(9, 1, 0), tried(9, 0, 1), impossible] {
             assert!(!trial.is_clean(), "{trial:?}");
         }
+    }
+
+    #[test]
+    fn a_dead_line_ends_a_trial_within_a_window() {
+        // A stock board does not answer.
+        let figures = burst(Profile::SonicSurface, 63, MOST - 1, MOST - 1);
+        assert!(figures.sent < MOST + WINDOW as u32, "{figures:?}");
+        assert_eq!((figures.lost, figures.frames_per_second), (figures.sent, 0.0));
+        let begun = Instant::now();
+        let figures = burst(Profile::SonicSurface, 63, 100, MOST);
+        let seconds = begun.elapsed().as_secs_f64();
+        assert_eq!((figures.sent, figures.lost), (100, MOST));
+        assert!(figures.frames_per_second >= f64::from(100 - MOST) / seconds, "{figures:?}");
+    }
+
+    #[test]
+    fn refused_frames_count_as_lost() {
+        // Slots from 64 on, which the board does not have.
+        let figures = burst(Profile::Native, 255, 63, MOST - 1);
+        assert!(figures.sent > 63, "{figures:?}");
+        assert_eq!((figures.lost, figures.wrong), (figures.sent - 63 + MOST - 1, 0));
+    }
+
+    #[test]
+    fn slots_with_other_contents_are_wrong() {
+        let (mut port, mut asker) = (port(Profile::Native), Asker::new());
+        let mut burst = Burst::new(&INFO);
+        let sent: Vec<_> = (0..WINDOW as u32).collect();
+        sent.iter().for_each(|_| finish(burst.send(&mut port)).unwrap());
+        let mut wrong = |written: &[u32]| finish(burst.read_back(&mut port, &mut asker, written)).unwrap();
+        // A busy machine may miss an answer.
+        assert!((0..5).any(|_| wrong(&sent) == 0));
+        assert_eq!((wrong(&[7, 8]), wrong(&[])), (2, 0));
+    }
+
+    #[test]
+    fn every_slot_but_the_one_that_plays_is_written() {
+        for slots in [2, 64, 256] {
+            let burst = Burst::new(&Info { slots, ..INFO });
+            let written: BTreeSet<_> = (0..1000).map(|number| u16::from(burst.slot(number))).collect();
+            assert!(written.into_iter().eq(1..slots), "{slots}");
+        }
+    }
+
+    #[test]
+    fn the_frames_of_a_trial_differ_and_hold_every_byte() {
+        const FRAMES: u32 = 768;
+        let frames: HashSet<_> = (0..FRAMES).map(pattern).collect();
+        assert_eq!(frames.len(), FRAMES as usize);
+        let bytes = |frame: &[[u8; 2]; 256]| frame.as_flattened().iter().copied().collect::<BTreeSet<_>>();
+        assert!(frames.iter().all(|frame| bytes(frame).len() == 256));
     }
 }

@@ -15,6 +15,7 @@ fn a_frame_is_followed_by_enable_and_a_newer_one_replaces_it() {
     assert!(line.health().in_place && line.health().refused == 0);
     for number in 2..12 {
         line.show(still(Profile::Native, number));
+        assert!(!line.health().in_place, "a newer wish");
         line.run(9 * MILLI).unwrap();
     }
     let packets = line.packets();
@@ -286,4 +287,30 @@ fn settings_are_outdated_once_others_are_wanted() {
     line.show(Content::Motion { frames, rate: 10_000.0 });
     line.run(100 * MILLI).unwrap();
     assert!(is_outdated(&line, silencer(SILENCER.0)) && !is_outdated(&line, silencer(128 * 256 / 4)));
+}
+
+#[test]
+fn the_first_frame_of_a_wish_is_answered_before_the_next_is_sent() {
+    let (shared, _events) = shared();
+    let mut line = Line::playing(Profile::Native, &shared);
+    line.delay = 60 * MILLI;
+    line.show(motion(Profile::Native, 200, 100.0));
+    line.run(45 * MILLI).unwrap();
+    assert_eq!(line.kinds(), ["PHASES"]);
+    line.run(100 * MILLI).unwrap();
+    assert!(line.kinds().len() > 1 && line.health().in_place);
+}
+
+#[test]
+fn a_motion_is_stored_around_the_slots_that_devices_play() {
+    let profile = Profile::Natives(2);
+    let (shared, _events) = shared();
+    let mut line = Line::new(profile, &shared);
+    // Device 0 plays slot 0.
+    reply_of(&mut line.devices, &Packet::phases(1, 0, &[0; 256], true).to(1), line.now);
+    line.show(motion(profile, 2, 20_000.0));
+    line.run(200 * MILLI).unwrap();
+    let [first, last, ..] = line.packets().pop().unwrap().arguments;
+    assert_eq!((first, last, line.health().refused), (1, 2, 0));
+    assert!(line.health().in_place);
 }

@@ -184,3 +184,144 @@ fn the_last_of_any_wishes_is_played_over_any_line() {
         assert!(loss > 0.0 || line.health().refused == 0, "{seed}: {:?}", line.health());
     }
 }
+
+#[test]
+fn a_late_answer_to_one_of_the_latest_lost_packets_doubles_the_patience() {
+    let (shared, _events) = shared();
+    let mut line = Line::new(Profile::Native, &shared);
+    line.session.follow(&line.wanted);
+    let mut late = Vec::new();
+    for _ in 0..=WINDOW {
+        let message = line.session.next(&line.wanted, line.now).unwrap();
+        let (code, address, seq) = (message.code + REPLY, message.address, message.seq);
+        let body = Body::Status(Status::default());
+        late.push(Reply { code, address, seq, outcome: Outcome::Ok, flags: Default::default(), body });
+        line.session.sent(message, &line.wanted, line.now, line.now);
+        line.now += ANSWER + MILLI;
+        line.session.hear(&[], &line.wanted, line.now).unwrap();
+    }
+    let stranger = Reply { seq: 99, ..late[0] };
+    let answers = [(stranger, 1), (late[0], 1), (late[WINDOW], 2), (late[WINDOW - 1], 2)];
+    for (reply, times) in answers {
+        line.session.hear(&[reply], &line.wanted, line.now).unwrap();
+        assert_eq!(line.session.patience, times * ANSWER, "{reply:?}");
+    }
+}
+
+#[test]
+fn an_answer_to_an_older_frame_does_not_end_a_stop() {
+    let profile = Profile::Natives(2);
+    let (shared, _events) = shared();
+    let mut line = Line::playing(profile, &shared);
+    line.show(still(profile, 2));
+    line.turn(line.now).unwrap();
+    line.stop();
+    for _ in 0..100 {
+        line.run(MILLI).unwrap();
+        assert!(!line.health().in_place);
+    }
+    assert_eq!(line.kinds(), ["PHASES", "MUTE", "MUTE"]);
+    assert!(line.is_silent());
+}
+
+/// Slots and addresses of the frames put on since the last call.
+fn put_on(packets: &[Packet]) -> Vec<(u8, u8)> {
+    let frames = packets.iter().filter(|packet| packet.commits());
+    frames.map(|packet| (packet.arguments[0], packet.address)).collect()
+}
+
+#[test]
+fn a_frame_whose_answer_was_lost_begins_again_in_another_slot() {
+    let lose_answers = |line: &mut Line<'_>| {
+        line.pass(line.now + 3 * MILLI);
+        line.back.clear();
+        line.run(200 * MILLI).unwrap();
+        assert!(line.health().in_place);
+        line.packets()
+    };
+    // Device 1 has its part, and waits for the leader's.
+    let profile = Profile::Natives(2);
+    let (frames, _events) = shared();
+    let mut line = Line::playing(profile, &frames);
+    line.show(still(profile, 2));
+    line.turn(line.now).unwrap();
+    let [(slot, 1), again, (other, 1), last] = put_on(&lose_answers(&mut line))[..] else {
+        panic!("other frames")
+    };
+    assert_eq!((again, last), ((slot, 1), (other, 0)));
+    assert!(slot != other && line.plays(&frame(profile, 2)));
+    // The first frame of a stored motion plays, so that no other may be in its slot.
+    let (motions, _events) = shared();
+    let mut line = Line::playing(Profile::Native, &motions);
+    line.show(motion(Profile::Native, 9, 50.0));
+    while !line.said.iter().any(|(_, packet)| packet.commits()) {
+        line.turn(line.now + MILLI).unwrap();
+    }
+    let packets = lose_answers(&mut line);
+    assert_eq!(put_on(&packets), [(0, 0), (0, 0), (1, 0)]);
+    assert_eq!(packets.last().unwrap().arguments[..2], [0, 8]);
+    for slot in 0..9 {
+        let wanted = bytes(&frame(Profile::Native, usize::from(slot)));
+        assert!(line.has(Stored::Slot(slot), 0, &wanted), "slot {slot}");
+    }
+}
+
+#[test]
+fn a_refused_frame_of_an_older_wish_leaves_the_newer_one_alone() {
+    let profile = Profile::Natives(2);
+    let (shared, _events) = shared();
+    let mut line = Line::playing(profile, &shared);
+    line.show(still(profile, 2));
+    line.turn(line.now).unwrap();
+    let Sent { address, seq, code, .. } = line.session.on_the_way.back().unwrap().clone();
+    line.show(still(profile, 3));
+    line.turn(line.now).unwrap();
+    let status = reply_of(&mut line.devices, &Packet::status().to(address), line.now);
+    let busy = Reply { code: code + REPLY, seq, outcome: Outcome::Busy, ..status };
+    line.session.hear(&[busy], &line.wanted, line.now).unwrap();
+    line.run(100 * MILLI).unwrap();
+    let addresses: Vec<_> = put_on(&line.packets()).into_iter().map(|(_, address)| address).collect();
+    assert_eq!(addresses, [1, 1, 0]);
+    assert!(line.plays(&frame(profile, 3)) && line.health().in_place);
+}
+
+#[test]
+fn of_an_older_wish_only_lost_settings_are_sent_again() {
+    let (shared, _events) = shared();
+    let mut line = Line::playing(Profile::Native, &shared);
+    let modulation =
+        Modulation { shape: Envelope::Sine, frequency: 200.0, depth: 1.0, ..Modulation::default() };
+    line.want(|wanted| wanted.modulation = modulation.clone());
+    line.turn(line.now).unwrap();
+    line.out.clear();
+    line.show(still(Profile::Native, 2));
+    line.run(200 * MILLI).unwrap();
+    let table = Table::new(&modulation, 40_000.0).unwrap();
+    assert!(line.has(Stored::Envelope, 0, &table.values));
+    line.packets();
+    line.stop();
+    line.turn(line.now).unwrap();
+    line.out.clear();
+    line.show(still(Profile::Native, 3));
+    line.run(200 * MILLI).unwrap();
+    assert_eq!(line.kinds(), ["MUTE", "PHASES"]);
+    assert!(line.shown.last() == Some(&frame(Profile::Native, 3)) && line.health().in_place);
+}
+
+/// Several devices would otherwise drop a frame that waits for its period.
+#[test]
+fn a_frame_follows_the_stop_of_a_motion_even_if_that_is_lost() {
+    let (shared, _events) = shared();
+    let mut line = Line::playing(Profile::Native, &shared);
+    line.show(motion(Profile::Native, 9, 50.0));
+    line.run(200 * MILLI).unwrap();
+    line.packets();
+    line.show(still(Profile::Native, 7));
+    line.turn(line.now).unwrap();
+    line.out.clear();
+    line.run(200 * MILLI).unwrap();
+    let mut kinds = line.kinds();
+    assert_eq!(kinds.pop(), Some("PHASES"));
+    assert_eq!(kinds.iter().filter(|kind| **kind == "STOP").count(), 2);
+    assert!(!kinds.contains(&"PHASES") && line.plays(&frame(Profile::Native, 7)));
+}
