@@ -89,7 +89,8 @@ mod tests {
     fn all_bytes_pass_as_they_are_in_both_directions() {
         let link = std::env::temp_dir().join(format!("pty-of-a-test-{}", std::process::id()));
         let pty = Pty::open(&link, 230_400).unwrap();
-        let mut port = fs::File::options().read(true).write(true).open(&link).unwrap();
+        let port = open(&link, OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC, Mode::empty()).unwrap();
+        let mut port = fs::File::from(port);
         let bytes: Vec<u8> = (0..=255).collect();
         port.write_all(&bytes).unwrap();
         let (mut read, mut part) = (Vec::<u8>::new(), [0; 256]);

@@ -53,7 +53,7 @@ fn the_gateware_plays_the_frames_of_the_link() {
     let board = Board::start(setup, Box::new(|_| {})).unwrap();
     // The link connects at the device's own rate, then changes it.
     let settings =
-        Settings { port: board.path().to_owned(), profile: Profile::Native, baud: Some(2_000_000) };
+        Settings { port: board.path().to_owned(), profile: Profile::Native, baud: Some(1_000_000) };
     let link = Link::open(settings, Box::new(|| {})).unwrap();
     let wait = |what: &str, condition: &dyn Fn() -> bool| {
         let until = Instant::now() + PATIENCE;
