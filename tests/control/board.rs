@@ -160,6 +160,30 @@ fn content_that_a_board_cannot_play_silences_it_until_the_next() {
 }
 
 #[test]
+fn an_emergency_stop_lasts_until_the_next_send() {
+    let board = Board::start(Setup::new(Profile::Native), Box::new(|_| {})).unwrap();
+    let desk = Arc::new(Desk::new(Arc::new(scene(SCENE)), Box::new(|| {})));
+    let mut live = Live::new(Arc::clone(&desk), Some(opened(board.path(), Profile::Native))).unwrap();
+    for _ in 0..2 {
+        eventually("sound", || {
+            // Sent until the board has seen the release.
+            if !desk.wish().0.sends {
+                desk.change(&[Edit::Send(true)]).unwrap();
+            }
+            live.turn();
+            !is_silent(&board)
+        });
+        board.press(true);
+        eventually("the end of sending", || {
+            live.turn();
+            is_silent(&board) && !desk.wish().0.sends
+        });
+        board.press(false);
+    }
+    live.close();
+}
+
+#[test]
 fn a_motion_follows_its_changes_and_one_without_a_solution_is_silent() {
     let text = |size: f64, rest: &str| {
         format!(

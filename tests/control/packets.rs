@@ -33,12 +33,15 @@ fn added_targets_have_the_keys_of_their_file_with_one_value_or_several() {
         OscType::Bool(false),
     ];
     let text = vec![word("text"), word("text"), word("B"), word("points"), OscType::Int(6)];
+    let corners = floats([0.0, 0.0, 0.1, 0.02, 0.0, 0.1, 0.02, 0.03, 0.12]);
+    let path = std::iter::once(word("path")).chain(corners).collect();
     for (args, file) in [
         (
             circle,
             "kind = \"circle\"\nat = [0.01, -0.02, 0.12]\nnormal = [0, 0.5, 1]\nradius = 0.03\npoints = 5\n\
              visible = false\n",
         ),
+        (path, "kind = \"path\"\nvertices = [[0, 0, 0.1], [0.02, 0, 0.1], [0.02, 0.03, 0.12]]\n"),
         (text, "kind = \"text\"\ntext = \"B\"\npoints = 6\n"),
     ] {
         let target = scene(&format!("format = 1\n[[target]]\n{file}")).targets.remove(0);
@@ -61,6 +64,17 @@ fn a_part_of_a_message_without_type_tags_is_refused() {
             assert!(osc::words(&whole[..length]).is_err(), "{:?}", &whole[..length]);
         }
     }
+}
+
+#[test]
+fn bundles_are_nested_32_deep_at_most() {
+    let nested = |depth: usize| {
+        let bundle =
+            |inner| OscPacket::Bundle(rosc::OscBundle { timetag: (0, 1).into(), content: vec![inner] });
+        (0..depth).fold(message("stop", &[]), |packet, _| bundle(packet))
+    };
+    assert_eq!(words(&nested(32)), Ok(vec![Word::Edit(Edit::Stop)]));
+    assert!(words(&nested(33)).is_err());
 }
 
 #[test]
