@@ -115,3 +115,61 @@ fn work(held: &Watched<Held>, done: &SyncSender<Done>) {
         held.lock().running = None;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::RecvTimeoutError;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::scene::{Shape, Target};
+
+    /// Upper limit of every wait, for slow machines.
+    const PATIENCE: Duration = Duration::from_secs(20);
+
+    fn point(height: f64) -> Scene {
+        Scene { targets: vec![Target::new(Shape::Point { at: DVec3::Z * height })], ..Scene::default() }
+    }
+
+    #[test]
+    fn the_newest_request_is_busy_from_its_asking_until_it_is_solved() {
+        // No thread, so that nothing is solved meanwhile.
+        let beside = Beside { held: Arc::new(Watched::new(Held::default())), done: sync_channel(1).1 };
+        let [old, new] = [0.1, 0.2].map(|height| Work::Still(point(height)));
+        assert!(!beside.is_busy());
+        beside.ask(old.clone());
+        beside.ask(new.clone());
+        assert!(beside.is_busy(), "before it is begun");
+        let next = beside.held.lock().next.take();
+        assert_eq!(next, Some(new.clone()));
+        beside.held.lock().running = next;
+        assert!(beside.is_busy(), "while it is solved");
+        beside.ask(old);
+        beside.ask(new);
+        assert_eq!(beside.held.lock().next, None, "it is running already");
+        beside.held.lock().running = None;
+        assert!(!beside.is_busy());
+    }
+
+    #[test]
+    fn the_thread_solves_and_ends_with_its_owner() {
+        let mut beside = Beside::start().unwrap();
+        let done = std::mem::replace(&mut beside.done, sync_channel(1).1);
+        for height in [0.1, 0.2] {
+            beside.ask(Work::Still(point(height)));
+            let Done { scene, found } = done.recv_timeout(PATIENCE).unwrap();
+            assert!(scene == point(height) && matches!(found, Found::Still(Ok(_))), "{found:?}");
+        }
+        drop(beside);
+        assert_eq!(done.recv_timeout(PATIENCE).unwrap_err(), RecvTimeoutError::Disconnected);
+    }
+
+    #[test]
+    fn a_thread_that_was_ended_before_it_waits_does_not_wait() {
+        let held = Watched::new(Held { closing: true, ..Held::default() });
+        let (sender, done) = sync_channel(1);
+        std::thread::Builder::new().name("solve".to_owned()).spawn(move || work(&held, &sender)).unwrap();
+        assert_eq!(done.recv_timeout(PATIENCE).unwrap_err(), RecvTimeoutError::Disconnected);
+    }
+}

@@ -206,3 +206,27 @@ pub fn error(text: &str, id: Option<&Value>) -> String {
 pub fn done(change: u64, id: Option<&Value>) -> String {
     with_id(json!({ "done": change }), id)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_key_of_a_target_can_be_set_alone_or_with_others() {
+        let keys = [
+            (r#""at": [0.01, -0.02, 0.1]"#, Edit::At(2, DVec3::new(0.01, -0.02, 0.1))),
+            (r#""pressure": 0.5"#, Edit::Pressure(2, 0.5)),
+            (r#""angle": -1.5"#, Edit::Angle(2, -1.5)),
+            (r#""text": "B""#, Edit::Text(2, "B".to_owned())),
+            (r#""visible": false"#, Edit::Visible(2, false)),
+        ];
+        let edits = |keys: &str| {
+            message(&format!("{{\"targets\": {{\"2\": {{{keys}}}}}}}"), &mut None).unwrap().edits
+        };
+        for (key, edit) in &keys {
+            assert_eq!(edits(key), std::slice::from_ref(edit), "{key}");
+        }
+        let (all, expected): (Vec<_>, Vec<_>) = keys.into_iter().unzip();
+        assert_eq!(edits(&all.join(", ")), expected);
+    }
+}

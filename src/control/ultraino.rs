@@ -101,3 +101,35 @@ impl Draft {
 fn number(index: &str) -> Option<usize> {
     index.parse::<usize>().ok()?.checked_add(1)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn committed(text: &str) -> Vec<Edit> {
+        Draft::default().take(format!("{text}\ncommit").as_bytes()).unwrap().unwrap()
+    }
+
+    #[test]
+    fn a_clear_forgets_the_words_before_it() {
+        let add = Edit::Add(Box::new(Target::new(Shape::Point { at: NEW })));
+        // No scene needs to have a tenth point.
+        assert_eq!(
+            committed("create 2\nplace 9 0 0.1 0\nclear\ncreate 1"),
+            [Edit::Clear, add, Edit::Send(true)]
+        );
+        let mut draft = Draft::default();
+        for _ in 0..=MOST / MOST_POINTS {
+            assert_eq!(draft.take(b"create 1024\nclear"), Ok(None));
+        }
+    }
+
+    #[test]
+    fn only_the_placement_just_before_is_replaced() {
+        let at = |number, x| Edit::At(number, DVec3::new(x, 0.0, 0.1));
+        assert_eq!(
+            committed("place 0 1 0.1 0\nplace 0 2 0.1 0\nplace 1 3 0.1 0\nplace 1 4 0.1 0\nplace 0 5 0.1 0"),
+            [at(1, 2.0), at(2, 4.0), at(1, 5.0), Edit::Send(true)]
+        );
+    }
+}
