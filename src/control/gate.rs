@@ -167,6 +167,16 @@ mod tests {
     }
 
     #[test]
+    fn many_packets_of_one_sender_displace_no_other() {
+        let gate = Gate::new([0, 0, 0, 0].into(), Some("correct-horse".to_owned())).unwrap();
+        let [first, busy, last] = [1, 2, 3].map(|port| SocketAddr::from(([192, 0, 2, 1], port)));
+        assert!(gate.admit(first, "correct-horse") && gate.admit(busy, "correct-horse"));
+        assert!((0..MOST_SENDERS).all(|_| gate.knows(busy)));
+        assert!(gate.admit(last, "correct-horse"));
+        assert!([first, busy, last].into_iter().all(|sender| gate.knows(sender)));
+    }
+
+    #[test]
     fn hosts_are_this_machine_and_those_of_admitted_senders() {
         let gate = Gate::new([0, 0, 0, 0].into(), Some("correct-horse".to_owned())).unwrap();
         let [one, other] = ["192.0.2.1:5000", "192.0.2.2:5000"].map(|sender| sender.parse().unwrap());

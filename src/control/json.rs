@@ -229,4 +229,10 @@ mod tests {
         let (all, expected): (Vec<_>, Vec<_>) = keys.into_iter().unzip();
         assert_eq!(edits(&all.join(", ")), expected);
     }
+
+    #[test]
+    fn a_target_that_is_removed_twice_is_removed_once() {
+        let edits = message(r#"{"remove": [1, 3, 1, 2, 3]}"#, &mut None).unwrap().edits;
+        assert_eq!(edits, [3, 2, 1].map(Edit::Remove));
+    }
 }

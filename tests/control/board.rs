@@ -221,7 +221,7 @@ fn a_motion_follows_its_changes_and_one_without_a_solution_is_silent() {
         is_silent(&board)
     });
     assert!(desk.report().problem.as_ref().is_some_and(|problem| problem.contains("steers one focus")));
-    live.close();
+    assert!(live.close().is_some_and(|health| health.silenced), "the final silence is sent");
 }
 
 #[test]

@@ -2,14 +2,16 @@
 
 use std::io::{Read, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpStream, UdpSocket};
+use std::sync::Arc;
 
 use rosc::OscType;
-use sonoglyph::control::server::{Addresses, Settings};
+use sonoglyph::control::desk::Desk;
+use sonoglyph::control::server::{Addresses, Server, Settings};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;
 use tungstenite::{Error, Message};
 
-use crate::{Serving, TWO, Web, floats};
+use crate::{Serving, TWO, Web, floats, scene};
 
 const TOKEN: &str = "correct-horse";
 
@@ -39,6 +41,17 @@ fn a_server_listens_on_the_local_address_by_default() {
     assert_eq!(server.token(), None);
     let open = Serving::new(TWO, Settings { listen: Ipv4Addr::UNSPECIFIED.into(), ..Settings::default() });
     assert!(open.server.as_ref().unwrap().token().is_some_and(|token| token.len() == 32));
+}
+
+#[test]
+fn a_dropped_server_closes_its_desk_and_ends_its_threads() {
+    let desk = Arc::new(Desk::new(Arc::new(scene(TWO)), Box::new(|| {})));
+    let all = Settings { osc: Some(0), websocket: Some(0), ultraino: Some(0), ..Settings::default() };
+    let server = Server::start(all, Arc::clone(&desk)).unwrap();
+    assert!(!desk.is_closing());
+    drop(server);
+    assert!(desk.is_closing());
+    assert_eq!(Arc::strong_count(&desk), 1, "no thread has the desk any more");
 }
 
 #[test]
