@@ -255,6 +255,7 @@ mod tests_with_boards {
 
     const PATIENCE: Duration = Duration::from_secs(20);
 
+    #[expect(clippy::unwrap_used, reason = "a test's helper may panic")]
     fn board(profile: Profile) -> Board {
         Board::start(Setup::new(profile), Box::new(|_| {})).unwrap()
     }
