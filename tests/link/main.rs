@@ -467,7 +467,7 @@ fn a_sender_that_panics_leaves_silence() {
             panic!("on purpose");
         };
         let sender = std::thread::Builder::new().name("sender".to_owned()).spawn(send).unwrap();
-        assert!(sender.join().is_err());
+        assert_eq!(sender.join().unwrap_err().downcast_ref(), Some(&"on purpose"));
         eventually("silence", || is_silent(&board));
     }
 }
