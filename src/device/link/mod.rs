@@ -430,6 +430,24 @@ mod tests {
     }
 
     #[test]
+    fn a_wish_wakes_the_task_that_waits_for_it() {
+        const TIMEOUT: Duration = Duration::from_secs(20);
+        let (sender, events) = sync_channel(1);
+        let shared = Arc::new(Shared::new(sender, Box::new(|| {})));
+        let its = Arc::clone(&shared);
+        let wait = move || {
+            let begun = Instant::now();
+            task::finish(its.wait(0, TIMEOUT));
+            begun.elapsed()
+        };
+        let waiting = std::thread::Builder::new().name("waiting".to_owned()).spawn(wait).unwrap();
+        std::thread::sleep(Duration::from_millis(20));
+        let settings = Settings { port: "board".into(), profile: Profile::Native, baud: None };
+        Link { settings, shared, events, task: None }.stop();
+        assert!(waiting.join().unwrap() < TIMEOUT);
+    }
+
+    #[test]
     fn frames_take_turns_and_each_stands_until_the_next_is_due() {
         const HAIR: Duration = Duration::from_micros(1);
         let content = motion(3, 4.0);

@@ -108,3 +108,23 @@ pub fn agreeable(info: &Info, baud: u32) -> Result<Packet, LinkError> {
     let clock = f64::from(model::clocks(info.phase_bits)) * f64::from(info.carrier_millihertz) / 1e3;
     Ok(Packet::baud((f64::from(baud) / clock * 65_536.0).round() as u16))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::device::native::model::Model;
+
+    #[test]
+    fn a_device_is_told_the_nearest_of_its_bit_rates() {
+        for (phase_bits, carrier_millihertz) in [(7, 40_000_000), (8, 39_950_400)] {
+            let mut device = Model::new(phase_bits).with_carrier(carrier_millihertz);
+            let Body::Info(info) = device.apply(&Packet::info()).body else { panic!() };
+            let step = device.carrier() * f64::from(model::clocks(phase_bits)) / 65_536.0;
+            for baud in [115_200, 230_400, 333_333, 460_800, 921_600, 3_000_000] {
+                device.apply(&agreeable(&info, baud).unwrap());
+                let off = (device.baud() - f64::from(baud)).abs();
+                assert!(off <= step / 2.0, "{phase_bits} bits: {baud} baud is off by {off}");
+            }
+        }
+    }
+}

@@ -169,6 +169,45 @@ fn slow_modulation_streams_a_motion_and_ends_in_time() {
 }
 
 #[test]
+fn the_first_pulse_has_the_frame_of_its_time() {
+    let profile = Profile::SonicSurface;
+    let (shared, _events) = shared();
+    let mut line = Line::new(profile, 230_400, &shared);
+    line.modulate(Envelope::Square, 2.0);
+    line.show(motion(profile, 64, 40.0));
+    while line.shown.len() < 2 {
+        line.turn(line.now + MILLI);
+    }
+    let (at, levels) = &line.shown[1];
+    let number = ((*at - line.wanted.since).as_secs_f64() * 40.0) as usize;
+    assert!(number > 9 && *levels == frame(profile, number), "frame {number} is due at first");
+}
+
+#[test]
+fn a_stop_in_sound_shows_no_frame_of_before() {
+    let profile = Profile::SonicSurface;
+    let known: Vec<_> = (0..64).map(|number| frame(profile, number)).chain([Levels::off(profile)]).collect();
+    // Silence is hidden while the first frame of a pulse sounds, and an older frame later.
+    for (sound, swaps_only) in [(Duration::ZERO, true), (60 * MILLI, false)] {
+        let (shared, _events) = shared();
+        let mut line = Line::new(profile, 230_400, &shared);
+        line.modulate(Envelope::Square, 2.0);
+        line.show(motion(profile, 64, 40.0));
+        while line.said.last().is_none_or(|bytes| bytes.len() > 1) {
+            line.turn(line.now + MILLI);
+        }
+        line.run(sound);
+        line.stop();
+        line.said.clear();
+        line.run(60 * MILLI);
+        assert_eq!(line.said[0].len() == 1, swaps_only, "after {sound:?}");
+        let place = |levels: &Levels| known.iter().position(|known| known == levels).unwrap();
+        let shown: Vec<_> = line.shown[1..].iter().map(|(_, levels)| place(levels)).collect();
+        assert!(shown.ends_with(&[64]) && shown.is_sorted(), "after {sound:?}: {shown:?}");
+    }
+}
+
+#[test]
 fn another_frequency_begins_its_own_pulses_and_figures() {
     let profile = Profile::SonicSurface;
     let (shared, events) = shared();

@@ -1,9 +1,9 @@
 //! What becomes of wishes: repetitions, motions beyond the line, random wishes, damaged lines.
 
 use super::*;
-use crate::device::link::Link;
 use crate::device::link::stock::{run, watch};
-use crate::device::port::virtual_board;
+use crate::device::link::{Link, Sounding};
+use crate::device::port::{Port, virtual_board};
 use crate::device::task::finish;
 
 /// Random conversations of each kind.
@@ -34,6 +34,19 @@ fn the_silence_at_the_start_is_counted() {
     assert!(matches!(events.try_recv(), Ok(Event::Ready(_))));
     let health = shared.health();
     assert!(health.silenced && health.bytes == stock::silence(profile).len() as u64, "{health:?}");
+}
+
+#[test]
+fn a_link_ends_after_the_line_has_carried_its_silence() {
+    let (profile, baud) = (Profile::SonicSurface, 460_800);
+    let (shared, _events) = shared();
+    let port = finish(Port::open(&virtual_board(profile), baud)).unwrap();
+    let silence = stock::silence(profile);
+    let time = port.time_of(silence.len());
+    assert!(time > 10 * MILLI);
+    let begun = Instant::now();
+    drop(Sounding::new(port, silence, &shared));
+    assert!(begun.elapsed() >= time && shared.health().silenced, "{:?}", begun.elapsed());
 }
 
 #[test]
@@ -81,6 +94,19 @@ fn unchanged_content_and_silence_are_repeated_and_the_line_rests_in_between() {
         line.run(30 * MILLI);
         let first = line.said[0].clone();
         assert_eq!(first.len() == 1, profile == Profile::SonicSurfaceTactile);
+    }
+}
+
+#[test]
+fn a_wait_for_a_repetition_ends_with_it() {
+    let profile = Profile::SonicSurface;
+    let (shared, _events) = shared();
+    let mut line = Line::new(profile, profile.baud(), &shared);
+    for content in [None, Some(Arc::new(still(profile, 3)))] {
+        line.want(|wanted| wanted.content = content);
+        line.run(100 * MILLI);
+        let Step::Wait(due) = line.session.next(&line.wanted, line.now, line.now) else { panic!("no wait") };
+        assert!(matches!(line.session.next(&line.wanted, due, due), Step::Write(_)));
     }
 }
 

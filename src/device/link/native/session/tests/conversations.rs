@@ -210,6 +210,55 @@ fn a_modulation_is_told_once_to_every_device() {
 }
 
 #[test]
+fn a_changed_modulation_leaves_other_settings_to_be_sent() {
+    let profile = Profile::Natives(4);
+    let (shared, _events) = shared();
+    let mut line = Line::new(profile, &shared);
+    line.show(motion(profile, 9, 50.0));
+    line.run(300 * MILLI).unwrap();
+    line.packets();
+    line.show(still(profile, 3));
+    line.turn(line.now).unwrap();
+    // The silencers of all devices return to their usual steps after STOP.
+    while line.session.playing {
+        line.turn(line.now + MILLI).unwrap();
+    }
+    assert!(line.session.tasks.iter().any(|task| is_of(&task.packet, Kind::Silencer)));
+    line.want(|wanted| wanted.modulation = Modulation { shape: Envelope::Sine, ..Modulation::default() });
+    line.run(100 * MILLI).unwrap();
+    let mut told: Vec<_> = line
+        .packets()
+        .iter()
+        .filter(|packet| is_of(packet, Kind::Silencer))
+        .map(|packet| packet.address)
+        .collect();
+    told.sort_unstable();
+    assert_eq!(told, [0, 1, 2, 3]);
+}
+
+#[test]
+fn an_idle_session_rests_until_a_frame_or_a_question_is_due() {
+    let (shared, _events) = shared();
+    let mut line = Line::playing(Profile::Native, &shared);
+    let answer_all = |line: &mut Line<'_>| {
+        while !line.session.on_the_way.is_empty() {
+            line.turn(line.now + MILLI).unwrap();
+        }
+    };
+    answer_all(&mut line);
+    let rest = KEEP_ALIVE - (line.now - line.session.written_at);
+    assert_eq!(line.session.rest(&line.wanted, line.now), Some(rest));
+    let content = motion(Profile::Native, 200, 100.0);
+    line.show(content.clone());
+    line.turn(line.now).unwrap();
+    assert_eq!(line.session.rest(&line.wanted, line.now), None, "an answer is awaited");
+    line.run(50 * MILLI).unwrap();
+    answer_all(&mut line);
+    let rest = content.next_in(line.now - line.wanted.since);
+    assert_eq!(line.session.rest(&line.wanted, line.now), Some(rest));
+}
+
+#[test]
 fn a_newer_wish_does_not_wait_for_the_rest_of_an_upload() {
     let (shared, _events) = shared();
     let mut line = Line::new(Profile::Native, &shared);

@@ -43,6 +43,37 @@ fn a_pause_trips_the_watchdog_and_the_sound_comes_back() {
 }
 
 #[test]
+fn a_device_that_fell_silent_alone_is_switched_on_again() {
+    let profile = Profile::Natives(2);
+    let (shared, events) = shared();
+    let mut line = Line::playing(profile, &shared);
+    // Its watchdog trips after 64 periods.
+    reply_of(&mut line.devices, &Packet::enable(1).to(1), line.now);
+    line.run(100 * MILLI).unwrap();
+    assert!(notices(&events).contains("watchdog"));
+    let packets = line.packets();
+    let [enable] = &packets[..] else { panic!("{packets:?}") };
+    assert_eq!((enable.code, enable.address), (Kind::Enable.code(), 1));
+    assert!(line.plays(&frame(profile, 1)) && line.health().in_place);
+}
+
+#[test]
+fn a_frame_that_is_refused_during_an_emergency_stop_is_not_sent_again() {
+    let (shared, _events) = shared();
+    let mut line = Line::playing(Profile::Native, &shared);
+    line.show(still(Profile::Native, 2));
+    line.turn(line.now).unwrap();
+    let Sent { seq, code, .. } = line.session.on_the_way.back().unwrap().clone();
+    line.devices.press(true);
+    let status = reply_of(&mut line.devices, &Packet::status(), line.now);
+    let refused = Reply { code: code + REPLY, seq, outcome: Outcome::Crc, ..status };
+    line.session.hear(&[refused], &line.wanted, line.now).unwrap();
+    line.run(200 * MILLI).unwrap();
+    assert_eq!(line.kinds(), ["PHASES"]);
+    assert!(line.health().stopped && line.is_silent());
+}
+
+#[test]
 fn lost_devices_are_lost_in_time_and_for_a_reason() {
     let of = |faults: Faults| {
         let (shared, _events) = shared();
