@@ -84,6 +84,16 @@ fn an_element_with_a_phase_and_no_amplitude_is_off() {
 }
 
 #[test]
+fn only_a_mega64_answers_and_only_to_a_swap() {
+    for profile in stock_profiles() {
+        let twin = Twin::new(profile);
+        let answers: Vec<_> = (0..=255).filter_map(|byte| twin.answer(byte)).collect();
+        let swap = stock::swap(profile).filter(|_| profile == Profile::UltrainoMega64);
+        assert_eq!(answers, Vec::from_iter(swap), "{}", profile.name());
+    }
+}
+
+#[test]
 fn frame_lengths_agree_with_the_bandwidth() {
     for profile in stock_profiles() {
         let full = Drive { amplitudes: vec![1.0; profile.elements()], phases: vec![0.3; profile.elements()] };

@@ -203,6 +203,14 @@ fn a_silent_sender_mutes_by_a_ramp_and_latches() {
 }
 
 #[test]
+fn a_device_without_a_watchdog_sounds_on_if_that_is_confirmed() {
+    let mut model = playing(7, &ramp());
+    apply(&mut model, &Packet::new(Kind::Enable, [0, 0, 0x5A, 0], vec![]));
+    run(&mut model, 1000);
+    assert!(model.outputs_on() && status(&mut model).0.flags.enabled);
+}
+
+#[test]
 fn the_emergency_stop_is_immediate_and_prevents_enable() {
     let mut model = playing(7, &ramp());
     model.press(true);

@@ -111,6 +111,7 @@ mod tests {
     fn faults_are_read_and_nonsense_is_refused() {
         let faults = Faults::parse("drop=0.25, unplug=2,garbage").unwrap();
         assert_eq!((faults.drop, faults.unplug, faults.garbage), (0.25, Duration::from_secs(2), true));
+        assert_eq!(Faults::parse("drop").unwrap().drop, 1.0, "the largest probability");
         for nonsense in ["", "drop=2", "drop=nan", "drop=-1", "melt=1", "stall=1e300"] {
             assert!(Faults::parse(nonsense).is_err(), "{nonsense}");
         }

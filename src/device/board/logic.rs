@@ -247,10 +247,26 @@ mod tests {
         for byte in Packet::stop().to_line() {
             line.hear(byte, false, now, &mut Heeded::default());
         }
-        assert_eq!(line.at, now + period);
+        let periods = |line: &mut Native| match line.models[0].apply(&Packet::status()).body {
+            Body::Status(status) => status.periods,
+            body => panic!("{body:?}"),
+        };
+        assert_eq!((line.at, periods(&mut line)), (now + period, 1));
         // And no period begins before its time.
         line.run_until(now + period * 21 / 2);
-        assert_eq!(line.at, now + period * 10);
+        assert_eq!((line.at, periods(&mut line)), (now + period * 10, 10));
+    }
+
+    #[test]
+    fn the_periods_before_a_packet_are_run_before_it() {
+        let (now, period, mut heeded) = (Instant::now(), Duration::from_micros(25), Heeded::default());
+        let mut line = Native::new(&Model::new(7), 1, now);
+        for byte in Packet::status().to_line() {
+            line.hear(byte, false, now + period * 10, &mut heeded);
+        }
+        let reply = Reply::of_line(heeded.answer.strip_suffix(&[0]).unwrap()).unwrap();
+        let Body::Status(status) = reply.body else { panic!("{reply:?}") };
+        assert_eq!((status.periods, line.at), (10, now + period * 11));
     }
 
     #[test]

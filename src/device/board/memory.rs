@@ -166,6 +166,9 @@ mod tests {
         let mut board = VirtualBoard::new(Profile::UltrainoMega64, u32::MAX);
         board.write(&[crate::device::stock::mega64::SWAP; 1100]);
         sleep(5 * MILLI);
+        // Those of a board that is only written to, too.
+        board.write(&[]);
+        assert_eq!((board.coming.len(), board.shown.len()), (0, 1024));
         assert_eq!(board.frames().len(), 1024);
     }
 

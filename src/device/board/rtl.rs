@@ -160,3 +160,34 @@ impl Drop for Rtl {
         let _ = self.program.wait();
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With a program that reports no period.
+    fn rtl() -> Rtl {
+        Rtl::start(Path::new("/bin/cat"), 7).unwrap()
+    }
+
+    #[test]
+    fn the_latest_packets_are_remembered_and_other_bytes_are_spoiled() {
+        let (mut rtl, mut heeded) = (rtl(), Heeded::default());
+        rtl.remember(&[7, 7, 0], &mut heeded);
+        assert_eq!((heeded.spoiled, rtl.coming.len()), (1, 0));
+        let packets = (0..20).map(|seq| Packet::status().numbered(seq));
+        packets.for_each(|packet| rtl.remember(&packet.to_line(), &mut heeded));
+        assert!(rtl.coming.iter().map(|packet| packet.seq).eq(4..20));
+        assert_eq!(heeded.spoiled, 1);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_program_ends_with_its_board() {
+        let rtl = rtl();
+        let process = Path::new("/proc").join(rtl.program.id().to_string());
+        assert!(process.exists());
+        drop(rtl);
+        assert!(!process.exists(), "nor is it left unreaped");
+    }
+}

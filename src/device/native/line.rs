@@ -84,4 +84,16 @@ mod tests {
         (0..100_000).for_each(|_| assert_eq!(splitter.push(9), None));
         assert!(splitter.push(0).unwrap().len() < 1000);
     }
+
+    #[test]
+    fn a_byte_after_the_longest_packet_spoils_it() {
+        let line = framed(vec![7; LONGEST - CRC_BYTES]);
+        let packet = line.strip_suffix(&[0]).unwrap();
+        assert_eq!(packet.len(), LONGEST_ON_LINE);
+        for more in [0, 1, 9] {
+            let (mut splitter, bytes) = (Splitter::default(), [packet, &vec![9; more], &[0]].concat());
+            let part = bytes.into_iter().find_map(|byte| splitter.push(byte)).unwrap();
+            assert_eq!(checked(&part).is_ok(), more == 0, "{more} more");
+        }
+    }
 }

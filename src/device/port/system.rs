@@ -61,14 +61,17 @@ fn serial_ports() -> io::Result<Vec<Listed>> {
     {
         return if error.kind() == io::ErrorKind::NotFound { Ok(Vec::new()) } else { Err(error) };
     }
-    let listed = serialport::available_ports()?;
+    Ok(in_order(serialport::available_ports()?))
+}
+
+fn in_order(ports: Vec<SerialPortInfo>) -> Vec<Listed> {
     let port = |port: SerialPortInfo| {
         let what = in_words(port.port_type);
         Listed { path: PathBuf::from(port.port_name), what, profile: None }
     };
-    let mut ports: Vec<_> = listed.into_iter().map(port).collect();
+    let mut ports: Vec<_> = ports.into_iter().map(port).collect();
     ports.sort_by(|one, other| one.path.cmp(&other.path));
-    Ok(ports)
+    ports
 }
 
 /// Product and manufacturer of a USB adapter, as external text.
@@ -242,10 +245,24 @@ mod tests {
         assert_eq!((named(None, Some("")), in_words(SerialPortType::Unknown)), (None, None));
         assert!(!named(Some("\u{1b}[2J"), None).unwrap().contains('\u{1b}'), "text from outside is escaped");
     }
+
+    #[test]
+    fn ports_are_listed_by_name() {
+        let port = |name: &str| SerialPortInfo {
+            port_name: name.to_owned(),
+            port_type: SerialPortType::BluetoothPort,
+        };
+        let listed = in_order(["/dev/ttyUSB1", "/dev/ttyACM0", "/dev/ttyUSB0"].map(port).to_vec());
+        let said: Vec<_> = listed.iter().map(ToString::to_string).collect();
+        let names = ["/dev/ttyACM0", "/dev/ttyUSB0", "/dev/ttyUSB1"];
+        assert_eq!(said, names.map(|name| format!("{name} (Bluetooth)")));
+    }
 }
 
 #[cfg(all(test, unix))]
 mod tests_with_boards {
+    #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
+
     use web_time::Instant;
 
     use super::*;
