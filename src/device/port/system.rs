@@ -261,8 +261,6 @@ mod tests {
 
 #[cfg(all(test, unix))]
 mod tests_with_boards {
-    #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
-
     use web_time::Instant;
 
     use super::*;
