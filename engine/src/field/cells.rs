@@ -197,6 +197,24 @@ mod tests {
     }
 
     #[test]
+    fn cells_beyond_walls_go_on_in_steps_about_the_same_centre() {
+        let scene = Scene::default();
+        let cells = Cells::new(&Aperture::new(&scene), &scene.plane, 0.03, 1e-3).unwrap();
+        let around = cells.beyond_walls();
+        assert_eq!(around.plane.centre, cells.plane.centre);
+        for axis in [0, 1] {
+            let places: Vec<_> = around.places(axis).collect();
+            let beside = (places.len() - cells.counts[axis]) / 2;
+            assert_eq!(beside, cells.half_width);
+            let within = cells.places(axis).zip(&places[beside..]);
+            assert!(within.into_iter().all(|(own, place)| (own - place).abs() < 1e-12));
+            // Each wall is the reach of the window inside the wider plane's edge.
+            let wider = around.plane.size[axis] - cells.plane.size[axis];
+            assert!((wider - 2.0 * cells.reach()).abs() < 1e-12, "{wider}");
+        }
+    }
+
+    #[test]
     fn wide_elements_near_the_plane_refine_the_cells_by_their_directivity() {
         let mut scene = Scene::default();
         scene.array.element_radius = 0.02;

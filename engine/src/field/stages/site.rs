@@ -213,3 +213,28 @@ impl Frame {
         Some(Self::Pixels { raster, weights })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::drive::Drive;
+    use crate::field::Quantity;
+    use crate::scene::Scene;
+
+    #[test]
+    fn cells_take_finer_samples_as_far_as_f32_interpolates() {
+        let request = Request::new(&Scene::default(), vec![Drive::default()], Quantity::Gorkov, (20, 20));
+        let key = SiteKey::new(&request, false);
+        let tolerance = key.setting.plane.tolerance;
+        for times in [1.1, 20.0, 1000.0] {
+            let mut finer = key.finer(times).unwrap();
+            // With errors in proportion, the map is well within its tolerance.
+            let error = times * finer.setting.plane.tolerance;
+            assert!((0.2 * tolerance..0.6 * tolerance).contains(&error), "{times}: {error:e}");
+            finer.setting.plane.tolerance = tolerance;
+            assert_eq!(finer, key, "the cells stay");
+        }
+        assert_eq!(key.finer(tolerance / 1e-7), None);
+        assert_eq!(SiteKey::by_pixels(&request, false).finer(1.1), None);
+    }
+}

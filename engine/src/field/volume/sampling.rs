@@ -293,6 +293,31 @@ fn bricks(lattice: &Lattice, values: &[f32]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::{Array, Board, Scene};
+
+    #[test]
+    fn points_times_elements_decide_unless_that_leaves_fewer_than_the_least() {
+        let block = Block { centre: DVec3::Z * 0.1, size: DVec3::splat(0.1) };
+        // So fine a wavelength that the limits alone decide.
+        let fineness = Fineness { per_wavelength: 1e3, least: 10_000, most: 1 << 40, pairs: 1e9 };
+        let tilt = Board { normal: DVec3::new(0.6, 0.0, 0.8), ..Board::default() };
+        // Steps fit in a pitch, and the outermost points stand on the faces.
+        let is_near = |points: usize, wanted: f64| (0.3..3.0).contains(&(points as f64 / wanted));
+        for (columns, drives) in [(16, 1), (16, 3), (4, 1)] {
+            let array = Array { rows: 16, columns, ..Array::default() };
+            let level = Scene { array, ..Scene::default() };
+            let tilted = Scene { boards: vec![tilt.clone()], ..level.clone() };
+            // Without a table a pair costs ten times as much.
+            for (scene, of_pair) in [(level, 1.0), (tilted, 10.0)] {
+                let points = |pairs: f64| {
+                    lattice(&Aperture::new(&scene), drives, &block, Fineness { pairs, ..fineness }).len()
+                };
+                let for_a_point = of_pair * f64::from(16 * columns) * drives as f64;
+                assert!(is_near(points(1e9), 1e9 / for_a_point), "{columns}: {}", points(1e9));
+                assert!(is_near(points(1e5), 1e4), "{columns}: {}", points(1e5));
+            }
+        }
+    }
 
     #[test]
     fn values_between_points_are_linear_and_bricks_hold_the_largest_of_their_points() {
