@@ -212,8 +212,9 @@ mod tests {
         assert_eq!(text.lines().count(), 5);
         assert!(text.starts_with("element,x,y,phase,amplitude\n"), "a flat array has no heights: {text}");
         assert_eq!(Drive::read(text.as_bytes(), 4), Ok(drive));
-        let in_order = Drive::read(&b"phase\n0\n7.0\n1e300\n"[..], 3).unwrap();
-        assert_eq!(in_order.amplitudes, [1.0; 3]);
+        let in_order = Drive::read(&b"phase\n0\n7.0\n1e300\n-4.0\n"[..], 4).unwrap();
+        assert_eq!(in_order.amplitudes, [1.0; 4]);
+        assert!((in_order.phases[3] - (TAU - 4.0)).abs() < 1e-12);
         assert!((in_order.phases[1] - (7.0 - TAU)).abs() < 1e-12 && in_order.phases[2].abs() <= PI);
     }
 

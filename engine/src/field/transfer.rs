@@ -67,7 +67,8 @@ impl Layout {
         }
         let run = columns.places.len();
         let line_stride = run * distinct[0] * distinct[1];
-        let mut element_strides = [run as isize, (run * distinct[0]) as isize];
+        // One axis at least is shared, so that the runs of the other's elements follow each other.
+        let mut element_strides = [run as isize; 2];
         for (shared, stride) in shared.iter().zip([1, line_stride as isize]) {
             if let Some(shared) = shared {
                 element_strides[shared.element_axis] = -shared.samples * stride;
@@ -254,5 +255,38 @@ impl Transfer {
         lines.into_par_iter().enumerate().with_min_len(4).for_each(|(index, sums)| {
             cpu::superpose(&self.table, &terms, index * line_stride, sums);
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::{Array, Scene};
+
+    #[test]
+    fn elements_use_a_table_from_its_first_value_to_its_last() {
+        let array = Array { rows: 5, columns: 7, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        let along = |axis: DVec3, count: u32| (0..count).map(|i| axis * f64::from(i) * 1e-3).collect();
+        let samples = Samples { columns: along(DVec3::X, 32), rows: along(DVec3::Y, 11) };
+        let shared = |element_axis, samples| Some(Shared { element_axis, samples });
+        for shared in [
+            [None, None],
+            [shared(0, 2), None],
+            [shared(1, -2), None],
+            [None, shared(1, 3)],
+            [None, shared(0, -3)],
+            [shared(0, -1), shared(1, 4)],
+            [shared(1, 2), shared(0, 2)],
+        ] {
+            let board = &aperture.faces[0];
+            let layout = Layout::new(board, &samples, shared);
+            let terms = layout.terms(board, [&[Complex64::ONE; 35]]);
+            let starts = || terms.iter().map(|term| term.start);
+            let last_line = (samples.len().div_ceil(layout.line) - 1) * layout.line_stride;
+            assert_eq!(starts().min(), Some(0), "{shared:?}");
+            assert_eq!(starts().max().unwrap() + last_line + layout.line, layout.count(), "{shared:?}");
+        }
     }
 }

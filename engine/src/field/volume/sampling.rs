@@ -320,6 +320,23 @@ mod tests {
     }
 
     #[test]
+    fn corners_are_the_ends_of_the_outermost_layers() {
+        let lattice = Lattice {
+            first: DVec3::new(-0.02, 0.01, 0.05),
+            step: DVec3::new(1e-3, 2e-3, 5e-4),
+            counts: UVec3::new(20, 9, 11),
+        };
+        let (corners, layers) = (corners(&lattice), [layer(&lattice, 0), layer(&lattice, 10)]);
+        assert_eq!(corners.len(), 8);
+        for z in [0, 1] {
+            for (corner, end) in [0, 19, 160, 179].into_iter().enumerate() {
+                let (corner, end) = (corners.point(4 * z + corner), layers[z].point(end));
+                assert!(corner.distance(end) < 1e-15, "{corner} is not {end}");
+            }
+        }
+    }
+
+    #[test]
     fn values_between_points_are_linear_and_bricks_hold_the_largest_of_their_points() {
         let lattice =
             Lattice { first: DVec3::ZERO, step: DVec3::new(1e-3, 2e-3, 5e-4), counts: UVec3::new(20, 9, 11) };
