@@ -192,6 +192,32 @@ fn the_brightness_of_the_middle_follows_from_the_curvature() {
 }
 
 #[test]
+fn rays_that_cross_beside_the_screen_are_no_caustic_there() {
+    // Nine rows of rays, of which the seventh and the eighth land in reverse order.
+    let mut slopes = [[0.0; 27]; 2];
+    slopes[1][18..21].fill(-1.0);
+    slopes[1][21..24].fill(1.0);
+    for (first, rows, crosses) in [
+        ([0.0, 0.0], 8, true),
+        ([0.0, 0.0], 4, false),
+        ([0.0, -8.5], 8, false),
+        ([2.5, 0.0], 8, false),
+        ([-2.5, 0.0], 8, false),
+    ] {
+        let rays = Rays {
+            counts: [3, 9],
+            first,
+            step: [1.0; 2],
+            slopes: slopes.each_ref().map(|slopes| &slopes[..]),
+            throw: [1.0; 2],
+        };
+        let light = caustic::light(&[rays], 2, &mut vec![0.0; 2 * rows]);
+        assert_eq!(light.crosses, crosses, "from {first:?}, {rows} rows: {light:?}");
+        assert_eq!(light.landed > 0.0, first == [0.0; 2], "from {first:?}, {rows} rows: {light:?}");
+    }
+}
+
+#[test]
 fn the_first_caustic_is_at_its_predicted_distance() {
     let crosses =
         |distance: f64| Gaussian { throw: (INDEX - 1.0) * distance, ..Gaussian::default() }.light().1.crosses;

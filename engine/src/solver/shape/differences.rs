@@ -101,6 +101,28 @@ fn the_gradient_is_that_of_central_differences() {
 }
 
 #[test]
+fn rows_are_chosen_if_any_samples_are_a_table() {
+    let aperture = Aperture::new(&Scene { array: small(), ..Scene::default() });
+    let points: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();
+    let layout = Layout::new(&aperture, 0.05, DVec2::splat(0.04), 2);
+    let in_table = || Quiet::new(Samples::Table(table(&aperture, &points)), vec![1.0; points.len()]);
+    let grid = || Samples::Grid(Box::new(Grid::new(&aperture, layout, SCALE)));
+    let on_grid = || Quiet::new(grid(), vec![1.0; layout.len()]);
+    let phases: Vec<_> = (0..aperture.driven.len()).map(|n| 6.0 * scatter(n)).collect();
+    let mut objective = Objective::new(table(&aperture, &points), 1, ALONE);
+    for (quiet, is_chosen) in [
+        (vec![], false),
+        (vec![on_grid()], false),
+        (vec![on_grid(), in_table()], true),
+        (vec![in_table()], true),
+    ] {
+        objective.quiet = quiet;
+        let kinds: Vec<_> = objective.quiet.iter().map(Quiet::is_table).collect();
+        assert_eq!(objective.refresh(&phases), is_chosen, "tables: {kinds:?}");
+    }
+}
+
+#[test]
 fn the_fit_of_any_number_of_samples_is_its_formula() {
     let aperture = Aperture::new(&Scene { array: small(), ..Scene::default() });
     for count in 1..20 {

@@ -180,6 +180,20 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
+    fn the_mask_rises_between_the_drawing_and_elsewhere() {
+        let at = |wavelengths: f64| part(wavelengths * 8e-3, 8e-3);
+        let middle = f64::midpoint(DRAWN, ELSEWHERE);
+        for (wavelengths, expected) in [(0.0, 0.0), (DRAWN, 0.0), (middle, 0.5), (ELSEWHERE, 1.0), (3.0, 1.0)]
+        {
+            let part = at(wavelengths);
+            assert!((part - expected).abs() < 1e-12, "{wavelengths} wavelengths: {part}, not {expected}");
+        }
+        let rising: Vec<_> =
+            (0..=20).map(|i| at(DRAWN + (ELSEWHERE - DRAWN) * f64::from(i) / 20.0)).collect();
+        assert!(rising.is_sorted(), "{rising:?}");
+    }
+
+    #[test]
     fn the_grid_of_a_parallel_plane_extends_as_far_as_the_array_steers() {
         let aperture = Aperture::new(&Scene::default());
         for height in [0.05, 0.1, 0.2] {

@@ -7,11 +7,12 @@ use glam::DVec3;
 use crate::acoustics::Aperture;
 use crate::scene::{Aim, Focus, Sampling, Scene, Shape, Target, outline};
 use crate::solver::Problem;
-use crate::solver::descent::Function;
+use crate::solver::descent::{Descent, Function};
 use crate::solver::shape::objective::Loudness;
 use crate::solver::shape::{
     AREA, COARSE, FINE, LAST, OTHER_STEPS, Search, Stage, Surroundings, TRIAL, TRIAL_REST,
 };
+use crate::solver::starts::scatter;
 
 fn scene(fill: bool, quiet: f64, aim: Aim, tilt: f64) -> Scene {
     let mut scene = Scene::default();
@@ -103,6 +104,40 @@ fn every_stage_weighs_and_hears_what_it_is_for() {
                 let again = self::stages(&mut moved, &format!("{what}, moved"));
                 assert_eq!(again[0], Stage::Moved, "{what}");
                 assert!(again[1..].iter().all(|&stage| stage == Stage::Going), "{what}: {again:?}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_descent_that_still_gains_gets_all_calls_of_its_stage() {
+    type Call = fn(u32) -> Stage;
+    let of_strokes: &[(Call, u32, Stage)] = &[
+        (Stage::Coarse, COARSE.1, Stage::Other(0)),
+        (Stage::Leader, FINE.1, Stage::Rival(0)),
+        (Stage::Rival, FINE.1, Stage::Last(0)),
+        (Stage::Last, LAST.1, Stage::Done),
+        (|_| Stage::Going, 1, Stage::Going),
+    ];
+    let of_areas: &[(Call, u32, Stage)] =
+        &[(Stage::Area, AREA.1, Stage::Done), (|_| Stage::Going, 1, Stage::Going)];
+    for (fill, kinds) in [(false, of_strokes), (true, of_areas)] {
+        let scene = scene(fill, 0.5, Aim::Pressure, 0.0);
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let mut search = Search::new(&problem, &Surroundings::new(&scene, &problem.foci));
+        search.advance();
+        for &(stage, calls, after) in kinds {
+            for call in 0..calls {
+                // Descents that have just begun.
+                for way in &mut search.ways {
+                    let phases = (0..aperture.driven.len()).map(|n| TAU * scatter(n)).collect();
+                    *way = Some(Descent::new(phases, &mut search.objective));
+                }
+                search.stage = stage(call);
+                search.advance();
+                let next = if call + 1 < calls { stage(call + 1) } else { after };
+                assert_eq!(search.stage, next, "after {:?}", stage(call));
             }
         }
     }
