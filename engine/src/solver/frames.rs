@@ -239,6 +239,7 @@ fn chained(
     let keys = keyframes(foci, STRIDE * aperture.wavelength());
     let first = problem(keys[0]);
     let mut links = vec![Link::new(&first, settings, excite(&first, settings)?, true)];
+    done.add();
     for (before, &key) in keys[1..].iter().enumerate() {
         links.push(go_on(&problem(key), &links[before], settings)?);
         done.add();

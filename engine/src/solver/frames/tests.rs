@@ -1,6 +1,7 @@
 //! Tests of going on from frame to frame, and of the phases between frames.
 
 use std::f64::consts::TAU;
+use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
 
@@ -197,4 +198,17 @@ fn a_scene_that_stands_still_is_one_frame() {
     assert_eq!(sequence.steps, PhaseSteps::default());
     assert!((sequence.frames[0].min_pressure() / alone.quality.min_pressure - 1.0).abs() < 1e-9);
     assert!((sequence.frames[0].spread() - alone.quality.spread).abs() < 1e-9);
+}
+
+/// Few of them, so that only the last is told.
+#[test]
+fn the_gauge_ends_at_the_last_frame_with_every_method() {
+    for method in [Method::Best, Method::Wgs] {
+        let mut scene = scene(&ring(4), 12);
+        scene.solver.method = method;
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let into = Arc::clone(&heard);
+        follow_with(&scene, &Gauge::new(move |part| into.lock().unwrap().push(part))).unwrap();
+        assert_eq!(*heard.lock().unwrap(), [1.0], "{method:?}");
+    }
 }
