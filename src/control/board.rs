@@ -37,7 +37,8 @@ impl Play {
 pub struct Board {
     link: Link,
     calibration: Calibration,
-    carrier: Option<f64>,
+    /// Hz.
+    carrier: f64,
     /// The last content sent, and its frame rate.
     played: Option<(Play, f64)>,
     modulation: Option<Modulation>,
@@ -57,13 +58,12 @@ impl Board {
     ) -> anyhow::Result<Option<Self>> {
         note(&settings.profile.bandwidth(settings.baud()));
         let link = Link::open(settings, Box::new(|| {}))?;
-        let mut board =
-            Self { link, calibration, carrier: None, played: None, modulation: None, is_stopped: false };
         loop {
-            match board.link.event_within(Duration::from_millis(20)) {
-                Some(Event::Ready(found)) => {
-                    board.found(found);
-                    return Ok(Some(board));
+            match link.event_within(Duration::from_millis(20)) {
+                Some(Event::Ready(Found { carrier, .. })) => {
+                    note_carrier(carrier);
+                    let (played, modulation, is_stopped) = (None, None, false);
+                    return Ok(Some(Self { link, calibration, carrier, played, modulation, is_stopped }));
                 }
                 Some(Event::Lost(why)) => anyhow::bail!(why),
                 Some(Event::Notice(text)) => note(&text),
@@ -77,9 +77,11 @@ impl Board {
     pub fn attend(&mut self) {
         while let Some(event) = self.link.event() {
             match event {
-                Event::Ready(found) => {
+                Event::Ready(Found { carrier, .. }) => {
                     note("the board is back");
-                    self.found(found);
+                    if std::mem::replace(&mut self.carrier, carrier) != carrier {
+                        note_carrier(carrier);
+                    }
                 }
                 Event::Lost(why) => warn(&format!("{why}; looking for it")),
                 Event::Notice(text) => note(&text),
@@ -87,14 +89,8 @@ impl Board {
         }
     }
 
-    fn found(&mut self, found: Found) {
-        if self.carrier.replace(found.carrier) != Some(found.carrier) {
-            note(&format!("the board's carrier is {} Hz; scenes are solved for it", found.carrier));
-        }
-    }
-
-    /// The board's carrier for solving scenes, Hz, if known.
-    pub fn carrier(&self) -> Option<f64> {
+    /// The board's carrier for solving scenes, Hz.
+    pub fn carrier(&self) -> f64 {
         self.carrier
     }
 
@@ -169,4 +165,8 @@ impl Board {
     pub fn close(self) -> Health {
         self.link.close()
     }
+}
+
+fn note_carrier(carrier: f64) {
+    note(&format!("the board's carrier is {carrier} Hz; scenes are solved for it"));
 }

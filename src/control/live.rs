@@ -95,7 +95,7 @@ impl Live {
     fn tuned(&self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         scene.solver.search = 0.0;
-        if let Some(carrier) = self.board.as_ref().and_then(Board::carrier) {
+        if let Some(carrier) = self.board.as_ref().map(Board::carrier) {
             scene.array.frequency = carrier;
         }
         scene

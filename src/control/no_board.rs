@@ -24,7 +24,7 @@ impl Board {
         match self.0 {}
     }
 
-    pub fn carrier(&self) -> Option<f64> {
+    pub fn carrier(&self) -> f64 {
         match self.0 {}
     }
 

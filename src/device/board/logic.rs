@@ -270,18 +270,6 @@ mod tests {
     }
 
     #[test]
-    fn a_packet_is_heard_after_the_periods_before_it() {
-        let (now, mut heeded, mut splitter) = (Instant::now(), Heeded::default(), Splitter::default());
-        let mut line = Native::new(&Model::new(7), 1, now);
-        for byte in Packet::status().to_line() {
-            line.hear(byte, false, now + Duration::from_micros(25) * 10, &mut heeded);
-        }
-        let part = heeded.answer.iter().find_map(|&byte| splitter.push(byte)).unwrap();
-        let Body::Status(status) = Reply::of_line(&part).unwrap().body else { panic!() };
-        assert_eq!(status.periods, 10);
-    }
-
-    #[test]
     fn elapsed_periods_are_run_but_only_the_last_of_a_long_pause() {
         let (now, period) = (Instant::now(), Duration::from_micros(25));
         for (elapsed, periods) in [(0, 0), (1, 1), (999, 999), (1000, 1000), (40_000, 1000)] {

@@ -236,20 +236,17 @@ mod tests {
     use std::collections::{BTreeSet, HashSet};
 
     use super::*;
+    use crate::device::native::model::Model;
     use crate::device::port::virtual_board;
     use crate::device::task::finish;
 
-    const INFO: Info = Info {
-        protocol: 2,
-        phase_bits: 7,
-        slots: 64,
-        version: 2,
-        carrier_millihertz: 40_000_000,
-        channels: 256,
-        largest_baud: 30,
-    };
     /// A trial ends with so many lost frames.
     const MOST: u32 = 2 * WINDOW as u32;
+
+    fn info() -> Info {
+        let Body::Info(info) = Model::new(7).apply(&Packet::info()).body else { panic!("no info") };
+        info
+    }
 
     fn port(profile: Profile) -> Port {
         finish(Port::open(&virtual_board(profile), Profile::Native.baud())).unwrap()
@@ -258,7 +255,7 @@ mod tests {
     /// How frames fare with a virtual board after so many of them, of which some were lost.
     fn burst(profile: Profile, slots: u8, sent: u32, lost: u32) -> Figures {
         let figures = Figures { sent, lost, ..Figures::default() };
-        let burst = Burst { slots, figures, ..Burst::new(&INFO) };
+        let burst = Burst { slots, figures, ..Burst::new(&info()) };
         finish(burst.run(&mut port(profile), &mut Asker::new())).unwrap()
     }
 
@@ -300,7 +297,7 @@ mod tests {
     fn slots_with_other_contents_are_wrong() {
         for slots in [3, 64] {
             let (mut port, mut asker) = (port(Profile::Native), Asker::new());
-            let mut burst = Burst::new(&Info { slots, ..INFO });
+            let mut burst = Burst::new(&Info { slots, ..info() });
             let sent: Vec<_> = (0..WINDOW as u32).collect();
             sent.iter().for_each(|_| finish(burst.send(&mut port)).unwrap());
             let mut wrong =
@@ -314,7 +311,7 @@ mod tests {
     #[test]
     fn every_slot_but_the_one_that_plays_is_written() {
         for slots in [2, 64, 256] {
-            let burst = Burst::new(&Info { slots, ..INFO });
+            let burst = Burst::new(&Info { slots, ..info() });
             let written: BTreeSet<_> = (0..1000).map(|number| u16::from(burst.slot(number))).collect();
             assert!(written.into_iter().eq(1..slots), "{slots}");
         }
