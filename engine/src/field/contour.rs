@@ -262,4 +262,13 @@ mod tests {
         let lines = of(50.0, noise);
         assert!(lines.len() > 100 && lines.iter().flatten().flatten().all(|place| place.is_finite()));
     }
+
+    #[test]
+    fn points_of_a_straight_line_are_two_pixels_apart() {
+        let found = of(33.2, |i| at(i).1);
+        let [line] = &found[..] else { panic!("{} lines", found.len()) };
+        let apart: Vec<_> = line.windows(2).map(|pair| (pair[0][0] - pair[1][0]).abs()).collect();
+        let (last, others) = apart.split_last().unwrap();
+        assert!(others.iter().all(|&apart| apart == STEP) && *last <= STEP, "{apart:?}");
+    }
 }

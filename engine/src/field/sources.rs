@@ -431,4 +431,38 @@ mod tests {
         let samples = Samples::at(vec![DVec3::Z]);
         assert_eq!(Sources::of_faces(&aperture, &drive, &samples).unwrap()[0].elements.len(), 252);
     }
+
+    #[test]
+    fn only_what_is_near_an_element_and_near_its_rim_is_left_to_f64() {
+        let mut aperture = aperture(3.66);
+        aperture.element.model = ElementModel::ExactPiston;
+        let (at, a) = (aperture.positions[40], aperture.element.radius);
+        // The middle of a disk, beside its rim, the edge of f32's heights, and beyond it.
+        let places = [(0.5 * a, 0.1 * a), (a, 0.1 * a), (0.5 * a, -NEAREST), (0.5 * a, -1.01 * NEAREST)];
+        let samples = Samples::at(places.map(|(x, z)| at.with_z(z) + DVec3::X * x).to_vec());
+        let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
+        assert_eq!(Sources::of_faces(&aperture, &drive, &samples).unwrap()[0].beside_rims(), [1, 2]);
+    }
+
+    #[test]
+    fn an_exact_piston_takes_nodes_as_its_nearest_sample_needs_them() {
+        let mut aperture = aperture(3.66);
+        aperture.element.model = ElementModel::ExactPiston;
+        let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.3; 256] };
+        let u = drive.excitation(&aperture.driven);
+        for (z, most) in [(0.1, 12), (0.02, 12), (0.003, 30)] {
+            let points = [-0.01, 0.001, 0.03].map(|x| DVec3::new(x, -0.002, z)).to_vec();
+            let expected = aperture.transfer(&points);
+            let samples = Samples::at(points);
+            let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
+            let nodes = sources[0].wave.piston.as_ref().unwrap().nodes.len();
+            assert!(nodes <= most, "{z} m: {nodes} nodes");
+            for (row, own) in crate::field::cpu::pressure(&sources, 3).into_iter().enumerate() {
+                let expected = expected.row(row).zip(&u).map(|(h, u)| h * u).sum::<num_complex::Complex64>();
+                let off = (f64::from(own.re) - expected.re).hypot(f64::from(own.im) - expected.im);
+                let all: f64 = aperture.transfer(&[samples.point(row)]).row(0).map(|h| h.norm()).sum();
+                assert!(off < 1e-5 * all, "{z} m: {own}, not {expected}");
+            }
+        }
+    }
 }

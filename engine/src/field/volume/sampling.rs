@@ -356,4 +356,53 @@ mod tests {
         assert_eq!(volume.bricks[0], values[8 + 8 * 180]);
         assert_eq!(volume.peak, values.iter().copied().fold(0.0, f32::max));
     }
+
+    #[test]
+    fn steps_fit_in_a_pitch_if_that_at_most_doubles_or_halves_the_points_of_a_layer() {
+        let array = Array { rows: 4, columns: 4, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        let block = Block { centre: DVec3::Z * 0.1, size: DVec3::splat(0.03) };
+        for part in [0.2, 0.3, 0.45, 0.48, 0.6, 0.7, 0.72, 0.75, 0.9, 1.0, 1.3, 1.5] {
+            let wanted = part * aperture.pitch;
+            let per_wavelength = aperture.wavelength() / wanted;
+            let fineness = Fineness { per_wavelength, least: 1 << 30, most: 1 << 40, pairs: 1e15 };
+            let lattice = lattice(&aperture, 1, &block, fineness);
+            assert!((lattice.step.z / wanted - 1.0).abs() < 1e-9, "{part}: {}", lattice.step);
+            let points = (wanted / lattice.step.x).powi(2);
+            assert!((0.499..2.001).contains(&points), "{part}: {}", lattice.step);
+            assert_eq!(in_pitch(&aperture, &lattice).is_some(), part < 1.45, "{part}: {}", lattice.step);
+        }
+    }
+
+    #[test]
+    fn a_small_volume_holds_the_rms_pressure_of_drives_in_turn() {
+        let array = Array { rows: 4, columns: 5, off: vec![0, 7], ..Array::default() };
+        let level = Scene { array, ..Scene::default() };
+        // Samples beside a tilted board share no table.
+        let tilt = Board { normal: DVec3::new(0.1, 0.0, 1.0), ..Board::default() };
+        let tilted = Scene { boards: vec![tilt], ..level.clone() };
+        let drive = |seed: f64| Drive {
+            amplitudes: (0..20).map(|n| (f64::from(n) * 0.618 + seed).fract()).collect(),
+            phases: (0..20).map(|n| f64::from(n * n) * seed).collect(),
+        };
+        let drives = [drive(0.3), drive(0.7)];
+        let block = Block { centre: DVec3::new(0.003, -0.002, 0.06), size: DVec3::splat(0.02) };
+        for scene in [level, tilted] {
+            let aperture = Aperture::new(&scene);
+            let fineness = Fineness { per_wavelength: 4.0, least: 1, most: 1 << 20, pairs: 1e9 };
+            let volume = Volume::new(&aperture, &drives, &block, fineness);
+            let Lattice { first, step, counts } = volume.lattice;
+            let place = |i: u32| UVec3::new(i % counts.x, i / counts.x % counts.y, i / counts.x / counts.y);
+            let points: Vec<_> =
+                (0..counts.element_product()).map(|i| first + step * place(i).as_dvec3()).collect();
+            let excitations: Vec<_> =
+                drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
+            let expected = aperture.pressures(&points, &excitations);
+            assert_eq!(volume.values.len(), points.len());
+            for ((own, expected), point) in volume.values.iter().zip(expected).zip(points) {
+                let off = f64::from(*own) - expected.norm() / 2f64.sqrt();
+                assert!(off.abs() < 1e-5 * f64::from(volume.peak), "{own}, not {expected}, at {point}");
+            }
+        }
+    }
 }
