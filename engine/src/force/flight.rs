@@ -133,3 +133,26 @@ impl Carriage<'_> {
         (at + mean(v1, v2, v3, v4) * step, velocity + mean(a1, a2, a3, a4) * step)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_step_is_longer_than_the_bead_and_the_drag_allow() {
+        let (levitation, node) = crate::force::tests::standing_wave();
+        let drag = Drag::new(&levitation.sphere, 1.8e-5, 1.2);
+        let (fields, wanted) = ([levitation], [node]);
+        let from = node + DVec3::new(1e-4, 0.0, 2e-4);
+        let carriage = Carriage { fields: &fields, wanted: &wanted, span: 1.0, drag };
+        let longest = carriage.step(from);
+        for part in [0.6, 1.0, 1.7, 2.5] {
+            let carriage = Carriage { span: part * longest, ..carriage };
+            let flight = carriage.fly(from, 10.0 * longest, &Gauge::default());
+            let end = flight.moments[flight.moments.len() - 1].time;
+            assert!(!flight.is_lost && (end / (10.0 * longest) - 1.0).abs() < 1e-9, "{part}: {end} s");
+            let most = flight.moments.windows(2).map(|pair| pair[1].time - pair[0].time).fold(0.0, f64::max);
+            assert!(most < longest * (1.0 + 1e-9), "{part}: {most} s, not {longest} s");
+        }
+    }
+}

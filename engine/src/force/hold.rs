@@ -169,4 +169,23 @@ mod tests {
         assert_eq!(crest(1.0, 1.0, 1.0), 1.0);
         assert_eq!([crest(0.0, 1.0, 4.0), crest(2.0, 1.0, 0.0)], [4.0, 1.0]);
     }
+
+    #[test]
+    fn a_concave_rise_or_fall_has_its_crest_at_an_end() {
+        assert_eq!([crest(0.0, 2.0, 3.0), crest(3.0, 2.0, 0.0)], [3.0, 2.0]);
+    }
+
+    #[test]
+    fn force_and_weight_balance_at_rest() {
+        let (levitation, node) = crate::force::tests::standing_wave();
+        for part in [0.0, 0.03, -0.05, 0.08] {
+            let at = node + DVec3::new(part, 0.5 * part, 0.3 * part) * levitation.wavelength;
+            let hold = levitation.hold(at);
+            assert!(hold.holds() && hold.sag() > -0.1 * levitation.wavelength, "{hold:?}");
+            let stiffest = hold.modes[2].stiffness;
+            let net = levitation.net(hold.rest).length();
+            let off = net / (stiffest * levitation.wavelength);
+            assert!(off < SHORTEST, "{part}: {off:e} wavelengths at the stiffest mode");
+        }
+    }
 }

@@ -129,3 +129,47 @@ impl Levitation {
         self.drives.iter().map(move |drive| drive.derivatives(point))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Array, Board};
+
+    /// A bead between two facing boards that sound in phase, and the lower of the two nodes beside the middle, where
+    /// it floats.
+    pub(super) fn standing_wave() -> (Levitation, DVec3) {
+        let (aperture, scene) = boards();
+        let middle = DVec3::Z * 0.04;
+        let lift = aperture.wavelength() / 4.0;
+        (Levitation::new(&scene, &aperture, &[towards(&aperture, middle)]), middle - DVec3::Z * lift)
+    }
+
+    fn boards() -> (Aperture, Scene) {
+        let array = Array { rows: 4, columns: 4, strength: 10.0, ..Array::default() };
+        let above = Board { at: DVec3::Z * 0.08, normal: DVec3::NEG_Z, ..Board::default() };
+        let scene = Scene { array, boards: vec![Board::default(), above], ..Scene::default() };
+        (Aperture::new(&scene), scene)
+    }
+
+    fn towards(aperture: &Aperture, focus: DVec3) -> Drive {
+        let phases = aperture.positions.iter().map(|at| aperture.element.wavenumber * at.distance(focus));
+        Drive { amplitudes: vec![1.0; aperture.positions.len()], phases: phases.collect() }
+    }
+
+    #[test]
+    fn the_force_of_drives_in_turn_is_the_mean_of_theirs() {
+        let (aperture, scene) = boards();
+        let drives = [0.03, 0.04, 0.045].map(|z| towards(&aperture, DVec3::Z * z));
+        let both = Levitation::new(&scene, &aperture, &drives);
+        let alone = drives.map(|drive| Levitation::new(&scene, &aperture, &[drive]));
+        let points = [DVec3::new(0.001, 0.002, 0.041), DVec3::new(-0.003, 0.0, 0.035)];
+        let forces = both.forces_at(&points);
+        assert_eq!(forces.len(), points.len());
+        for (point, force) in points.into_iter().zip(forces) {
+            let expected = alone.iter().map(|alone| alone.force(point)).sum::<DVec3>() / 3.0;
+            assert!(force.distance(expected) < 1e-12 * expected.length(), "{force}, not {expected}");
+            let all = both.forces(point).force;
+            assert!(force.distance(all) < 1e-9 * expected.length(), "{force}, not {all}");
+        }
+    }
+}
