@@ -328,3 +328,60 @@ impl Kernel for Spread<'_> {
 fn twice_area(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIDE: usize = 16;
+
+    /// The screen under a patch whose rays land on these corners, around the patch.
+    fn lit([a, b, c, d]: [[f64; 2]; 4]) -> (Vec<f32>, Light) {
+        let lands = [a, b, d, c];
+        let rests = [[0.0, 0.0], [4.0, 0.0], [0.0, 4.0], [4.0, 4.0]];
+        let slopes = [0, 1].map(|axis| {
+            rests.iter().zip(lands).map(|(rest, land)| (rest[axis] - land[axis]) as f32).collect::<Vec<_>>()
+        });
+        let rays = Rays {
+            counts: [2, 2],
+            first: [0.0, 0.0],
+            step: [4.0, 4.0],
+            slopes: [&slopes[0], &slopes[1]],
+            throw: [1.0, 1.0],
+        };
+        let mut values = vec![0.0; SIDE * SIDE];
+        let light = light(&[rays], SIDE, &mut values);
+        (values, light)
+    }
+
+    #[test]
+    fn a_patch_lights_its_image_evenly_whichever_way_it_is_turned() {
+        let corners = [[2.0, 2.0], [11.0, 3.0], [13.0, 12.0], [3.0, 7.0]];
+        let area = 62.0;
+        let is_inside =
+            |point: [f64; 2]| (0..4).all(|i| twice_area(corners[i], corners[(i + 1) % 4], point) >= 0.0);
+        for is_mirrored in [false, true] {
+            // One half is larger than the other, or smaller.
+            for turn in 0..4 {
+                let mut image = [0, 1, 2, 3].map(|i| corners[(i + turn) % 4]);
+                if is_mirrored {
+                    image.reverse();
+                }
+                let (values, light) = lit(image);
+                assert_eq!(light.crosses, is_mirrored, "{image:?}");
+                assert!(light.sent == 16.0 && (light.landed - 16.0).abs() < 1e-5, "{image:?}: {light:?}");
+                let mut inside = 0;
+                for (i, value) in values.iter().enumerate() {
+                    let (x, y) = ((i % SIDE) as f64, (i / SIDE) as f64);
+                    let ends = [[x, y], [x + 1.0, y], [x, y + 1.0], [x + 1.0, y + 1.0]];
+                    if ends.into_iter().all(is_inside) {
+                        inside += 1;
+                        let off = f64::from(*value) - 16.0 / area;
+                        assert!(off.abs() < 1e-5, "{image:?}: {value} in {x}, {y}");
+                    }
+                }
+                assert!(inside > 30, "{inside} pixels");
+            }
+        }
+    }
+}

@@ -237,3 +237,32 @@ fn a_wave_is_refined_until_damping_and_frequency_have_converged() {
         assert!(off.iter().all(|off| off.abs() < 1e-9), "{depth} {ratio}: {off:?}");
     }
 }
+
+#[test]
+fn creep_is_found_from_far_too_fast_a_rate() {
+    for ratio in [0.01, 0.1, 1.0] {
+        let floor = Floor { depth: 0.3, ratio };
+        let slow = floor.creep(1e-4).expect("converges");
+        for near in [0.05, 0.2, 0.6, 0.9] {
+            let again = floor.creep(near);
+            assert!(
+                again.is_some_and(|again| (again / slow - 1.0).abs() < 1e-8),
+                "{ratio} {near}: {again:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_pair_is_found_from_far_too_fast_a_decay() {
+    for ratio in [0.5, 2.0, 10.0] {
+        let floor = Floor { depth: 0.5, ratio };
+        let of = |damping: f64| {
+            let square = ratio * 0.5f64.tanh();
+            floor.pair(Mode { damping, square, swing: square - damping * damping }).expect("converges")
+        };
+        let (near, far) = (of(5.0), of(20.0));
+        let off = [far.damping / near.damping - 1.0, far.square / near.square - 1.0];
+        assert!(off.iter().all(|off| off.abs() < 1e-9), "{ratio}: {off:?}");
+    }
+}
