@@ -128,4 +128,14 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_far_point_takes_few_nodes() {
+        for (ka, most) in [(0.3, 60), (4.0, 250)] {
+            for (rho, z) in [(0.0, 20.0), (30.0, 0.1), (15.0, 15.0)] {
+                let count = nodes(ka, rho, z).count();
+                assert!(count <= most, "ka {ka}, {rho} and {z} radii: {count} nodes");
+            }
+        }
+    }
 }

@@ -206,3 +206,34 @@ pub(super) fn images(
     images.sort_by(|a, b| b.rest.total_cmp(&a.rest));
     images
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three elements in a row on a plane through `at`, with these directions in the plane's axes.
+    fn placed(at: DVec3, axes: DMat3, normals: [DVec3; 3]) -> Layout {
+        let position = |x: f64| at + axes * DVec3::new(x, 0.0, 0.0);
+        Layout {
+            positions: vec![position(-0.01), position(0.0), position(0.01)],
+            normals: normals.map(|normal| axes * normal).to_vec(),
+            columns: None,
+        }
+    }
+
+    #[test]
+    fn elements_in_a_plane_that_radiate_across_it_are_flat() {
+        let up = DVec3::new(0.6, 0.0, 0.8);
+        let x = up.any_orthonormal_vector();
+        let tilted = DMat3::from_cols(x, up.cross(x), up);
+        for (at, axes) in [(DVec3::ZERO, DMat3::IDENTITY), (DVec3::new(0.1, -0.2, 0.3), tilted)] {
+            let (level, pose) = placed(at, axes, [DVec3::Z; 3]).level();
+            assert!(level.is_flat() && level.positions.iter().all(|position| position.z == 0.0), "{level:?}");
+            assert!(pose.world_direction(DVec3::Z).distance(axes.z_axis) < 1e-12, "{pose:?}");
+            // One that looks aside is enough to need all directions.
+            let aside = DVec3::new(0.28, 0.0, 0.96);
+            let (level, _) = placed(at, axes, [aside, DVec3::Z, aside * DVec3::new(-1.0, 1.0, 1.0)]).level();
+            assert_eq!(level.normals.len(), 3);
+        }
+    }
+}
