@@ -326,4 +326,67 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn a_series_between_hard_faces_is_cut_and_one_that_fades_is_not() {
+        let aperture = |reflectivity: f64, coefficient: f64| {
+            let array = Array { rows: 2, columns: 2, reflectivity, ..Array::default() };
+            let reflectors = vec![Reflector { coefficient, ..Reflector::default() }];
+            Aperture::new(&Scene { array, reflectors, ..Scene::default() })
+        };
+        assert!(aperture(1.0, 1.0).is_series_cut());
+        for (reflectivity, coefficient) in [(0.0, 1.0), (0.5, 1.0), (1.0, -0.5)] {
+            assert!(!aperture(reflectivity, coefficient).is_series_cut(), "{reflectivity} {coefficient}");
+        }
+    }
+
+    #[test]
+    fn sound_on_a_reflector_comes_from_the_boards_and_their_images_in_others() {
+        let array = Array { rows: 2, columns: 3, ..Array::default() };
+        let wall = Reflector { point: DVec3::X * 0.1, normal: DVec3::NEG_X, coefficient: -0.5 };
+        let ceiling = Reflector { point: DVec3::Z * 0.2, normal: DVec3::NEG_Z, coefficient: 0.4 };
+        let aperture = |reflectors: Vec<Reflector>| {
+            Aperture::new(&Scene { array: array.clone(), reflectors, ..Scene::default() })
+        };
+        let without = aperture(vec![wall.clone()]);
+        let with = aperture(vec![wall, ceiling.clone()]).incident_on(&ceiling);
+        let points = [DVec3::new(0.01, -0.02, 0.2), DVec3::new(-0.05, 0.03, 0.2)];
+        let (own, expected) = (with.transfer(&points), without.transfer(&points));
+        for (row, point) in points.iter().enumerate() {
+            for (own, expected) in own.row(row).zip(expected.row(row)) {
+                assert!((own - expected * 0.7).norm() < 1e-12 * expected.norm(), "{point}: {own} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn elements_of_bowls_and_domes_are_silent_behind_themselves() {
+        let at = |n: i32| DVec3::new(0.01 * f64::from(n % 3 - 1), 0.012 * f64::from(n / 3 - 1), 0.0);
+        let points: Vec<_> = (0..48)
+            .map(|i| DVec3::new(0.01 * f64::from(i % 4) - 0.015, 0.01 * f64::from(i / 4 % 4) - 0.015, 0.0))
+            .zip([-0.002, 0.001, 0.004].into_iter().cycle())
+            .map(|(point, z)| point.with_z(z))
+            .collect();
+        for bend in [10.0, -10.0] {
+            let placed = |at: DVec3| Placed {
+                at: at.with_z(bend * at.length_squared()),
+                normal: (DVec3::Z - at * (4.0 * bend)).normalize_or_zero(),
+            };
+            let placed = Elements::new((0..9).map(|n| placed(at(n))).collect(), None);
+            let array = Array { placed, file: Some("bowl.csv".to_owned()), ..Array::default() };
+            let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+            let transfer = aperture.transfer(&points);
+            let mut silent = 0;
+            for (row, point) in points.iter().enumerate() {
+                let elements = aperture.positions.iter().zip(&aperture.normals).zip(transfer.row(row));
+                for ((position, normal), own) in elements {
+                    let expected = aperture.element.towards(*point - *position, *normal);
+                    let off = (own - expected).norm();
+                    assert!(off <= 1e-9 * expected.norm(), "{point} of {position}: {own}, not {expected}");
+                    silent += usize::from(expected == Complex64::ZERO);
+                }
+            }
+            assert!((20..9 * points.len() - 20).contains(&silent), "{bend}: {silent}");
+        }
+    }
 }
