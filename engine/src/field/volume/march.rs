@@ -390,6 +390,9 @@ fn lit(params: &ShotParams, slope: Vec3, direction: Vec3) -> Vec3 {
 }
 
 #[cfg(test)]
+mod rays;
+
+#[cfg(test)]
 mod tests {
     use super::*;
 
