@@ -385,4 +385,23 @@ mod tests {
         let [one, other] = [3.0, 3000.0].map(value);
         assert!((one - other).abs() < 1e-9 * one.abs(), "{one} and {other}");
     }
+
+    #[test]
+    fn a_focus_that_no_element_reaches_is_kept() {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (4, 4);
+        let trap = Shape::Trap { at: DVec3::Z * 0.05, trap: Trap::Twin, charge: 1 };
+        scene.targets =
+            vec![Target::new(trap), Target::new(Shape::Point { at: DVec3::new(0.01, 0.0, 0.05) })];
+        let aperture = Aperture::new(&scene);
+        let mut foci = outline::foci(&scene).unwrap();
+        // Behind the array.
+        foci.last_mut().unwrap().position.z = -0.05;
+        let problem = Problem::of_scene(&scene, &aperture, foci);
+        let traps = problem.traps.as_ref().unwrap();
+        let start = signature(&problem, traps);
+        let function = Stiffness::new(&problem, traps, &start);
+        assert!(matches!(function.foci[..], [(_, square)] if square == 0.0), "{:?}", function.foci);
+        assert!(function.keeps_foci(&problem, &start));
+    }
 }
