@@ -188,4 +188,54 @@ mod tests {
             assert_eq!(descent.x, [1.0; 3]);
         }
     }
+
+    #[test]
+    fn a_step_that_is_too_long_goes_back_to_the_minimum_of_a_parabola() {
+        /// 50 Σ x²
+        struct Bowl;
+        impl Function for Bowl {
+            fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+                gradient.iter_mut().zip(x).for_each(|(slope, x)| *slope = 100.0 * x);
+                50.0 * x.iter().map(|x| x * x).sum::<f64>()
+            }
+        }
+        // The first step of 0.1 ends higher on the other side.
+        for x in [0.02, 0.03, 0.045] {
+            let mut descent = Descent::new(vec![x], &mut Bowl);
+            assert!(descent.step(&mut Bowl));
+            assert!(descent.x[0].abs() < 1e-12, "from {x} to {}", descent.x[0]);
+        }
+    }
+
+    #[test]
+    fn slopes_whose_squares_underflow_are_descended() {
+        /// 1e-200 Σ (x - 1)²
+        struct Shallow;
+        impl Function for Shallow {
+            fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+                gradient.iter_mut().zip(x).for_each(|(slope, x)| *slope = 2e-200 * (x - 1.0));
+                1e-200 * x.iter().map(|x| (x - 1.0).powi(2)).sum::<f64>()
+            }
+        }
+        let mut descent = Descent::new(vec![0.0, 0.2, 0.4], &mut Shallow);
+        for step in 0..9 {
+            let before = descent.value;
+            assert!(descent.step(&mut Shallow) && descent.value < before, "step {step}: {descent:?}");
+        }
+    }
+
+    #[test]
+    fn from_an_infinite_value_there_is_no_step() {
+        /// Infinite at 1, and finite where a step would end.
+        struct Cliff;
+        impl Function for Cliff {
+            fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+                gradient.fill(1.0);
+                if x[0] < 1.0 { x[0] } else { f64::INFINITY }
+            }
+        }
+        let mut descent = Descent::new(vec![1.0; 3], &mut Cliff);
+        assert!(!descent.step(&mut Cliff));
+        assert_eq!(descent.x, [1.0; 3]);
+    }
 }

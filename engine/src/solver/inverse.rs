@@ -114,3 +114,53 @@ pub fn rank_and_condition(transfer: &Transfer) -> (usize, f64) {
     let smallest = if transfer.points > transfer.elements { 0.0 } else { smallest };
     (rank, largest / smallest.max(largest * f64::EPSILON))
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::{Focus, Scene};
+
+    #[test]
+    fn drives_do_not_depend_on_the_strength_of_the_field() {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (4, 4);
+        let aperture = Aperture::new(&scene);
+        let focus = |(x, target)| Focus::new(DVec3::new(x, 0.01, 0.1), target);
+        let foci: Vec<_> = [(-0.03, 1.0), (0.0, 2.0), (0.04, 0.5)].into_iter().map(focus).collect();
+        let found = |scale: f64| {
+            let mut problem = Problem::new(&aperture, foci.clone());
+            let Transfer { points, elements, .. } = problem.transfer;
+            for (m, n) in (0..points).flat_map(|m| (0..elements).map(move |n| (m, n))) {
+                problem.transfer.set(m, n, problem.transfer.at(m, n) * scale);
+            }
+            [pinv(&problem), weighted(&problem, 5)].map(|found| found.values)
+        };
+        // Down to where the drive's modulus would be no number at the field's own scale.
+        let expected = found(1.0);
+        for exponent in [-1018, -500, 900] {
+            for (got, expected) in found(2f64.powi(exponent)).iter().zip(&expected) {
+                let largest = expected.iter().map(|u| u.norm()).fold(0.0, f64::max);
+                let is_same = got.iter().zip(expected).all(|(a, b)| (a - b).norm() < 1e-9 * largest);
+                assert!(is_same, "2^{exponent}: {got:?} is not {expected:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_direction_counts_from_a_millionth_of_the_strongest() {
+        for (ratio, expected) in [(0.8e-6f64, 1), (1.25e-6, 2), (0.1, 2)] {
+            // Rows of norm 1 at this angle have singular values √2 cos ½ angle and √2 sin ½ angle.
+            let (sin, cos) = (2.0 * ratio.atan()).sin_cos();
+            let mut transfer = Transfer::zeros(2, 2);
+            for (m, n, value) in [(0, 0, 1.0), (1, 0, cos), (1, 1, sin)] {
+                transfer.set(m, n, Complex64::from(value));
+            }
+            let (rank, condition) = rank_and_condition(&transfer);
+            assert_eq!(rank, expected, "{ratio:e}");
+            assert!((condition * ratio - 1.0).abs() < 1e-6, "{ratio:e}: {condition:e}");
+        }
+    }
+}

@@ -113,3 +113,64 @@ pub fn refined(problem: &Problem<'_>, drive: &Drive, levels: u32) -> Drive {
         rounded
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec3;
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::{Focus, Scene};
+
+    fn aperture() -> Aperture {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (4, 4);
+        Aperture::new(&scene)
+    }
+
+    fn problem(aperture: &Aperture) -> Problem<'_> {
+        Problem::new(aperture, vec![Focus::new(DVec3::new(0.01, 0.005, 0.1), 1.0)])
+    }
+
+    /// In phase at the focus, but for up to two and a half levels.
+    fn nearly(problem: &Problem<'_>, levels: u32) -> Drive {
+        let step = TAU / f64::from(levels);
+        let off = |n: usize| step * (5.0 * starts::scatter(n) - 2.5);
+        let row = problem.transfer.row(0).enumerate();
+        let values: Vec<_> = row.map(|(n, h)| Complex64::cis(off(n) - h.arg())).collect();
+        Drive::uniform(values.len(), &problem.aperture.driven, &values)
+    }
+
+    fn modulus(problem: &Problem<'_>, drive: &Drive) -> f64 {
+        problem.transfer.pressure(&drive.excitation(&problem.aperture.driven))[0].norm()
+    }
+
+    #[test]
+    fn no_element_of_a_refined_drive_has_a_better_level_beside_its_own() {
+        let aperture = aperture();
+        let problem = problem(&aperture);
+        for levels in [17, 32, 128] {
+            let refined = refined(&problem, &nearly(&problem, levels), levels);
+            let most = modulus(&problem, &refined);
+            for (n, by) in (0..16).flat_map(|n| [-2.0, -1.0, 1.0, 2.0].map(|by| (n, by))) {
+                let mut other = refined.clone();
+                other.phases[n] += by * TAU / f64::from(levels);
+                let other = modulus(&problem, &other);
+                assert!(other <= most * (1.0 + 1e-12), "{levels} levels, element {n} by {by}");
+            }
+        }
+    }
+
+    #[test]
+    fn refining_leaves_silent_elements_alone() {
+        let aperture = aperture();
+        let problem = problem(&aperture);
+        for levels in [8, 32] {
+            let mut drive = nearly(&problem, levels);
+            (drive.amplitudes[3], drive.phases[3]) = (0.0, 2.0);
+            let (refined, rounded) = (refined(&problem, &drive, levels), drive.at_levels(levels));
+            assert!(refined != rounded, "{levels} levels: nothing is refined");
+            assert_eq!(refined.phases[3], rounded.phases[3], "{levels} levels");
+        }
+    }
+}

@@ -275,6 +275,19 @@ fn a_turned_solution_has_the_pressures_of_its_drive() {
 }
 
 #[test]
+fn a_solution_turned_to_its_own_copy_is_that_copy() {
+    let targets = PLACES.map(|at| Target::new(Shape::Point { at })).to_vec();
+    let solution = solver::solve(&Scene { targets, ..Scene::default() }).unwrap();
+    for turn in [0.7, -2.0] {
+        let mut ahead = solution.clone();
+        ahead.drive.phases.iter_mut().for_each(|phase| *phase += turn);
+        let back = ahead.turned_to(&solution).drive.phases;
+        let off = back.iter().zip(&solution.drive.phases).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(off < 1e-9, "{turn} rad: off by {off}");
+    }
+}
+
+#[test]
 fn targets_that_no_sound_reaches_are_too_loud() {
     let at = dvec3(0.0, 0.0, 10.0);
     let mut scene = Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() };
