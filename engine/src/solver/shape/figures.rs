@@ -245,8 +245,11 @@ fn heard(
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::scene::{Sampling, Scene, Shape, Target, outline};
+    use crate::solver::starts::scatter;
 
     #[test]
     fn areas_are_drawn_by_samples_an_eighth_of_a_wavelength_apart() {
@@ -310,6 +313,86 @@ mod tests {
             let nearest =
                 foci.iter().map(|focus| focus.position.distance(place)).fold(f64::INFINITY, f64::min);
             assert!(nearest > 0.005 && nearest < 0.00502, "{place}: {nearest}");
+        }
+    }
+
+    fn array(rows: u32, columns: u32) -> Aperture {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (rows, columns);
+        Aperture::new(&scene)
+    }
+
+    /// Values of some drives in turn.
+    fn scattered(aperture: &Aperture, drives: usize) -> Vec<Complex64> {
+        (0..drives * aperture.driven.len()).map(|n| 2.0 * Complex64::cis(9.0 * scatter(n))).collect()
+    }
+
+    /// The root mean square of |p| over all drives.
+    fn heard_at(aperture: &Aperture, at: DVec3, u: &[Complex64]) -> f64 {
+        let transfer = aperture.transfer(&[at]);
+        let squares: Vec<_> =
+            u.chunks(aperture.driven.len()).map(|u| transfer.pressure(u)[0].norm_sqr()).collect();
+        statistics::mean(squares.into_iter()).sqrt()
+    }
+
+    #[test]
+    fn evenness_and_ripple_are_of_samples_and_of_quarters_between_neighbours() {
+        let aperture = array(4, 5);
+        let place = |x: f64| DVec3::new(1e-3 * x, 0.0, 0.06);
+        let focus = |(x, target): (f64, f64)| Focus { position: place(x), target, part: Part::Stroke };
+        // The last is no neighbour of the others.
+        let foci = [(0.0, 1.0), (2.0, 3.0), (4.0, 2.0), (20.0, 0.5)].map(focus).to_vec();
+        let problem = Problem { drives: 2, ..Problem::new(&aperture, foci) };
+        let u = scattered(&aperture, 2);
+        let plane = Plane { centre: place(0.0), ..Plane::default() };
+        let figures = figures(&problem, &Surroundings::of_plane(plane, 0.0), &u);
+        let targets = [1.0, 1.5, 2.0, 2.5, 3.0, 2.75, 2.5, 2.25, 2.0];
+        let along = (0..).map(|quarter| 0.5 * f64::from(quarter)).zip(targets).chain([(20.0, 0.5)]);
+        let relative: Vec<_> = along.map(|(x, target)| heard_at(&aperture, place(x), &u) / target).collect();
+        let least = relative.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = relative.iter().copied().fold(0.0, f64::max);
+        let evenness = least / statistics::mean(relative.iter().copied());
+        assert!((figures.evenness - evenness).abs() < 1e-9, "{} is {evenness}", figures.evenness);
+        let ripple = 20.0 * (most / least).log10();
+        assert!((figures.ripple_db - ripple).abs() < 1e-9, "{} dB is {ripple} dB", figures.ripple_db);
+    }
+
+    #[test]
+    fn samples_of_drives_in_turn_are_heard_as_their_root_mean_square() {
+        let aperture = array(4, 5);
+        let layout = Layout::new(&aperture, 0.06, DVec2::splat(0.03), 2);
+        let drawn = [Focus::new(DVec3::Z * 0.06, 1.0)];
+        for drives in 1..=3 {
+            let u = scattered(&aperture, drives);
+            let heard = heard(&aperture, &drawn, &layout, &u, 8e-3);
+            let loudest = heard.iter().map(|(_, p)| *p).fold(0.0, f64::max);
+            assert!(heard.len() > 100, "{}", heard.len());
+            for (at, p) in heard {
+                assert!(at.distance(drawn[0].position) > 8e-3, "{at} is drawn");
+                let expected = heard_at(&aperture, at, &u);
+                assert!((p - expected).abs() < 1e-4 * loudest, "{drives} drives, {at}: {p} is {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_side_lobe_is_a_maximum_between_samples() {
+        let aperture = array(8, 8);
+        let focus = DVec3::new(0.03, 0.0, 0.1);
+        let problem = Problem::new(&aperture, vec![Focus::new(focus, 1.0)]);
+        let u: Vec<_> = problem.transfer.row(0).map(|h| Complex64::cis(-h.arg())).collect();
+        let plane = Plane { centre: DVec3::Z * 0.1, ..Plane::default() };
+        let figures = figures(&problem, &Surroundings::of_plane(plane, 0.0), &u);
+        let at = figures.side_lobe_position;
+        let loudest = heard_at(&aperture, at, &u);
+        let expected = loudest / heard_at(&aperture, focus, &u);
+        assert!((figures.side_lobe - expected).abs() < 1e-9, "{} is {expected}", figures.side_lobe);
+        // A grating lobe, far from the edge of the drawing.
+        assert!(at.distance(focus) > 0.02, "{at}");
+        for direction in 0..16 {
+            let (sin, cos) = (TAU * f64::from(direction) / 16.0).sin_cos();
+            let beside = heard_at(&aperture, at + 2e-4 * DVec3::new(cos, sin, 0.0), &u);
+            assert!(beside <= loudest, "{direction}: {beside} beside {loudest}");
         }
     }
 }

@@ -227,3 +227,57 @@ impl<T: Real> Picture<T> {
         contrast.is_finite().then_some(contrast)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use num_complex::Complex64;
+
+    use super::*;
+    use crate::solver::shape::table::Table;
+
+    /// As many elements as samples, each heard at one of them alone.
+    fn picture(brightness: &[f64], weight: &[f64]) -> Picture<f64> {
+        let count = brightness.len();
+        let mut table = Table::new(count);
+        for row in 0..count {
+            table.push((0..count).map(|n| Complex64::from(if n == row { 1.0 } else { 0.0 })), 1.0);
+        }
+        Picture::new(Samples::Table(table), Wanted::new(brightness.to_vec(), weight.to_vec()), None)
+    }
+
+    #[test]
+    fn starts_have_the_wanted_moduli_and_the_first_has_equal_phases() {
+        let brightness: Vec<_> = (0..9).map(|n| 0.5 * f64::from(n)).collect();
+        let weight: Vec<_> = (0..9).map(|n| 1.0 / f64::from(n + 1)).collect();
+        let mut drives = vec![Waves::zeros(16); 3];
+        // Anything before is replaced.
+        drives[1].re[2] = 7.0;
+        picture(&brightness, &weight).start(0, &mut drives);
+        for (drive, b) in drives.iter().enumerate() {
+            let p: Vec<_> = (0..9).map(|n| Complex64::new(b.re[n], b.im[n])).collect();
+            for (n, p) in p.iter().enumerate() {
+                let expected = (brightness[n] * weight[n]).sqrt();
+                assert!((p.norm() - expected).abs() < 1e-12, "drive {drive}, {n}: {p}, not {expected}");
+            }
+            let is_equal = p.iter().all(|p| (p - p.norm()).norm() < 1e-12);
+            assert_eq!(is_equal, drive == 0, "drive {drive}: {p:?}");
+        }
+    }
+
+    #[test]
+    fn the_contrast_is_the_mean_inside_over_the_mean_around() {
+        // Inside, half covered, around, and elsewhere.
+        let (brightness, weight) = ([3.0, 3.0, 1.5, 0.0, 0.0, 0.0], [1.0, 1.0, 1.0, 1.0, 1.0, 0.0]);
+        let mut drive = Waves::zeros(16);
+        drive.re[..6].copy_from_slice(&[2.0, 1.0, 1.5, 0.5, 0.7, 9.0]);
+        let mut areas = picture(&brightness, &weight);
+        areas.hear(std::slice::from_ref(&drive));
+        let inside = (4.0 + 1.0 + 0.5 * 2.25) / 2.5;
+        let around = (0.5 * 2.25 + 0.25 + 0.49) / 2.5;
+        let contrast = areas.contrast().unwrap();
+        assert!((contrast - inside / around).abs() < 1e-12, "{contrast}, not {}", inside / around);
+        let mut everywhere = picture(&[3.0; 6], &[1.0; 6]);
+        everywhere.hear(&[drive]);
+        assert_eq!(everywhere.contrast(), None);
+    }
+}
