@@ -3,6 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
+use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
 use crate::scene::{Aim, Focus, Sampling, Scene, Shape, Target, outline};
@@ -10,7 +11,7 @@ use crate::solver::Problem;
 use crate::solver::descent::{Descent, Function};
 use crate::solver::shape::objective::Loudness;
 use crate::solver::shape::{
-    AREA, COARSE, FINE, LAST, OTHER_STEPS, Search, Stage, Surroundings, TRIAL, TRIAL_REST,
+    AREA, COARSE, FINE, LAST, OTHER_STEPS, Search, Stage, Surroundings, TRIAL, TRIAL_REST, descend, value,
 };
 use crate::solver::starts::scatter;
 
@@ -163,4 +164,174 @@ fn of_all_common_phases_that_of_the_least_harm_by_rounding_is_taken() {
         let other = harm(step * f64::from(turn) / 32.0);
         assert!(taken <= other + 1e-6, "{turn}: {other}, and {taken}");
     }
+}
+
+/// Descents that have just begun.
+fn begun(search: &mut Search<'_>) -> Descent {
+    let elements = search.problem.aperture.driven.len();
+    let phases = (0..elements).map(|n| TAU * scatter(n)).collect();
+    Descent::new(phases, &mut search.objective)
+}
+
+fn with_search(scene: &Scene, work: impl FnOnce(&mut Search<'_>)) {
+    let aperture = Aperture::new(scene);
+    let problem = Problem::of_scene(scene, &aperture, outline::foci(scene).unwrap());
+    work(&mut Search::new(&problem, &Surroundings::new(scene, &problem.foci)));
+}
+
+#[test]
+fn foci_beside_areas_are_strokes_unless_a_depression_is_the_target() {
+    for (fill, beside, aim, has_strokes) in [
+        (false, false, Aim::Pressure, true),
+        (true, false, Aim::Pressure, false),
+        (true, true, Aim::Pressure, true),
+        (false, true, Aim::Depression, false),
+        (true, true, Aim::Depression, false),
+    ] {
+        let mut scene = scene(fill, 0.5, aim, 0.0);
+        if beside {
+            scene.targets.push(Target::new(Shape::Point { at: DVec3::new(-0.03, 0.0, 0.1) }));
+        }
+        with_search(&scene, |search| {
+            let what = format!("fill {fill}, beside {beside}, {aim:?}");
+            assert_eq!(search.objective.has_strokes(), has_strokes, "{what}");
+            assert_eq!(search.objective.picture.is_some(), fill || aim == Aim::Depression, "{what}");
+        });
+    }
+}
+
+#[test]
+fn where_targets_hear_nothing_a_search_is_over() {
+    let mut scene = scene(false, 0.5, Aim::Pressure, 0.0);
+    // 100 000 dB on the way: no number of f64 is that small.
+    scene.medium.absorption = Some(1e6);
+    with_search(&scene, |search| {
+        assert_eq!(search.stage(), Stage::Done);
+        let silent = search.advance().unwrap();
+        assert!(silent.values.iter().all(|u| (u - 1.0).norm() < 1e-12), "{:?}", silent.values);
+        assert!(search.advance().is_none());
+    });
+}
+
+#[test]
+fn a_plane_without_sound_gives_no_second_drive() {
+    let scene = scene(false, 0.5, Aim::Pressure, 0.0);
+    with_search(&scene, |search| {
+        search.surroundings.plane.centre = DVec3::Z * -0.1;
+        assert!(search.advance().is_some());
+        assert_eq!(search.stage(), Stage::Coarse(0));
+        assert!(search.advance().is_none());
+        assert_eq!(search.stage(), Stage::Done);
+    });
+}
+
+#[test]
+fn side_lobes_count_from_the_second_call_on() {
+    for fill in [false, true] {
+        with_search(&scene(fill, 0.5, Aim::Pressure, 0.0), |search| {
+            for call in 0..3 {
+                let stage = search.stage();
+                let is_of_area = matches!(stage, Stage::Area(_));
+                assert_eq!(is_of_area, fill && call > 0, "call {call}: {stage:?}");
+                assert!(search.advance().is_some());
+                assert_consistent(search, stage, &format!("fill {fill}"));
+            }
+        });
+    }
+}
+
+#[test]
+fn another_start_gets_a_trial() {
+    with_search(&scene(false, 0.5, Aim::Pressure, 0.0), |search| {
+        assert!(search.advance().is_some() && search.advance().is_some());
+        for start in 0..2 {
+            search.stage = Stage::Other(start);
+            let before = search.steps;
+            search.advance();
+            let done = search.steps - before;
+            assert!(done > OTHER_STEPS && done <= OTHER_STEPS + TRIAL, "{start}: {done} steps");
+            assert_eq!(search.stage(), Stage::Other(start + 1));
+        }
+    });
+}
+
+#[test]
+fn after_the_rivals_last_call_the_better_of_both_leads() {
+    with_search(&scene(false, 0.5, Aim::Pressure, 0.0), |search| {
+        assert!(search.advance().is_some() && search.advance().is_some());
+        let (good, poor) = (search.ways[0].take(), begun(search));
+        for (leader, good_one) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            search.ways[good_one].clone_from(&good);
+            search.ways[1 - good_one] = Some(poor.clone());
+            (search.leader, search.stage) = (leader, Stage::Rival(FINE.1 - 1));
+            search.advance();
+            assert_eq!(search.stage(), Stage::Last(0));
+            let (leads, other) = (value(&search.ways[search.leader]), value(&search.ways[1 - search.leader]));
+            assert!(leads < other, "of {leader} and {good_one}: {leads}, not {other}");
+        }
+    });
+}
+
+#[test]
+fn moved_strokes_are_heard_on_finer_samples_and_moved_areas_on_coarse_ones() {
+    for fill in [false, true] {
+        let scene = scene(fill, 0.5, Aim::Pressure, 0.0);
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let before: Vec<_> = (0..aperture.driven.len()).map(|n| Complex64::cis(TAU * scatter(n))).collect();
+        let mut search = Search::from(&problem, &Surroundings::new(&scene, &problem.foci), &before);
+        assert!(search.advance().is_some());
+        assert_consistent(&mut search, Stage::Moved, &format!("fill {fill}"));
+        let way = search.ways[0].clone().unwrap();
+        let [coarse, fine] = [false, true].map(|finer| {
+            search.hear(finer);
+            search.objective.evaluate(&way.x, &mut vec![0.0; way.x.len()])
+        });
+        let (same, other) = if fill { (coarse, fine) } else { (fine, coarse) };
+        assert!(is_close(way.value, same), "fill {fill}: {} is {same}", way.value);
+        assert!(!is_close(way.value, other), "fill {fill}: {} and {other}", way.value);
+    }
+}
+
+#[test]
+fn strokes_give_up_a_fifth_of_their_strength_at_most() {
+    with_search(&scene(false, 0.5, Aim::Pressure, 0.0), |search| {
+        // M, a square.
+        search.strongest = 7.0;
+        for (quiet, expected) in [(0.1, 0.98), (0.5, 0.9), (1.0, 0.8), (3.0, 0.8)] {
+            search.surroundings.quiet = quiet;
+            let kept = (search.weights(Loudness::Eight).floor / 7.0).sqrt();
+            assert!((kept - expected).abs() < 1e-12, "{quiet}: {kept}, not {expected}");
+        }
+    });
+}
+
+#[test]
+fn a_common_phase_that_changes_is_taken_back() {
+    with_search(&scene(false, 0.0, Aim::Pressure, 0.0), |search| {
+        let found = search.advance().unwrap().values;
+        for turn in [0.3, -1.2, 2.0] {
+            search.ways[0].iter_mut().for_each(|way| way.x.iter_mut().for_each(|phase| *phase += turn));
+            let again = search.give().values;
+            let off = found.iter().zip(&again).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            assert!(off < 1e-9, "{turn} rad: off by {off}");
+        }
+    });
+}
+
+#[test]
+fn a_descent_takes_all_its_steps_as_long_as_they_gain() {
+    with_search(&scene(false, 0.0, Aim::Pressure, 0.0), |search| {
+        for steps in [1, 5, 8, 10, 25] {
+            let mut way = begun(search);
+            assert_eq!(descend(&mut way, &mut search.objective, steps), (steps, true), "{steps} steps");
+        }
+        let mut way = begun(search);
+        let calls = (0..200).take_while(|_| descend(&mut way, &mut search.objective, 25).1).count();
+        assert!(calls < 200, "no end");
+        // What ended gains hardly any more.
+        let end = way.value;
+        descend(&mut way, &mut search.objective, 25);
+        assert!(end - way.value < 1e-2, "{end}, then {}", way.value);
+    });
 }
