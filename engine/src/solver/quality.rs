@@ -165,7 +165,11 @@ fn largest_eigenvalue(transfer: &Transfer, w: &[f64], d: &[f64]) -> Option<f64> 
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::{Focus, Scene};
 
     #[test]
     fn no_drive_exceeds_the_largest_eigenvalue_and_one_reaches_it() {
@@ -197,6 +201,53 @@ mod tests {
                 u = next.iter().map(|value| value / norm).collect();
             }
             assert!(quotient > largest * (1.0 - 1e-9), "{points} x {elements}: {quotient} of {largest}");
+        }
+    }
+
+    fn two_elements() -> Aperture {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (1, 2);
+        Aperture::new(&scene)
+    }
+
+    /// Two foci that hear two elements in phase and in antiphase.
+    fn shared(aperture: &Aperture, targets: [f64; 2]) -> Problem<'_> {
+        let foci = targets.map(|target| Focus::new(DVec3::Z * 0.1, target)).to_vec();
+        let mut problem = Problem::new(aperture, foci);
+        for (m, n, value) in [(0, 0, 3.0), (0, 1, 3.0), (1, 0, 3.0), (1, 1, -3.0)] {
+            problem.transfer.set(m, n, Complex64::from(value));
+        }
+        problem
+    }
+
+    #[test]
+    fn the_bound_of_two_foci_that_share_two_elements_is_reached_at_a_quarter_turn() {
+        let aperture = two_elements();
+        for target in [0.5, 1.0, 40.0] {
+            let problem = shared(&aperture, [target; 2]);
+            // In phase one focus gets all and the other nothing: each alone would get 6.
+            let reached = problem.transfer.pressure(&[Complex64::ONE, Complex64::I])[1].norm() / target;
+            let part = reached / bound(&problem);
+            assert!(part > 0.99 && part < 1.0 + 1e-9, "{target}: {reached} is {part} of the bound");
+        }
+    }
+
+    #[test]
+    fn any_weights_bound_all_drives_and_their_scale_is_free() {
+        let aperture = two_elements();
+        let problem = shared(&aperture, [0.5, 2.0]);
+        let weakest = |turn: f64| {
+            let heard = problem.transfer.pressure(&[Complex64::ONE, Complex64::cis(turn)]);
+            heard.iter().zip([0.5, 2.0]).map(|(p, target)| p.norm() / target).fold(f64::INFINITY, f64::min)
+        };
+        let reached = (0..100).map(|step| weakest(0.0628 * f64::from(step))).fold(0.0, f64::max);
+        for (w, d) in [([1.0, 1.0], [1.0, 1.0]), ([0.1, 2.0], [1.0, 3.0]), ([5.0, 0.01], [0.2, 0.1])] {
+            let bound = dual(&problem, &w, &d);
+            assert!(bound >= reached, "{w:?}, {d:?}: {reached} is more than {bound}");
+            for (by_w, by_d) in [(7.0, 1.0), (1.0, 7.0), (0.01, 0.3)] {
+                let scaled = dual(&problem, &w.map(|w| by_w * w), &d.map(|d| by_d * d));
+                assert!((scaled / bound - 1.0).abs() < 1e-12, "{w:?}, {d:?}: {scaled}, not {bound}");
+            }
         }
     }
 }

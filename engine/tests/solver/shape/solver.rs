@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::scene::{ElementModel, Focus, Method, Plane, Scene};
+use sonoglyph::scene::{self, Aim, Area, ElementModel, Focus, Method, Plane, Scene, Shape, Target, outline};
 use sonoglyph::solver::shape::{self, Search, Surroundings, Zone, figures};
 use sonoglyph::solver::{self, Problem};
 
@@ -287,6 +287,50 @@ fn any_shape_has_a_playable_drive() {
                 }
                 assert!(figures.side_lobe_position.is_finite(), "{what}: {figures:?}");
             }
+        }
+    }
+}
+
+/// One target above a small array.
+fn small_scene(shape: Shape) -> Scene {
+    let mut scene = Scene { targets: vec![Target::new(shape)], ..Scene::default() };
+    (scene.array.rows, scene.array.columns) = (4, 4);
+    scene
+}
+
+#[test]
+fn zones_drives_in_turn_depressions_and_strokes_each_make_a_shape() {
+    let at = DVec3::Z * 0.1;
+    let zone = |scene: &mut Scene| {
+        let area = Area::Circle { radius: 0.01 };
+        scene.quiet = vec![scene::Zone { area, at, normal: DVec3::Z, angle: 0.0, weight: 1.0 }];
+    };
+    type Change<'a> = &'a dyn Fn(&mut Scene);
+    let changes: [(&str, Change<'_>, bool); 5] = [
+        ("a point", &|_| (), false),
+        ("a zone", &zone, true),
+        ("drives in turn", &|scene| scene.solver.frames = 2, true),
+        ("a depression", &|scene| scene.solver.target = Aim::Depression, true),
+        ("a stroke", &|scene| scene.targets = vec![Target::new(Shape::Circle { at, radius: 0.01 })], true),
+    ];
+    for (name, change, is_shape) in changes {
+        let mut scene = small_scene(Shape::Point { at });
+        change(&mut scene);
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        assert_eq!(problem.surroundings.is_some(), is_shape, "{name}");
+    }
+}
+
+#[test]
+fn only_best_takes_a_drags_first_calls() {
+    let mut scene = small_scene(Shape::Circle { at: DVec3::Z * 0.1, radius: 0.01 });
+    for method in [Method::Best, Method::Naive, Method::Gs] {
+        scene.solver.method = method;
+        let drag = solver::solve_on(&scene, None).unwrap();
+        assert_eq!(drag.figures.is_none(), method == Method::Best, "{method:?}");
+        if method != Method::Best {
+            assert_eq!(drag.drive, solver::solve(&scene).unwrap().drive, "{method:?}");
         }
     }
 }
