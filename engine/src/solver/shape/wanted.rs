@@ -185,3 +185,110 @@ fn around(cover: &Cover, half: DVec2, spacing: f64) -> impl Iterator<Item = DVec
     let row = move |j: i64| (-x..=x).map(move |i| (i, j));
     (-y..=y).flat_map(row).map(move |(i, j)| cover.world(DVec2::new(i as f64, j as f64) * spacing))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Sampling, Scene, Shape, Target, outline};
+    use crate::solver::shape::real::Waves;
+
+    const WIDTH: f64 = 0.02;
+    const HEIGHT: f64 = 0.012;
+
+    fn scene(side: u32) -> Scene {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (side, side);
+        scene
+    }
+
+    fn area(at: DVec3, width: f64, height: f64) -> Target {
+        Target { sampling: Sampling::Fill, ..Target::new(Shape::Rectangle { at, width, height }) }
+    }
+
+    fn cover(area: &Target, aperture: &Aperture) -> Cover {
+        Cover::new(area, aperture.wavelength()).unwrap().unwrap()
+    }
+
+    fn drawn<'a>(covers: &'a [Cover], aperture: &Aperture) -> Drawn<'a> {
+        Drawn { covers, discs: Vec::new(), wavelength: aperture.wavelength() }
+    }
+
+    #[test]
+    fn areas_have_a_height_if_all_are_level_at_one_above_the_array() {
+        let aperture = Aperture::new(&scene(4));
+        let level = |height: f64| area(DVec3::new(10.0 * height, 0.0, height), WIDTH, HEIGHT);
+        let tilted = Target { normal: DVec3::new(0.3, 0.0, 1.0), ..level(0.1) };
+        for (areas, expected) in [
+            (vec![level(0.1)], Some(0.1)),
+            (vec![level(0.1), level(0.1)], Some(0.1)),
+            (vec![level(0.1), level(0.11)], None),
+            (vec![level(0.1), tilted], None),
+            (vec![level(-0.1)], None),
+        ] {
+            let covers: Vec<_> = areas.iter().map(|area| cover(area, &aperture)).collect();
+            assert_eq!(drawn(&covers, &aperture).height(), expected, "{areas:?}");
+        }
+    }
+
+    #[test]
+    fn samples_count_up_to_3_7_wavelengths_beside_an_area() {
+        let aperture = Aperture::new(&scene(4));
+        let middle = DVec3::new(0.01, -0.005, 0.1);
+        let covers = [cover(&Target { pressure: 3.0, ..area(middle, WIDTH, HEIGHT) }, &aperture)];
+        let drawn = drawn(&covers, &aperture);
+        let layout = drawn.layout(&aperture, SPACING * aperture.wavelength()).unwrap();
+        let wanted = drawn.on_grid(&aperture, &layout);
+        let far = covers[0].half + 3.7 * aperture.wavelength();
+        for (index, place) in layout.places(aperture.pitch) {
+            let counts = (place - middle.truncate()).abs().cmple(far).all();
+            assert_eq!(wanted[index].1, if counts { 1.0 } else { 0.0 }, "{place}");
+        }
+        let bright = wanted.iter().map(|(brightness, _)| brightness).sum::<f64>();
+        let size = bright / 9.0 * layout.spacing(aperture.pitch).powi(2);
+        assert!((size / (WIDTH * HEIGHT) - 1.0).abs() < 0.05, "{size} m² are bright");
+    }
+
+    #[test]
+    fn large_areas_have_grids_over_small_arrays_too() {
+        let aperture = Aperture::new(&scene(4));
+        let covers = [cover(&area(DVec3::Z * 0.1, 0.3, 0.3), &aperture)];
+        let layout = drawn(&covers, &aperture).layout(&aperture, 2e-3).unwrap();
+        assert!(layout.area() > 64 * aperture.positions.len(), "{layout:?}");
+    }
+
+    #[test]
+    fn tilted_areas_and_their_margins_are_sampled_evenly() {
+        let aperture = Aperture::new(&scene(4));
+        let spacing = SPACING * aperture.wavelength();
+        for (width, height) in [(WIDTH, HEIGHT), (0.3, 0.2)] {
+            let normal = DVec3::new(0.2, 0.0, 1.0);
+            let covers = [cover(&Target { normal, ..area(DVec3::Z * 0.1, width, height) }, &aperture)];
+            let (_, wanted) = drawn(&covers, &aperture).in_table::<f32>(&aperture, spacing, 1.0);
+            let half = covers[0].half + 3.7 * aperture.wavelength();
+            // Of a large area at most 10 000 samples.
+            let apart = spacing.max((4.0 * half.element_product() / 1e4).sqrt());
+            let [along, up] = (half / apart).to_array().map(|steps| 2.0 * steps.floor() + 1.0);
+            assert_eq!(wanted.len(), (along * up) as usize, "{width} m");
+            let size = wanted.iter().map(|(brightness, _)| brightness).sum::<f64>() * apart * apart;
+            assert!((size / (width * height) - 1.0).abs() < 0.05, "{size} m² are bright");
+        }
+    }
+
+    #[test]
+    fn the_scale_of_a_fit_does_not_depend_on_the_unit_of_targets() {
+        let fit = |pressure: f64| {
+            let target = Target { pressure, ..area(DVec3::Z * 0.1, WIDTH, HEIGHT) };
+            let scene = Scene { targets: vec![target], ..scene(4) };
+            let aperture = Aperture::new(&scene);
+            let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+            let surroundings = problem.surroundings.as_ref().unwrap();
+            let mut picture = picture::<f64>(&problem, surroundings, false, 1e-2).unwrap();
+            let mut drive = Waves::zeros(PADDING);
+            drive.re.fill(1.0);
+            picture.hear(&[drive]).unwrap()
+        };
+        let (ratios, pascals) = (fit(1.0), fit(300.0));
+        assert!((pascals.scale / ratios.scale - 1.0).abs() < 1e-9, "{pascals:?}, not {ratios:?}");
+        assert!((pascals.error - ratios.error).abs() < 1e-9, "{pascals:?}, not {ratios:?}");
+    }
+}
