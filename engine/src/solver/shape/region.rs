@@ -225,4 +225,71 @@ mod tests {
             assert!(least > lowest && least < lowest + 4e-3, "{height}: {least}");
         }
     }
+
+    fn square(side: u32) -> Aperture {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (side, side);
+        Aperture::new(&scene)
+    }
+
+    #[test]
+    fn planes_are_grids_up_to_a_size_that_grows_with_the_array() {
+        // Small arrays get more than 64 values per element, and large ones more than 65536.
+        for (side, usual) in [(2, 64 * 4), (17, 1 << 16)] {
+            let aperture = square(side);
+            let most = 64 * aperture.positions.len() + 65536;
+            let (mut largest, mut smallest_beyond) = (0, usize::MAX);
+            for height in (4..=22).map(|step| 0.05 * f64::from(step)) {
+                let at = DVec3::Z * height;
+                let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
+                let plane = Plane { centre: at, ..Plane::default() };
+                match Area::new(&problem, &plane, false) {
+                    Some(Area::Grid(layout)) => largest = largest.max(layout.area()),
+                    Some(Area::Points { .. }) => {
+                        let reach = DVec2::splat(slope(&aperture) * height).max(aperture.reach());
+                        let grids = (aperture.pitch / spacing(&aperture, height)).ceil() as usize;
+                        let area = Layout::new(&aperture, height, reach, grids).area();
+                        smallest_beyond = smallest_beyond.min(area);
+                    }
+                    None => panic!("{side}, {height}: no samples"),
+                }
+            }
+            assert!(largest > usual && largest <= most, "{side}: {largest}");
+            assert!(smallest_beyond > most && smallest_beyond < usize::MAX, "{side}: {smallest_beyond}");
+        }
+    }
+
+    #[test]
+    fn samples_of_tilted_planes_are_near_enough_for_every_side_lobe() {
+        for (side, height) in [(2, 0.06), (4, 0.1), (8, 0.07), (16, 0.1)] {
+            let aperture = square(side);
+            let at = DVec3::Z * height;
+            let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
+            let plane = Plane { centre: at, x_axis: DVec3::new(1.0, 0.0, 0.5), ..Plane::default() };
+            let area = Area::new(&problem, &plane, false);
+            let Some(Area::Points { spacing: apart, .. }) = area else { panic!("{side}: {area:?}") };
+            let needed = spacing(&aperture, height.max(aperture.reach().length()));
+            assert!(apart <= needed && apart > 0.9 * needed, "{side}, {height}: {apart} of {needed} m");
+        }
+    }
+
+    #[test]
+    fn zones_are_heard_beside_the_drawing_and_thinned_if_they_are_large() {
+        let aperture = Aperture::new(&Scene::default());
+        let (drawn, beside) = (DVec3::Z * 0.1, DVec3::new(0.05, 0.0, 0.1));
+        let problem = Problem::new(&aperture, vec![Focus::new(drawn, 1.0)]);
+        let is_heard =
+            |points: Vec<DVec3>| in_zones::<f32>(&problem, &[Zone { points, weight: 1.0 }], 1.0).is_some();
+        assert!(is_heard(vec![beside]) && is_heard(vec![drawn, beside]));
+        assert!(!is_heard(vec![drawn; 2]) && !is_heard(Vec::new()));
+        // Of more points than have room, every second counts.
+        let most = MOST_VALUES / aperture.driven.len();
+        let with = |count: usize, place: usize| {
+            let mut points = vec![drawn; count];
+            points[place] = beside;
+            is_heard(points)
+        };
+        assert!(with(most, 1) && with(most, 2), "all of {most}");
+        assert!(!with(most + 1, 1) && with(most + 1, 2), "every second of {most} and one");
+    }
 }

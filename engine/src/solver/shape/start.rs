@@ -64,4 +64,18 @@ mod tests {
             assert!(is_same && small.iter().all(|phase| phase.is_finite()), "{number}: {small:?}, {large:?}");
         }
     }
+
+    #[test]
+    fn smooth_starts_do_not_depend_on_the_number_of_samples() {
+        // None lies in the middle, where a vortex has any phase, or beside it at half a turn.
+        let form = |index: u32| DVec3::new(f64::from(index % 4), 0.7 * f64::from(index / 4), 100.0);
+        let once: Vec<_> = (0..16).map(form).collect();
+        let twice: Vec<_> = once.iter().flat_map(|&sample| [sample; 2]).collect();
+        for number in 0..4 {
+            let phases = |samples: &[DVec3]| Start::phases(number, samples, &Plane::default());
+            let (few, many) = (phases(&once), phases(&twice));
+            let is_same = many.iter().enumerate().all(|(index, phase)| (phase - few[index / 2]).abs() < 1e-9);
+            assert!(is_same && many.len() == 32, "{number}: {few:?}, {many:?}");
+        }
+    }
 }
