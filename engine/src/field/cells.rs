@@ -166,6 +166,8 @@ fn smooth(least: usize) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use glam::DVec3;
 
     use super::*;
@@ -230,5 +232,29 @@ mod tests {
         assert!((near(0.03, DVec3::new(0.8, 0.0, 0.6)) - refined(lowest)).abs() < 1e-12);
         assert!((near(0.004, DVec3::X) - refined(aperture.wavelength())).abs() < 1e-12);
         assert_eq!(near(0.5, DVec3::X), 1.0);
+    }
+
+    #[test]
+    fn the_window_passes_squares_of_evanescent_sound() {
+        let scene = Scene::default();
+        let aperture = Aperture::new(&scene);
+        // Twice the highest frequency of the pressure.
+        let cycles = 2.0 * HIGHEST / PER_WAVELENGTH;
+        for accuracy in [1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5] {
+            let cells = Cells::new(&aperture, &scene.plane, 0.0, accuracy).unwrap();
+            let places = || (0..200).map(|i| 4.7e-4 * f64::from(i) - 0.05);
+            let resampling = cells.resampling(0, places());
+            let mut worst = 0.0f64;
+            for (pixel, place) in cells.in_cells(0, places()).enumerate() {
+                let (first, weights) = resampling.of(pixel, 1);
+                for turn in 0..8 {
+                    let wave = |at: f64| (TAU * (cycles * at + f64::from(turn) / 8.0)).cos();
+                    let taps = weights.iter().enumerate();
+                    let sum: f64 = taps.map(|(tap, w)| f64::from(*w) * wave((first + tap) as f64)).sum();
+                    worst = worst.max((sum - wave(place)).abs());
+                }
+            }
+            assert!(worst < 0.5 * accuracy, "{accuracy:e}: {worst:e}");
+        }
     }
 }

@@ -175,3 +175,37 @@ impl Around {
         sounds
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, dvec3};
+
+    use super::*;
+    use crate::field::reference;
+    use crate::scene::{Array, Plane, Scene};
+
+    #[test]
+    fn slopes_of_pressures_in_f32_are_those_of_the_reference() {
+        /// m
+        const HALF: f64 = 1e-7;
+        let array = Array { columns: 4, rows: 4, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        let phase = |n: usize| (n as f64 * 0.754_877_666).fract();
+        let drive = Drive { amplitudes: vec![1.0; 16], phases: (0..16).map(phase).collect() };
+        let centre = dvec3(0.004, -0.003, 0.05);
+        let plane = Plane { centre, size: DVec2::splat(0.03), ..Plane::default() };
+        let samples = Samples::on_plane(&plane, 7, 5).unwrap();
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        for (part, axis) in [Part::AlongX, Part::AlongY, Part::Normal].into_iter().zip(axes) {
+            let [before, behind] =
+                [HALF, -HALF].map(|by| reference::pressure(&aperture, &drive, &shifted(&samples, axis * by)));
+            let expected: Vec<_> = before.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * HALF)).collect();
+            let peak = expected.iter().map(|slope| slope.norm()).fold(0.0, f64::max);
+            let slopes = part_on_cpu(&aperture, &drive, &samples, part, axes, false);
+            for (slope, expected) in slopes.iter().zip(&expected) {
+                let off = Complex64::new(slope.re.into(), slope.im.into()) - expected;
+                assert!(off.norm() < 2e-4 * peak, "{part:?}: {slope} is not {expected}");
+            }
+        }
+    }
+}

@@ -308,4 +308,19 @@ mod tests {
             assert_eq!(lattice.summit(|_| true, |places| vec![value; places.len()]), None);
         }
     }
+
+    #[test]
+    fn a_summit_that_counts_beside_a_sample_that_does_not_is_found() {
+        let top = DVec2::new(0.3, 0.2);
+        let hill = |at: DVec2| 3.0 - 0.1 * (at - top).length_squared();
+        let (half, columns) = (DVec2::splat(3.0), 7);
+        let place = |i: usize| DVec2::new((i % columns) as f64, (i / columns) as f64) - half;
+        let values = (0..columns * columns).map(|i| hill(place(i))).collect();
+        let lattice = Lattice { values, columns, first: -half, step: DVec2::ONE, half };
+        let all = |places: &[DVec2]| places.iter().map(|&place| hill(place)).collect();
+        // The highest sample, at the origin, is outside.
+        let found = lattice.summit(|place| place.x > 0.2, all).unwrap();
+        assert!(found.place.distance(top) < 1e-6, "{found:?}");
+        assert_eq!(lattice.summit(|place| place.x > 2.0, all), None);
+    }
 }
