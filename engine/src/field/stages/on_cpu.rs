@@ -438,3 +438,16 @@ fn finish(values: &mut [f32], factor: f32, is_root: bool) -> f32 {
     }
     largest.into_iter().fold(0.0, f32::max)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn memory_of_cells_and_of_their_depths_is_counted() {
+        let mut stages = OnCpu::default();
+        stages.cells.value = vec![0.0; 100];
+        stages.response.value.depth = vec![0.0; 100];
+        assert_eq!(stages.bytes(), 200 * size_of::<f64>());
+    }
+}

@@ -204,7 +204,8 @@ mod tests {
     use super::*;
     use crate::drive::Drive;
     use crate::field::Quantity;
-    use crate::scene::{Plane, Scene};
+    use crate::field::plan::Costs;
+    use crate::scene::{Array, Plane, Scene};
 
     const AROUND: usize = 16;
 
@@ -228,6 +229,25 @@ mod tests {
             let high = own.iter().map(pixel).fold(DVec2::NEG_INFINITY, DVec2::max);
             let is_between = |at: DVec2| low.cmple(at).all() && high.cmpge(at).all();
             assert!(request.aperture.positions.iter().any(|at| is_between(at.truncate())), "{low} to {high}");
+        }
+    }
+
+    #[test]
+    fn a_liquid_is_probed_at_cells_on_the_plane() {
+        let array = Array { columns: 2, rows: 2, ..Array::default() };
+        let plane = Plane { size: DVec2::new(0.03, 0.02), ..Plane::default() };
+        let scene = Scene { array, plane: plane.clone(), ..Scene::default() };
+        let drive = Drive { amplitudes: vec![1.0; 4], phases: vec![0.0; 4] };
+        let request = Request::new(&scene, vec![drive], Quantity::Depression, (20, 20));
+        let key = SiteKey::new(&request, false);
+        let site = Site::new(&key, Costs::CPU).unwrap();
+        let probes = Probes::new(&key, &site, request.size, true);
+        assert_eq!(probes.places.len(), SPREAD);
+        let cells = &site.cells.as_ref().unwrap().cells;
+        let along = [0, 1].map(|axis| cells.places(axis).collect::<Vec<_>>());
+        for &place in &probes.places {
+            let at = DVec2::new(along[0][place % cells.counts[0]], along[1][place / cells.counts[0]]);
+            assert!(at.abs().cmple(plane.size / 2.0).all(), "{at}");
         }
     }
 }

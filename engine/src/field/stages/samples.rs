@@ -147,3 +147,25 @@ pub(super) fn sampled(
     let pairs = pressures.into_iter().zip(normals);
     pairs.map(|(pressure, normal)| Samples { pressure, normal }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::field::Plan;
+    use crate::field::plan::Costs;
+    use crate::scene::{Array, Board, Scene};
+
+    #[test]
+    fn every_board_has_a_table_wherever_tables_fit() {
+        let array = Array { columns: 3, rows: 2, ..Array::default() };
+        let boards = [-0.03, 0.03].map(|x| Board { at: DVec3::X * x, ..Board::default() }).to_vec();
+        let scene = Scene { array, boards, ..Scene::default() };
+        let aperture = Aperture::new(&scene);
+        let grid = Plan::new(&aperture, &scene.plane, Costs::CPU).unwrap().grid.unwrap();
+        for direction in [None, Some(DVec3::Z)] {
+            let key = TableKey { aperture: aperture.clone(), grid: grid.clone(), direction };
+            assert!(key.fits());
+            assert_eq!(key.tables(Vec::new()).len(), 2, "{direction:?}");
+        }
+    }
+}

@@ -216,10 +216,12 @@ impl Frame {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec2;
+
     use super::*;
     use crate::drive::Drive;
     use crate::field::Quantity;
-    use crate::scene::Scene;
+    use crate::scene::{Array, Scene};
 
     #[test]
     fn cells_take_finer_samples_as_far_as_f32_interpolates() {
@@ -236,5 +238,28 @@ mod tests {
         }
         assert_eq!(key.finer(tolerance / 1e-7), None);
         assert_eq!(SiteKey::by_pixels(&request, false).finer(1.1), None);
+    }
+
+    #[test]
+    fn squares_that_nearly_cancel_take_samples_in_f64_at_coarser_tolerances() {
+        let array = Array { columns: 2, rows: 2, ..Array::default() };
+        let plane = Plane { size: DVec2::splat(0.02), ..Plane::default() };
+        let mut scene = Scene { array, plane, ..Scene::default() };
+        let drives = || vec![Drive { amplitudes: vec![1.0; 4], phases: vec![0.0; 4] }; 2];
+        let is_double = |scene: &Scene, quantity| {
+            let request = Request::new(scene, drives(), quantity, (20, 20));
+            let site = Site::new(&SiteKey::new(&request, false), Costs::CPU).unwrap();
+            assert!(site.cells.is_some());
+            site.plan.double
+        };
+        // Samples keep two fifths of the tolerance. A potential is of pressure and slopes, a velocity of slopes only.
+        for (tolerance, of_potential, of_velocity) in
+            [(4e-3, false, false), (2e-3, true, false), (6e-4, true, false), (4e-4, true, true)]
+        {
+            scene.plane.tolerance = tolerance;
+            assert_eq!(is_double(&scene, Quantity::Gorkov), of_potential, "{tolerance:e}");
+            assert_eq!(is_double(&scene, Quantity::Velocity), of_velocity, "{tolerance:e}");
+            assert!(!is_double(&scene, Quantity::Rms), "{tolerance:e}");
+        }
     }
 }
