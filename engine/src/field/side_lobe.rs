@@ -219,7 +219,7 @@ mod tests {
 
     use super::*;
     use crate::field::Evaluator;
-    use crate::scene::Array;
+    use crate::scene::{Array, Board};
 
     /// The aperture of `columns` x `rows` elements, and |p| (Pa) of its drive for a focus.
     fn focused(columns: u32, rows: u32, focus: DVec3) -> (Aperture, impl Fn(DVec3) -> f64) {
@@ -309,5 +309,68 @@ mod tests {
             found.part
         });
         assert!((0.15..0.3).contains(&parts[0]) && (0.5..0.65).contains(&parts[1]), "{parts:?}");
+    }
+
+    /// The drive of an array or board for a focus.
+    fn drive_for(aperture: &Aperture, focus: DVec3) -> Drive {
+        let conjugate = aperture.transfer(&[focus]).back(&[Complex64::ONE]);
+        Drive::uniform(aperture.positions.len(), &aperture.driven, &conjugate)
+    }
+
+    #[test]
+    fn a_side_lobe_is_part_of_the_mean_at_all_foci_also_those_beside_the_plane() {
+        let foci = [DVec3::new(0.0, 0.0, 0.06), DVec3::new(0.12, 0.0, 0.06)];
+        let (aperture, _) = focused(6, 6, foci[0]);
+        let drives = [drive_for(&aperture, foci[0])];
+        let played = drives[0].excitation(&aperture.driven);
+        let at_foci = aperture.pressures(&foci, &played);
+        let plane = Plane { centre: foci[0], size: DVec2::splat(0.1), ..Plane::default() };
+        let found =
+            |foci: &[DVec3]| loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &plane, &drives, foci);
+        assert_eq!(found(&foci[1..]), Err(NoSideLobe::NoFocus));
+        let found = found(&foci).unwrap();
+        let mean = (at_foci[0].norm() + at_foci[1].norm()) / 2.0;
+        assert!((found.part * mean / found.pressure - 1.0).abs() < 1e-9, "{found:?}, {mean} Pa");
+    }
+
+    #[test]
+    fn a_board_elsewhere_has_its_side_lobe_at_the_same_place_before_it() {
+        let array = Array { columns: 6, rows: 6, ..Array::default() };
+        let at = |offset: DVec3| {
+            let boards = vec![Board { at: offset, ..Board::default() }];
+            let aperture = Aperture::new(&Scene { array: array.clone(), boards, ..Scene::default() });
+            let focus = offset + DVec3::Z * 0.06;
+            let plane =
+                Plane { centre: focus, y_axis: DVec3::Z, size: DVec2::splat(0.1), ..Plane::default() };
+            let drive = drive_for(&aperture, focus);
+            let found = loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &plane, &[drive], &[focus]);
+            let found = found.unwrap();
+            (found.part, found.position - offset)
+        };
+        let (part, place) = at(DVec3::ZERO);
+        for height in [-0.3, 0.2] {
+            let (other_part, other_place) = at(DVec3::Z * height);
+            assert!((other_part - part).abs() < 1e-6, "{height} m: {other_part}, not {part}");
+            // On the axis' other side it is as loud.
+            let beside = DVec3::new(-place.x, place.y, place.z);
+            let apart = other_place.distance(place).min(other_place.distance(beside));
+            assert!(apart < 1e-4, "{height} m: {other_place}, not {place}");
+        }
+    }
+
+    #[test]
+    fn the_sound_next_to_either_of_two_boards_is_no_side_lobe() {
+        let array = Array { columns: 4, rows: 4, ..Array::default() };
+        let above = Board { at: DVec3::Z * 0.08, normal: DVec3::NEG_Z, ..Board::default() };
+        let boards = vec![Board::default(), above];
+        let aperture = Aperture::new(&Scene { array, boards, ..Scene::default() });
+        // The plane goes through a row of elements of both.
+        let focus = DVec3::new(0.0, aperture.positions[5].y, 0.04);
+        let plane =
+            Plane { centre: focus, y_axis: DVec3::Z, size: DVec2::new(0.06, 0.08), ..Plane::default() };
+        let drive = drive_for(&aperture, focus);
+        let found = loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &plane, &[drive], &[focus]);
+        let z = found.clone().unwrap().position.z;
+        assert!(z.min(0.08 - z) >= aperture.wavelength(), "{found:?}");
     }
 }
