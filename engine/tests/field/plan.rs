@@ -8,13 +8,14 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::plan::Costs;
+use sonoglyph::field::plan::{Costs, Grid, f32_error};
 use sonoglyph::field::{
     By, Colouring, Evaluator, Map, Plan, Quantity, Raster, Request, Samples, Stages, reference,
 };
-use sonoglyph::scene::{ElementModel, Plane, Scene, file};
+use sonoglyph::scene::{Board, ElementModel, Plane, Scene, file};
 use sonoglyph::solver;
 
+use crate::space::bowl;
 use crate::{STEP, gpu, scattered};
 
 fn hit() -> (Scene, Drive) {
@@ -315,4 +316,109 @@ fn invalid_planes_have_no_plan() {
     }
     let parallel = Plane { y_axis: plane.x_axis, ..plane };
     assert!(!planned(&parallel));
+}
+
+fn grid(scene: &Scene) -> Grid {
+    Plan::new(&Aperture::new(scene), &scene.plane, Costs::CPU).unwrap().grid.unwrap()
+}
+
+/// Axes that no array's are parallel to.
+fn askew() -> Plane {
+    Plane { x_axis: DVec3::new(1.0, 0.3, 0.0), y_axis: DVec3::new(-0.3, 1.0, 0.0), ..Plane::default() }
+}
+
+#[test]
+fn samples_are_as_coarse_as_the_window_allows_and_all_are_used() {
+    let mut scene = Scene::default();
+    for plane in [askew(), Plane { y_axis: DVec3::new(-0.3, 1.0, 0.4), ..askew() }] {
+        for tolerance in [1e-2, 1e-3, 1e-4] {
+            scene.plane = Plane { tolerance, ..plane.clone() };
+            let grid = grid(&scene);
+            // Cycles per sample that the window passes.
+            let passed = 0.5 - grid.beta / (TAU * grid.half_width as f64);
+            let counts = [grid.samples.columns.len(), grid.samples.rows.len()];
+            let ends = [-scene.plane.size.x / 2.0..scene.plane.size.x / 2.0, grid.covered.clone()];
+            for (axis, ends) in ends.into_iter().enumerate() {
+                let cycles = grid.step[axis] * grid.highest[axis];
+                assert!((cycles / passed - 1.0).abs() < 1e-12, "{tolerance:e}: {cycles}, not {passed}");
+                let at_ends = grid.resampling(axis, [ends.start, ends.end].into_iter());
+                let last = at_ends.first[1] as usize + at_ends.taps;
+                assert_eq!((at_ends.first[0], last), (0, counts[axis]), "{tolerance:e}, axis {axis}");
+            }
+        }
+    }
+}
+
+#[test]
+fn few_samples_suffice_far_away_and_more_before_wide_elements() {
+    let highest = |scene: &Scene| grid(scene).highest * Aperture::new(scene).wavelength();
+    // Rays from a flat board are steep nowhere on a small plane at a distance.
+    let far = Plane { centre: DVec3::Z, size: DVec2::splat(0.05), ..askew() };
+    let of_flat = highest(&Scene { plane: far.clone(), ..Scene::default() });
+    assert!(of_flat.max_element() < 0.4, "{of_flat}");
+    // A bowl is taken to send them from all sides.
+    let of_bowl = highest(&Scene { plane: far, ..bowl(60).0 });
+    assert!(of_bowl.min_element() >= 1.0, "{of_bowl}");
+    // On the axis of a wide element, its directivity changes over the distance divided by its radius.
+    let (radius, height) = (0.02, 0.012);
+    let near = Plane { centre: DVec3::Z * height, tolerance: 1e-2, ..askew() };
+    let mut scene = Scene { plane: near, ..Scene::default() };
+    (scene.array.element_radius, scene.array.pitch) = (radius, 0.041);
+    let of_wide = highest(&scene);
+    assert!(of_wide.min_element() >= radius / height, "{of_wide}");
+}
+
+#[test]
+fn rows_clear_of_the_array_are_the_same_in_either_direction() {
+    let mut scene = Scene::default();
+    let up = Plane { y_axis: DVec3::Z, centre: DVec3::new(0.0, 0.002, 0.05), ..Plane::default() };
+    for y_axis in [DVec3::Z, DVec3::new(0.3, 0.5, 1.0)] {
+        let [up, down] = [y_axis, -y_axis].map(|y_axis| {
+            scene.plane = Plane { y_axis, ..up.clone() };
+            grid(&scene).covered
+        });
+        assert!(up.start > -0.09 && up.end == scene.plane.size.y / 2.0, "{up:?}");
+        assert!((up.start + down.end).abs() < 1e-12 && up.end == -down.start, "{up:?}, {down:?}");
+    }
+}
+
+#[test]
+fn boards_before_which_no_part_of_the_plane_lies_are_left_out() {
+    let plane = Plane { centre: DVec3::Z * 0.03, size: DVec2::splat(0.05), ..Plane::default() };
+    let [below, above] = [0.0, 0.06].map(|z| Board { at: DVec3::Z * z, ..Board::default() });
+    let opposite = Board { normal: DVec3::NEG_Z, ..above.clone() };
+    for (boards, expected) in [
+        (vec![above.clone(), below.clone()], vec![1]),
+        (vec![below.clone(), above], vec![0]),
+        (vec![below, opposite], vec![0, 1]),
+    ] {
+        let grid = grid(&Scene { boards, plane: plane.clone(), ..Scene::default() });
+        let heard: Vec<_> = grid.heard.iter().map(|(number, _)| *number).collect();
+        assert_eq!(heard, expected);
+    }
+}
+
+#[test]
+fn costly_taps_make_narrow_windows() {
+    let aperture = Aperture::new(&Scene::default());
+    let half_width = |tap: f64| {
+        let costs = Costs { tap, ..Costs::CPU };
+        Plan::new(&aperture, &Plane::default(), costs).unwrap().grid.unwrap().half_width
+    };
+    assert!(half_width(0.0) > half_width(1e6), "{} and {}", half_width(0.0), half_width(1e6));
+}
+
+#[test]
+fn rounding_in_f32_is_that_of_the_farthest_place() {
+    for scene in [Scene::default(), bowl(20).0] {
+        let aperture = Aperture::new(&scene);
+        let error = |points: &[DVec3]| f32_error(&aperture, &Samples::at(points.to_vec()));
+        let near = DVec3::Z * 0.2;
+        for direction in [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y] {
+            let far = near + direction * 100.0;
+            let [of_near, of_far, of_both] = [&[near][..], &[far], &[near, far]].map(error);
+            assert!(of_far > 20.0 * of_near, "{direction}: {of_far:e}, {of_near:e}");
+            assert!(of_both >= of_far, "{direction}: {of_both:e}, {of_far:e}");
+        }
+    }
 }

@@ -5,6 +5,7 @@ use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::plan::Costs;
+use sonoglyph::field::slope::shifted;
 use sonoglyph::field::transfer::{Layout, Transfer};
 use sonoglyph::field::{Plan, Wave, reference};
 use sonoglyph::scene::{Plane, Scene};
@@ -53,6 +54,34 @@ fn a_table_of_any_layout_gives_the_field_of_every_drive() {
                 let wide = |p: &Complex32| Complex64::new(p.re.into(), p.im.into());
                 assert!((wide(p) - expected).norm() < 3e-6 * peak, "{name}: {p} is not {expected}");
             }
+        }
+    }
+}
+
+#[test]
+fn a_table_of_slopes_gives_the_slopes_of_the_field() {
+    /// m
+    const HALF: f64 = 1e-7;
+    let plane = Plane { size: DVec2::new(0.03, 0.02), ..Plane::default() };
+    let mut scene = Scene { plane: plane.clone(), ..Scene::default() };
+    (scene.array.rows, scene.array.columns) = (3, 4);
+    let aperture = Aperture::new(&scene);
+    let grid = Plan::new(&aperture, &plane, Costs::CPU).unwrap().grid.unwrap();
+    let ([board], [(0, repeats)]) = (&aperture.faces[..], &grid.heard[..]) else { panic!("one board") };
+    let drive = scattered(12, 0.754_877_666);
+    let excitations = [drive.excitation(&aperture.driven)];
+    for direction in [DVec3::Z, DVec3::new(0.6, 0.0, 0.8)] {
+        let element = &aperture.element;
+        let table = Transfer::of_part((element, board), &grid.samples, *repeats, Some(direction), None);
+        let mut fields = vec![vec![Complex32::ZERO; grid.samples.len()]];
+        table.unwrap().superpose(board, &excitations, &mut fields);
+        let [before, behind] = [HALF, -HALF]
+            .map(|by| reference::pressure(&aperture, &drive, &shifted(&grid.samples, direction * by)));
+        let expected: Vec<_> = before.iter().zip(&behind).map(|(a, b)| (a - b) / (2.0 * HALF)).collect();
+        let peak = expected.iter().map(|slope| slope.norm()).fold(0.0, f64::max);
+        for (slope, expected) in fields[0].iter().zip(&expected) {
+            let off = Complex64::new(slope.re.into(), slope.im.into()) - expected;
+            assert!(off.norm() < 2e-4 * peak, "{direction}: {slope} is not {expected}");
         }
     }
 }
