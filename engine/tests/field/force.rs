@@ -7,7 +7,7 @@ use sonoglyph::field::{By, Evaluator, Quantity, Request, Samples, Stages};
 use sonoglyph::force::Levitation;
 use sonoglyph::scene::{Board, Material, Plane, Scene};
 
-use crate::three_foci;
+use crate::{STEP, scattered, three_foci};
 
 const SIZE: (usize, usize) = (90, 70);
 
@@ -120,5 +120,62 @@ fn near_is_near_a_boards_own_place() {
         let request = Request { plane, ..Request::new(&scene, drives[..1].to_vec(), Quantity::Force, SIZE) };
         let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
         assert_eq!(map.by == By::Reference, is_direct, "{board:?}, {height} m: {}", map.how);
+    }
+}
+
+/// A few elements, an irregular drive of them, and a plane upright from just above the array.
+fn small() -> (Scene, Drive) {
+    let plane = Plane {
+        y_axis: DVec3::Z,
+        centre: dvec3(0.0, 0.002, 0.031),
+        size: dvec2(0.02, 0.06),
+        tolerance: 1e-2,
+        ..Plane::default()
+    };
+    let mut scene = Scene { plane, ..Scene::default() };
+    (scene.array.rows, scene.array.columns) = (3, 3);
+    (scene, scattered(9, STEP))
+}
+
+#[test]
+fn exact_force_maps_have_the_force_of_every_pixel_times_the_envelope() {
+    let (mut scene, drive) = small();
+    scene.plane.tolerance = 0.0;
+    let expected = forces(&scene, std::slice::from_ref(&drive), &scene.plane);
+    for part in [1.0, 0.25] {
+        let request = Request { part, ..Request::new(&scene, vec![drive.clone()], Quantity::Force, SIZE) };
+        let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
+        assert_eq!(map.by, By::Reference);
+        for (value, force) in map.values.iter().zip(&expected) {
+            assert!((f64::from(*value) - part * force).abs() <= 1e-6 * part * force, "{value}, {force} N");
+        }
+    }
+}
+
+#[test]
+fn only_rows_near_the_array_are_left_out_of_the_interpolation() {
+    let (mut scene, drive) = small();
+    let up = scene.plane.clone();
+    let wavelength = Aperture::new(&scene).wavelength();
+    // The plane upright, upside down, and where it is clear of the array.
+    let clear = Plane { centre: up.centre + DVec3::Z * 0.03, ..up.clone() };
+    for plane in [up.clone(), Plane { y_axis: -DVec3::Z, ..up.clone() }, clear] {
+        scene.plane = plane.clone();
+        let request = Request::new(&scene, vec![drive.clone()], Quantity::Force, SIZE);
+        let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
+        assert!(map.by == By::CpuInF64 && map.error < scene.plane.tolerance, "{:e}: {}", map.error, map.how);
+        let words: Vec<&str> = map.how.split_whitespace().collect();
+        let said: Vec<usize> = words.iter().filter_map(|word| word.parse().ok()).collect();
+        let step = words.iter().filter_map(|word| word.parse::<f64>().ok()).find(|step| step.fract() > 0.0);
+        let (&[_, rows, near], Some(step)) = (&said[..], step) else { panic!("{}", map.how) };
+        let (rows, step) = (rows as f64, 1e-3 * step);
+        // Cells go on beyond the plane by the reach of the interpolation, and those of the lowest interpolated row
+        // are three quarters of a wavelength above the array.
+        let reach = (rows * step - plane.size.y) / 2.0;
+        let lowest = plane.centre.z - plane.size.y / 2.0;
+        let left_out = (0.75 * wavelength + reach - lowest).max(0.0);
+        let rows = near as f64 / SIZE.0 as f64;
+        let row = plane.size.y / SIZE.1 as f64;
+        assert!((rows * row - left_out).abs() < 2.0 * step + row, "{rows} rows, {left_out} m: {}", map.how);
     }
 }
