@@ -154,3 +154,21 @@ fn loudness(stages: &mut Stages, request: &Request) -> Vec<f32> {
     let map = stages.map(&Request { quantity: Quantity::Rms, ..request.clone() }).unwrap();
     map.values.iter().map(|value| value / map.peak).collect()
 }
+
+#[test]
+fn the_time_of_a_map_is_known_where_the_gpu_has_a_clock() {
+    let Some(gpu) = gpu() else { return };
+    let has_clock = gpu.device().features().contains(wgpu::Features::TIMESTAMP_QUERY);
+    let mut scene = three_foci().0;
+    (scene.array.rows, scene.array.columns) = (4, 4);
+    let request = Request::new(&scene, vec![scattered(16, STEP)], Quantity::Rms, (90, 70));
+    let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
+    let (_, seconds) = loop {
+        if let Some(figures) = stages.figures(&request).unwrap() {
+            break figures;
+        }
+        std::thread::yield_now();
+    };
+    // A GPU without one, or one that was never asked, has no time, or none that has passed.
+    assert_eq!(seconds.is_some_and(|seconds| seconds > 0.0), has_clock, "{seconds:?}");
+}

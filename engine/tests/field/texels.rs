@@ -80,3 +80,21 @@ fn the_gpu_colours_a_map_like_the_cpu() {
         }
     }
 }
+
+#[test]
+fn a_picture_allocates_its_textures_once() {
+    let Some(gpu) = gpu() else { return };
+    let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
+    let mut scene = Scene { plane: Plane { tolerance: 0.0, ..Plane::default() }, ..Scene::default() };
+    (scene.array.rows, scene.array.columns) = (2, 2);
+    let request = Request::new(&scene, vec![scattered(4, STEP)], Quantity::Rms, (9, 7));
+    stages.map(&request).unwrap();
+    let mut allocated = |map: ColourMap| {
+        let before = stages.work().allocations;
+        stages.picture(&request, &Colouring::new(Quantity::Rms, map.table())).unwrap();
+        stages.work().allocations - before
+    };
+    // One for the pixels and one for the colours, and their parameters.
+    assert!(allocated(ColourMap::Grey) >= 3);
+    assert_eq!(allocated(ColourMap::Inferno), 0);
+}

@@ -115,3 +115,18 @@ fn no_pass_has_more_workgroups_than_adapters_allow() {
     let map = stages.map(&request).unwrap();
     assert!(map.by == By::Cpu && map.error < scene.plane.tolerance, "{:?}: {}", map.by, map.how);
 }
+
+#[test]
+fn the_gpu_makes_maps_of_all_parts_of_the_sound() {
+    let Some(gpu) = gpu() else { return };
+    let plane = Plane { centre: dvec3(0.003, 0.001, 0.05), size: DVec2::new(0.05, 0.04), ..Plane::default() };
+    let mut scene = Scene { plane, ..Scene::default() };
+    (scene.array.rows, scene.array.columns) = (4, 4);
+    let request = Request::new(&scene, vec![scattered(16, STEP)], Quantity::Intensity, (110, 90));
+    let exact = Stages::new(Evaluator::Reference).map(&request).unwrap().clone();
+    let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
+    let map = stages.map(&request).unwrap();
+    assert!(map.by == By::Gpu && map.how.contains("every pixel is interpolated"), "{}", map.how);
+    let off = difference(&map.values, &exact);
+    assert!(off < scene.plane.tolerance as f32, "{off:.1e}");
+}
