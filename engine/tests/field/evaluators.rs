@@ -203,3 +203,22 @@ fn an_absent_adapter_is_an_error() {
         assert!(matches!(adapter::open_best(false), Err(GpuError::NoAdapter(_))));
     }
 }
+
+#[test]
+fn evaluators_agree_on_a_few_exact_pistons() {
+    let gpu = gpu();
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns, scene.array.element) = (2, 3, ElementModel::ExactPiston);
+    let plane = Plane { centre: dvec3(0.002, 0.001, 0.02), size: DVec2::new(0.03, 0.02), ..Plane::default() };
+    let samples = Samples::on_plane(&plane, 9, 7).unwrap();
+    assert_evaluators_agree("a few exact pistons", &scene, &uneven(6, &[]), &samples, gpu.as_ref());
+}
+
+#[test]
+fn evaluators_agree_in_the_plane_of_the_array() {
+    // Also a hair behind it, which rounding may make of it.
+    let points = [0.0, 4e-6, -4e-6].map(|z| [dvec3(0.0, 0.0, z), dvec3(0.0105, -0.021, z)]).concat();
+    let scene = Scene::default();
+    let samples = Samples::at(points);
+    assert_evaluators_agree("in the plane", &scene, &uneven(256, &[]), &samples, gpu().as_ref());
+}
