@@ -1,16 +1,18 @@
 //! Caching of stages: a change runs only the stages that depend on it, for every quantity.
 
 use std::f64::consts::SQRT_2;
+use std::sync::{Arc, Mutex};
 
 use glam::{DVec3, dvec2, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::quantity::{NORMAL, PRESSURE};
 use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Samples, Stages, Work, reference};
+use sonoglyph::gauge::Gauge;
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{Array, Light, Plane, Scene};
 
-use crate::{STEP, fast_evaluators, scattered, three_foci};
+use crate::{STEP, fast_evaluators, gpu, scattered, three_foci};
 
 /// All inputs of a map and its picture.
 #[derive(Clone)]
@@ -274,4 +276,92 @@ fn a_map_of_more_pixels_than_are_kept_at_once_keeps_its_tolerance() {
             assert!(off < scene.plane.tolerance, "pixel {pixel}: {off:e}, {}", map.how);
         }
     }
+}
+
+/// A few elements, and a plane at a height (m).
+fn small(height: f64) -> Scene {
+    let plane = Plane { centre: dvec3(0.001, 0.0, height), size: dvec2(0.03, 0.02), ..Plane::default() };
+    let mut scene = Scene { plane, ..Scene::default() };
+    (scene.array.rows, scene.array.columns) = (4, 4);
+    scene
+}
+
+#[test]
+fn everything_is_computed_again_after_forgetting() {
+    let mut stages = Stages::new(Evaluator::Cpu);
+    for quantity in Quantity::ALL {
+        let shown = Shown { scene: small(0.1), drives: vec![scattered(16, STEP)], ..Shown::new(quantity) };
+        stages.forget();
+        let first = shown.show(&mut stages);
+        assert_eq!(shown.show(&mut stages), Work::default(), "{quantity:?}");
+        stages.forget();
+        assert_eq!(shown.show(&mut stages), first, "{quantity:?}");
+    }
+}
+
+#[test]
+fn means_at_pixels_next_to_the_array_are_those_of_all_drives() {
+    // Too near for cells.
+    let scene = small(0.004);
+    let (aperture, size) = (Aperture::new(&scene), (24, 20));
+    let pixels = Samples::on_plane(&scene.plane, size.0, size.1).unwrap();
+    let mut stages = Stages::new(Evaluator::Cpu);
+    for first in [0, 3] {
+        let drives: Vec<_> = (first..first + 3).map(|i| scattered(16, STEP + 0.1 * f64::from(i))).collect();
+        let request = Request::new(&scene, drives.clone(), Quantity::Rms, size);
+        let map = stages.map(&request).unwrap();
+        assert!(map.how.contains("every pixel"), "{}", map.how);
+        let squares = drives.iter().map(|drive| reference::pressure(&aperture, drive, &pixels));
+        let squares: Vec<_> = squares.collect();
+        for (pixel, value) in map.values.iter().enumerate() {
+            let mean = squares.iter().map(|field| field[pixel].norm_sqr()).sum::<f64>() / 3.0;
+            let off = (f64::from(*value) - (0.5 * mean).sqrt()).abs();
+            assert!(off < scene.plane.tolerance * f64::from(map.peak), "pixel {pixel} of {first}");
+        }
+    }
+}
+
+#[test]
+fn progress_is_told_drive_by_drive() {
+    let drives: Vec<_> = (0..3).map(|i| scattered(16, STEP + 0.1 * f64::from(i))).collect();
+    let request = Request::new(&small(0.004), drives, Quantity::Rms, (12, 10));
+    let heard = Arc::new(Mutex::new(Vec::new()));
+    let into = Arc::clone(&heard);
+    let mut stages = Stages::new(Evaluator::Cpu);
+    stages.show_progress(Gauge::new(move |part| into.lock().unwrap().push(part)));
+    stages.map(&request).unwrap();
+    let heard = heard.lock().unwrap();
+    assert!(heard.is_sorted() && heard.last() == Some(&1.0), "{heard:?}");
+    for part in [1.0 / 3.0, 2.0 / 3.0] {
+        assert!(heard.iter().any(|heard| (heard - part).abs() < 1e-12), "{part} of {heard:?}");
+    }
+}
+
+#[test]
+fn a_map_whose_samples_are_refined_counts_both_plans() {
+    let mut scene = small(0.1);
+    // Halves in antiphase: sound is weak on a narrow plane between them, and loud at the samples beside it.
+    scene.plane.centre.x = 0.0;
+    scene.plane.size.x = 2e-4;
+    let phase = |n: usize| if n % 4 < 2 { 0.0 } else { std::f64::consts::PI };
+    let drive = Drive { amplitudes: vec![1.0; 16], phases: (0..16).map(phase).collect() };
+    let quieter = Drive { amplitudes: vec![0.5; 16], ..drive.clone() };
+    let mut stages = Stages::new(Evaluator::Cpu);
+    let request = Request::new(&scene, vec![drive, quieter], Quantity::Rms, (20, 30));
+    let map = stages.map(&request).unwrap().clone();
+    assert!(map.error < scene.plane.tolerance, "{:e}: {}", map.error, map.how);
+    assert!(stages.work().plan > 1, "{:?}: {}", stages.work(), map.how);
+}
+
+#[test]
+fn a_gpu_declines_the_map_of_several_drives_and_no_other() {
+    let Some(gpu) = gpu() else { return };
+    let mut stages = Stages::new(Evaluator::Gpu(Box::new(gpu)));
+    let scene = small(0.1);
+    let request =
+        |count: usize| Request::new(&scene, vec![scattered(16, STEP); count], Quantity::Rms, (20, 10));
+    assert!(!stages.has_declined(&request(2)));
+    let colouring = Colouring::new(Quantity::Rms, ColourMap::Grey.table());
+    stages.picture(&request(2), &colouring).unwrap();
+    assert!(stages.has_declined(&request(2)) && !stages.has_declined(&request(1)));
 }
