@@ -306,8 +306,11 @@ fn means_at_pixels_next_to_the_array_are_those_of_all_drives() {
     let (aperture, size) = (Aperture::new(&scene), (24, 20));
     let pixels = Samples::on_plane(&scene.plane, size.0, size.1).unwrap();
     let mut stages = Stages::new(Evaluator::Cpu);
-    for first in [0, 3] {
-        let drives: Vec<_> = (first..first + 3).map(|i| scattered(16, STEP + 0.1 * f64::from(i))).collect();
+    // What is left of the louder map must not show in the fainter one.
+    for (first, amplitude) in [(0, 1.0), (3, 0.01)] {
+        let drive =
+            |i: i32| Drive { amplitudes: vec![amplitude; 16], ..scattered(16, STEP + 0.1 * f64::from(i)) };
+        let drives: Vec<_> = (first..first + 3).map(drive).collect();
         let request = Request::new(&scene, drives.clone(), Quantity::Rms, size);
         let map = stages.map(&request).unwrap();
         assert!(map.how.contains("every pixel"), "{}", map.how);
