@@ -198,7 +198,6 @@ impl<T: Real> Grid<T> {
             Isa::best().run(Correlation { a: transfer, b: spare, to: spectrum });
         }
         along_x.run_back(y, spectrum, spare);
-        work.clear();
         transpose(spectrum, work, [elements[0], y], [y, padded]);
         along_y.run_back(padded, work, spare);
         for ((&place, re), im) in driven.iter().zip(&mut b.re).zip(&mut b.im) {
