@@ -10,7 +10,7 @@ use crate::solver::{Excitation, Problem};
 /// Calls of [`FINE`] steps from each start.
 const CALLS: usize = 8;
 
-/// The drive of a [`Search`] with further starts until the time is over; at least one if there is any time.
+/// The drive of a [`Search`], and of as many further starts as begin within the time.
 pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Duration) -> Excitation {
     let start = Instant::now();
     let gauge = Gauge::current();

@@ -451,7 +451,7 @@ fn strokes(problem: &Problem<'_>, is_stroke: impl Fn(&Focus) -> bool) -> (Table<
     let most = heard.iter().copied().filter(|heard| heard.is_finite()).fold(0.0, f64::max);
     let scale = 1.0 / most;
     let mut table = Table::new(problem.transfer.elements);
-    if scale.is_finite() && scale > 0.0 {
+    if scale.is_finite() {
         let foci = problem.foci.iter().map(is_stroke).zip(&targets);
         for (row, (heard, (is_stroke, target))) in problem.transfer.rows().zip(heard.iter().zip(foci)) {
             if is_stroke && *heard >= FAINTEST * most {
