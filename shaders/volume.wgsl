@@ -203,14 +203,15 @@ fn meet(thing: Thing, at: vec2f, ray: Ray) -> Hit {
 fn in_steps(ray: Ray) -> Grid {
     let direction = ray.direction * params.per_metre;
     let along = abs(direction);
-    let is_along = along > vec3f(1e-20);
+    let most = max(max(along.x, along.y), along.z);
+    let is_along = along > vec3f(LEAST_SLOPE * most);
     return Grid(
         steps(ray.start),
         direction,
         select(vec3f(0.0), 1.0 / direction, is_along),
         select(vec3f(FARTHEST), vec3f(0.0), is_along),
         select(vec3f(0.0), vec3f(BRICK), direction > vec3f(0.0)),
-        1.0 / max(max(along.x, along.y), along.z),
+        1.0 / most,
     );
 }
 

@@ -260,6 +260,7 @@ fn space(seen: Seen, is_smooth: bool) -> String {
         number("PROJECTION_STRIDE", march::PROJECTION_STRIDE),
         number("NUDGE", march::NUDGE),
         number("LEAST", march::LEAST),
+        number("LEAST_SLOPE", march::LEAST_SLOPE),
         number("OPAQUE", march::OPAQUE),
         number("FAINT", march::FAINT),
         number("SOLID", march::SOLID),

@@ -22,6 +22,9 @@ pub const PROJECTION_STRIDE: f32 = 0.8;
 /// Offset (in steps) beyond a brick's face for the lookup of the next brick, and smallest advance of a ray.
 pub const NUDGE: f32 = 1e-3;
 pub const LEAST: f32 = 1e-2;
+/// Slope of a ray across a brick's faces, relative to its steepest, up to which it leaves through none of them. Within
+/// rounding of a face it would advance by [`LEAST`] only.
+pub const LEAST_SLOPE: f32 = 1e-5;
 /// Fraction of the largest value that is opaque in a projection, and smallest opacity of a slice.
 pub const OPAQUE: f32 = 0.6;
 pub const FAINT: f32 = 0.4;
@@ -261,14 +264,15 @@ impl Painter<'_> {
     /// The same ray in steps of the lattice.
     fn in_steps(&self, ray: Ray) -> Grid {
         let direction = ray.direction * Vec3::from(self.params.per_metre);
-        let is_along = direction.abs().cmpgt(Vec3::splat(1e-20));
+        let most = direction.abs().max_element();
+        let is_along = direction.abs().cmpgt(Vec3::splat(LEAST_SLOPE * most));
         Grid {
             start: self.place(ray.start),
             direction,
             inverse: Vec3::select(is_along, direction.recip(), Vec3::ZERO),
             never: Vec3::select(is_along, Vec3::ZERO, Vec3::MAX),
             ahead: Vec3::select(direction.cmpgt(Vec3::ZERO), Vec3::splat(BRICK as f32), Vec3::ZERO),
-            step: 1.0 / direction.abs().max_element(),
+            step: 1.0 / most,
         }
     }
 
