@@ -98,8 +98,8 @@ fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<Warning> {
 pub fn cut_short(aperture: &Aperture) -> Option<Warning> {
     /// Of the boards' own sound.
     const LOUD: f64 = 1e-9;
-    let last = aperture.faces.last().filter(|face| aperture.is_series_cut() && face.rest > LOUD)?;
-    Some(Warning::CutShort { faces: aperture.faces.len(), rest: last.rest })
+    let rest = aperture.remainder;
+    (rest > LOUD).then_some(Warning::CutShort { faces: aperture.faces.len(), rest })
 }
 
 fn warning(

@@ -24,7 +24,7 @@ pub(super) fn nodes(ka: f64, rho: f64, z: f64) -> impl Iterator<Item = Node> {
     let z = z.max(0.02);
     // The radii (complex) at which a ring meets the point, seen from the interval: Bernstein's ellipse.
     let (re, im) = (2.0 * rho - 1.0, 2.0 * z);
-    let widest = (((re - 1.0).hypot(im) + (re + 1.0).hypot(im)) / 2.0).max(1.0 + 1e-9);
+    let widest = ((re - 1.0).hypot(im) + (re + 1.0).hypot(im)) / 2.0;
     let radial = count(widest.acosh(), ka / 2.0);
     let rule = RADIAL.iter().position(|&n| n as f64 >= radial).unwrap_or(RADIAL.len() - 1);
     RULES[rule].iter().flat_map(move |&(radius, weight)| {

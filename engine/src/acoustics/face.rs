@@ -167,27 +167,28 @@ impl Face {
 }
 
 /// Reflections back and forth between an array's face and a reflector, at most.
-pub(super) const MOST_REFLECTIONS: i32 = 2000;
+const MOST_REFLECTIONS: i32 = 2000;
 /// Relative error of a truncated series.
 const SILENCE: f64 = 1e-13;
 
 /// The images of boards in reflectors, the loudest first. A reflector makes one image of each board, or, if the
 /// board's face of reflectivity `reflectivity` is parallel to it, the series of multiple reflections: with R the
 /// reflector's coefficient and h its distance, boards at -2mh with (reflectivity R)^m, and their images with another
-/// R.
+/// R. And a bound on what the longest series leaves out, relative to the board's own sound.
 pub(super) fn images(
     boards: &[Face],
     mirrors: &[Reflector],
     standing: &[Board],
     reflectivity: f64,
-) -> Vec<Face> {
-    let mut images = Vec::new();
+) -> (Vec<Face>, f64) {
+    let (mut images, mut remainder) = (Vec::new(), 0.0_f64);
     for mirror in mirrors.iter().filter(|mirror| mirror.coefficient != 0.0) {
         for (face, board) in boards.iter().zip(standing) {
             let own = if mirror.faces(board) { reflectivity } else { 0.0 };
             let (both, up) = (own * mirror.coefficient, mirror.normal.normalize_or_zero());
             // The remaining terms form a geometric series, reduced by their distances.
             let rest = |gain: f64, times: i32| (gain / (1.0 - both.abs()) / f64::from(2 * times + 1)).abs();
+            remainder = remainder.max(rest(both.powi(MOST_REFLECTIONS + 1), MOST_REFLECTIONS + 1));
             for times in 0..=MOST_REFLECTIONS {
                 let gain = both.powi(times);
                 if rest(gain, times) < SILENCE {
@@ -204,7 +205,7 @@ pub(super) fn images(
         }
     }
     images.sort_by(|a, b| b.rest.total_cmp(&a.rest));
-    images
+    (images, remainder)
 }
 
 #[cfg(test)]
