@@ -159,8 +159,10 @@ pub fn delay_level(phase: f64, levels: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
-    use crate::scene::{Array, Scene};
+    use crate::scene::{Array, Elements, Placed, Scene};
 
     #[test]
     fn a_phase_ahead_is_a_delay_of_the_rest_of_the_period() {
@@ -216,6 +218,31 @@ mod tests {
         assert_eq!(in_order.amplitudes, [1.0; 4]);
         assert!((in_order.phases[3] - (TAU - 4.0)).abs() < 1e-12);
         assert!((in_order.phases[1] - (7.0 - TAU)).abs() < 1e-12 && in_order.phases[2].abs() <= PI);
+    }
+
+    #[test]
+    fn heights_are_written_if_any_element_has_one() {
+        let placed = |z: f64| Placed { at: DVec3::new(0.01, 2.0 * z, z), normal: DVec3::Z };
+        let placed = Elements::new([-0.004, 0.0, 0.004].map(placed).to_vec(), None);
+        let array = Array { placed, file: Some("stairs.csv".to_owned()), ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        assert_eq!(aperture.positions[1].z, 0.0);
+        let drive = Drive { amplitudes: vec![1.0, 0.5, 0.25], phases: vec![0.1, -0.2, 0.3] };
+        let text = drive.write(&aperture);
+        assert!(text.starts_with("element,x,y,z,phase,amplitude\n"), "{text}");
+        assert_eq!(Drive::read(text.as_bytes(), 3), Ok(drive));
+    }
+
+    #[test]
+    fn phases_within_half_a_turn_are_kept_to_the_last_digit_and_others_wrapped() {
+        for i in -999..=1000 {
+            let phase = PI * f64::from(i) / 1000.0;
+            assert_eq!(wrapped(phase), phase);
+            for turns in [-3.0, -1.0, 1.0, 2.0] {
+                let off = (wrapped(phase + TAU * turns) - phase).abs();
+                assert!(off.min(TAU - off) < 1e-12, "{phase} and {turns} turns: {off}");
+            }
+        }
     }
 
     #[test]

@@ -120,6 +120,7 @@ mod tests {
         };
         let air = Air::new(&medium, 40_000.0);
         assert_eq!((air.sound_speed, air.density), (346.0, 1.184));
+        assert!((air.absorption() - 8.0).abs() < 1e-12, "{air:?}");
         assert!(((-air.attenuation).exp() - 10f64.powf(-8.0 / 20.0)).abs() < 1e-15);
     }
 }

@@ -245,7 +245,7 @@ fn flat(placed: &[Placed]) -> Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Array, Elements, Placed};
+    use crate::scene::{Array, ElementModel, Elements, Placed};
 
     #[test]
     fn elements_are_numbered_row_by_row_and_centred() {
@@ -269,6 +269,63 @@ mod tests {
             aperture.transfer(&[point]).at(0, 3),
             Aperture::new(&Scene::default()).transfer(&[point]).at(0, 4)
         );
+    }
+
+    #[test]
+    fn elements_in_a_level_plane_are_flat_at_any_height() {
+        for height in [0.0, 0.03, -0.2] {
+            let at = |n: i32| DVec3::new(0.01 * f64::from(n % 3), 0.01 * f64::from(n / 3), height);
+            let placed = (0..9).map(|n| Placed { at: at(n), normal: DVec3::Z }).collect();
+            let placed = Elements::new(placed, None);
+            let array = Array { placed, file: Some("raised.csv".to_owned()), ..Array::default() };
+            let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+            assert!(aperture.faces[0].layout.is_flat(), "{height} m");
+            for (n, position) in (0..9).zip(&aperture.positions) {
+                assert!(position.distance(at(n)) < 1e-15, "{height} m: {position}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_in_the_plane_of_a_board_hears_it_as_one_just_above() {
+        let mut scene =
+            Scene { array: Array { rows: 4, columns: 4, ..Array::default() }, ..Scene::default() };
+        for model in [ElementModel::Point, ElementModel::Piston] {
+            scene.array.element = model;
+            let emitters = Emitters::new(&Aperture::new(&scene), &[Complex64::ONE; 16]);
+            let at = |height: f64| emitters.derivatives(DVec3::new(0.013, -0.022, height * element::NEAREST));
+            let expected = at(1.0);
+            for height in [0.5, 0.0, -0.5] {
+                for (own, expected) in at(height).0.iter().zip(&expected.0) {
+                    let off = (own - expected).norm();
+                    assert!(off <= 1e-9 * expected.norm(), "{model:?} {height}: {own}, not {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sound_on_a_reflector_is_half_of_the_total() {
+        let ceiling = Reflector { point: DVec3::Z * 0.2, normal: DVec3::NEG_Z, coefficient: 0.4 };
+        let array = Array { rows: 2, columns: 3, ..Array::default() };
+        let total = Aperture::new(&Scene { array, reflectors: vec![ceiling.clone()], ..Scene::default() });
+        let points = [DVec3::new(0.01, -0.02, 0.2), DVec3::new(-0.05, 0.03, 0.2)];
+        let (own, total) = (total.incident_on(&ceiling).transfer(&points), total.transfer(&points));
+        for (row, point) in points.iter().enumerate() {
+            for (own, total) in own.row(row).zip(total.row(row)) {
+                assert!((2.0 * own - total).norm() < 1e-9 * total.norm(), "{point}: {own} of {total}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_value_of_a_transfer_has_its_place() {
+        let mut transfer = Transfer::zeros(3, 5);
+        let value = |point: usize, element: usize| Complex64::new(1.0 + point as f64, element as f64);
+        (0..15).for_each(|i| transfer.set(i / 5, i % 5, value(i / 5, i % 5)));
+        for (point, row) in transfer.rows().enumerate() {
+            assert!(row.enumerate().all(|(element, own)| own == value(point, element)), "{transfer:?}");
+        }
     }
 
     #[test]

@@ -371,6 +371,20 @@ mod tests {
     use crate::scene::{ElementModel, Scene};
 
     #[test]
+    fn shifted_chebyshev_polynomials_are_cosines() {
+        for degree in [1, 2, 3, 6, 9] {
+            let polynomial = shifted_chebyshev(degree);
+            for i in 0..=20 {
+                let angle = PI * f64::from(i) / 20.0;
+                let s = f64::midpoint(angle.cos(), 1.0);
+                let own = polynomial.iter().rev().fold(0.0, |sum, term| sum * s + term);
+                let expected = (degree as f64 * angle).cos();
+                assert!((own - expected).abs() < 1e-8, "{degree}, {angle}: {own}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
     fn a_quotient_by_pi_has_twice_the_digits_of_an_f64() {
         // The rests are from 60 decimal digits.
         for (x, quotient, rest) in [
