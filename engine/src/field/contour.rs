@@ -218,6 +218,27 @@ mod tests {
     }
 
     #[test]
+    fn pixels_at_the_level_are_within_its_lines() {
+        let is_in = |i: usize| (20..30).contains(&(i % WIDTH)) && (10..40).contains(&(i / WIDTH));
+        let found = of(1.0, |i| if is_in(i) { 1.0 } else { 0.0 });
+        let [line] = &found[..] else { panic!("{} lines", found.len()) };
+        // Around the centres of the outermost pixels, with corners cut off.
+        assert!(line.first() == line.last() && (area(line) - 9.0 * 29.0).abs() < 8.0, "{}", area(line));
+    }
+
+    #[test]
+    fn areas_that_touch_at_a_corner_are_one_if_their_mean_there_reaches_the_level() {
+        for slope in [1, -1] {
+            let is_in = |i: usize| {
+                let (x, y) = ((i % WIDTH) as i32 - 40, slope * ((i / WIDTH) as i32 - 30));
+                [0..5, -5..0].into_iter().any(|range| range.contains(&x) && range.contains(&y))
+            };
+            let counts = [0.4, 0.5, 0.6].map(|level| of(level, |i| if is_in(i) { 1.0 } else { 0.0 }).len());
+            assert_eq!(counts, [1, 1, 2], "{slope}");
+        }
+    }
+
+    #[test]
     fn a_pixel_in_a_corner_is_cut_off() {
         for corner in [0, WIDTH - 1, (HEIGHT - 1) * WIDTH, HEIGHT * WIDTH - 1] {
             for high in [1.0f32, -1.0] {

@@ -267,7 +267,7 @@ fn piston(element: &Element, a: f64, samples: &Samples) -> Piston {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{ElementModel, Elements, Placed, Plane, Scene};
+    use crate::scene::{ElementModel, Elements, Placed, Plane, Reflector, Scene};
 
     fn aperture(ka: f64) -> Aperture {
         let mut aperture = Aperture::new(&Scene::default());
@@ -297,6 +297,25 @@ mod tests {
             let mut aperture = aperture(3.66);
             aperture.element.attenuation = attenuation;
             assert_eq!(wave(&aperture).map(|wave| wave.decay.terms), expected, "{attenuation} Np/m");
+        }
+    }
+
+    #[test]
+    fn an_image_sounds_with_the_coefficient_of_its_reflector() {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (3, 4);
+        let (point, normal) = (DVec3::Z * 0.2, DVec3::NEG_Z);
+        scene.reflectors = vec![Reflector { point, normal, coefficient: -0.4 }];
+        let aperture = Aperture::new(&scene);
+        let phases = (0..12).map(|n| 0.3 * f64::from(n)).collect();
+        let drive = Drive { amplitudes: vec![1.0; 12], phases };
+        let points = [0.12, 0.17, 0.19].map(|z| DVec3::new(0.01, -0.02, z)).to_vec();
+        let expected = aperture.pressures(&points, &drive.excitation(&aperture.driven));
+        let samples = Samples::at(points);
+        let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
+        for (own, expected) in crate::field::cpu::pressure(&sources, 3).into_iter().zip(expected) {
+            let off = (f64::from(own.re) - expected.re).hypot(f64::from(own.im) - expected.im);
+            assert!(off < 1e-3 * expected.norm(), "{own}, not {expected}");
         }
     }
 

@@ -206,6 +206,36 @@ mod tests {
     }
 
     #[test]
+    fn a_drag_over_the_pictures_height_is_half_a_turn() {
+        let camera = Camera::of(&block(), [0.4, 0.0], 1.0, true);
+        let [right, up, forward] = camera.axes();
+        let halfway = |a: DVec3, b: DVec3| (a + b).normalize_or_zero();
+        for (by, expected) in [
+            (DVec2::X, -forward),
+            (DVec2::X * 0.5, right),
+            (DVec2::X * -0.25, halfway(forward, -right)),
+            (DVec2::Y * 0.25, halfway(forward, -up)),
+            (DVec2::Y * -0.5, up),
+        ] {
+            let own = camera.orbited(by).axes()[2];
+            assert!(own.distance(expected) < 1e-12, "{by}: {own}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn what_is_behind_the_eye_is_not_on_the_screen() {
+        for is_perspective in [false, true] {
+            let projection =
+                Camera::of(&block(), [0.4, 0.2], 1.0, is_perspective).projection(DVec2::splat(500.0));
+            let ahead = |m: f64| projection.eye + projection.forward * m + projection.right * 0.01;
+            assert!(projection.screen(ahead(0.1)).is_some());
+            for behind in [0.0, 0.1, 1e3] {
+                assert_eq!(projection.screen(ahead(-behind)), None);
+            }
+        }
+    }
+
+    #[test]
     fn lines_are_cut_in_front_of_the_eye() {
         let projection = Camera::of(&block(), [0.4, 0.2], 1.0, true).projection(DVec2::splat(500.0));
         let ahead = |m: f64| projection.eye + projection.forward * m + projection.right * (0.1 + m);

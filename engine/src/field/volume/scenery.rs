@@ -323,6 +323,98 @@ mod tests {
     }
 
     #[test]
+    fn what_is_beside_the_picture_on_any_side_is_left_out() {
+        let clip = Block { centre: DVec3::new(0.0, 0.0, 0.1), size: DVec3::splat(0.1) };
+        let beside = [DVec3::X, DVec3::NEG_X, DVec3::Z, DVec3::NEG_Z];
+        let dot = |way| Item::Dot { at: clip.centre + way, radius: 3.0, colour: Vec4::ONE, shine: 0.0 };
+        let scenery = Scenery {
+            items: beside.into_iter().map(dot).collect(),
+            body: Body::Hidden,
+            clip,
+            surface: Vec3::ONE,
+            table: [[0; 4]; 256],
+            ground: [Vec3::ZERO; 2],
+        };
+        let lattice = Lattice::covering(&clip, DVec3::splat(0.05));
+        let volume = Volume::of(lattice, vec![0.0; lattice.len()]);
+        for is_perspective in [false, true] {
+            let camera = Camera::of(&clip, [0.0, 0.0], 1.0, is_perspective);
+            let shot = Shot::new(&scenery, &volume, &camera, (160, 160));
+            assert!(shot.things.is_empty(), "{:?}", shot.things);
+        }
+    }
+
+    #[test]
+    fn discs_and_rectangles_are_listed_in_the_tiles_of_all_their_pixels() {
+        let clip = Block { centre: DVec3::ZERO, size: DVec3::splat(0.1) };
+        let scattered =
+            |n: usize| DVec3::from_array([0.618, 0.755, 0.57].map(|step| (n as f64 * step).fract() - 0.5));
+        // Every other one faces the eye.
+        let normal = |n: usize| match n % 2 {
+            0 => DVec3::NEG_Y,
+            _ => (scattered(n) + DVec3::NEG_Y).normalize_or_zero(),
+        };
+        let half = |n: usize| {
+            let (a, b) = normal(n).any_orthonormal_pair();
+            [a * (0.002 + 1e-4 * (n % 31) as f64), b * (0.002 + 1e-4 * (n % 37) as f64)]
+        };
+        let item = |n: usize| {
+            let (centre, colour) = (0.08 * scattered(7 * n + 1), Vec4::ONE);
+            match n % 4 {
+                0 | 1 => {
+                    Item::Disc { centre, normal: normal(n), radius: 1e-4 * (10 + n % 50) as f64, colour }
+                }
+                2 => Item::Panel { centre, half: half(n / 2), colour },
+                _ => Item::Slice { centre, half: half(n / 2), opacity: 1.0 },
+            }
+        };
+        let scenery = Scenery {
+            items: (0..120).map(item).collect(),
+            body: Body::Hidden,
+            clip,
+            surface: Vec3::ONE,
+            table: [[0; 4]; 256],
+            ground: [Vec3::ZERO; 2],
+        };
+        let lattice = Lattice::covering(&clip, DVec3::splat(0.05));
+        let volume = Volume::of(lattice, vec![0.0; lattice.len()]);
+        for is_perspective in [false, true] {
+            let camera = Camera::of(&clip, [0.0, 0.0], 1.0, is_perspective);
+            let shot = Shot::new(&scenery, &volume, &camera, (160, 160));
+            assert_eq!(shot.things.len(), scenery.items.len());
+            let projection = camera.projection(DVec2::splat(160.0));
+            let (mut covered, mut listed) = (0, 0);
+            for pixel in 0..160 * 160usize {
+                let (x, y) = (pixel % 160, pixel / 160);
+                let (start, direction) = projection.ray(DVec2::new(x as f64, y as f64) + 0.5);
+                let meets = |centre: DVec3, normal: DVec3| {
+                    let depth = (centre - start).dot(normal) / direction.dot(normal);
+                    (start + direction * depth - centre, depth)
+                };
+                let tile = y / TILE * 10 + x / TILE;
+                let list = &shot.tiles[shot.tiles[tile] as usize..shot.tiles[tile + 1] as usize];
+                listed += list.len();
+                for (number, item) in scenery.items.iter().enumerate() {
+                    let is_covered = match *item {
+                        Item::Disc { centre, normal, radius, .. } => {
+                            let (off, depth) = meets(centre, normal);
+                            off.length() < radius + 0.4 * projection.per_pixel(depth)
+                        }
+                        Item::Panel { centre, half, .. } | Item::Slice { centre, half, .. } => {
+                            let (off, _) = meets(centre, half[0].cross(half[1]));
+                            half.iter().all(|half| off.dot(*half).abs() < half.length_squared())
+                        }
+                        Item::Line { .. } | Item::Dot { .. } => unreachable!("there are none"),
+                    };
+                    assert!(!is_covered || list.contains(&(number as u32)), "{item:?} at {x}, {y}");
+                    covered += usize::from(is_covered);
+                }
+            }
+            assert!(covered > 5000 && listed < 120 * 160 * 160 / 8, "{covered} and {listed}");
+        }
+    }
+
+    #[test]
     fn objects_are_listed_in_the_tiles_of_all_their_pixels() {
         let clip = Block { centre: DVec3::ZERO, size: DVec3::splat(0.1) };
         let place = |n: usize| {
