@@ -9,6 +9,9 @@ use rayon::prelude::*;
 use crate::simd::{Instructions, Isa, Kernel, lanes};
 use crate::surface::coverage::{Coverage, Edges, Places, larger, smaller};
 
+#[cfg(test)]
+mod patches;
+
 /// Rows of pixels processed together.
 const BAND: usize = 64;
 /// Patches smaller than this fraction of their size on the surface light a single pixel.
