@@ -430,3 +430,6 @@ mod tests {
         }
     }
 }
+
+#[cfg(test)]
+mod pictures;

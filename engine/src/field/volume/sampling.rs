@@ -320,6 +320,69 @@ mod tests {
     }
 
     #[test]
+    fn steps_that_divide_the_pitch_are_taken_as_they_are() {
+        let array = Array { rows: 4, columns: 4, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        let block = Block { centre: DVec3::Z * 0.1, size: DVec3::splat(0.03) };
+        for parts in 1..=9 {
+            let wanted = aperture.pitch / f64::from(parts);
+            let per_wavelength = aperture.wavelength() / wanted;
+            let fineness = Fineness { per_wavelength, least: 1 << 30, most: 1 << 40, pairs: 1e15 };
+            let lattice = lattice(&aperture, 1, &block, fineness);
+            assert!((lattice.step / wanted - 1.0).abs().max_element() < 1e-9, "{parts}: {}", lattice.step);
+        }
+    }
+
+    #[test]
+    fn steps_in_a_pitch_are_counted_in_spite_of_rounding() {
+        let array = Array { rows: 4, columns: 4, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        for parts in [1, 3, 7] {
+            for off in [0.0, 1e-12, -1e-12, 1e-3, -1e-3] {
+                let step = DVec3::splat(aperture.pitch / f64::from(parts) * (1.0 + off));
+                let lattice = Lattice { first: DVec3::ZERO, step, counts: UVec3::splat(2) };
+                let expected = (off.abs() < SLACK).then_some(parts as isize);
+                assert_eq!(in_pitch(&aperture, &lattice), expected, "{parts} steps, {off:e} off");
+            }
+        }
+    }
+
+    #[test]
+    fn a_board_with_a_shared_table_and_one_without_sound_together() {
+        let array = Array { rows: 4, columns: 4, ..Array::default() };
+        let (at, normal) = (DVec3::Z * 0.1, DVec3::new(0.3, 0.0, -1.0));
+        let boards = vec![Board::default(), Board { at, normal, ..Board::default() }];
+        let aperture = Aperture::new(&Scene { array, boards, ..Scene::default() });
+        let phases = (0..32).map(|n| 0.7 * f64::from(n)).collect();
+        let drive = Drive { amplitudes: vec![1.0; 32], phases };
+        let block = Block { centre: DVec3::Z * 0.05, size: DVec3::splat(0.01) };
+        let fineness = Fineness { per_wavelength: 3.0, least: 1, most: 1 << 20, pairs: 1e9 };
+        let volume = Volume::new(&aperture, std::slice::from_ref(&drive), &block, fineness);
+        let samples: Vec<_> = (0..volume.lattice.counts.z as usize)
+            .map(|z| layer(&volume.lattice, z))
+            .flat_map(|samples| (0..samples.len()).map(|i| samples.point(i)).collect::<Vec<_>>())
+            .collect();
+        let expected = aperture.pressures(&samples, &drive.excitation(&aperture.driven));
+        for ((own, expected), point) in volume.values.iter().zip(expected).zip(samples) {
+            let off = f64::from(*own) - expected.norm() / 2f64.sqrt();
+            assert!(off.abs() < 1e-4 * f64::from(volume.peak), "{own}, not {expected}, at {point}");
+        }
+    }
+
+    #[test]
+    fn beyond_the_lattice_the_field_is_that_of_its_rim() {
+        let lattice = Lattice { first: DVec3::ZERO, step: DVec3::splat(1e-3), counts: UVec3::new(5, 4, 3) };
+        let volume = Volume::of(lattice, (0..60).map(|i| (i as f32 * 0.618).fract()).collect());
+        for [x, y, z] in
+            [[-0.7, 1.3, 0.4], [4.6, 1.3, 0.4], [1.2, 3.9, 1.5], [1.2, 2.2, 2.5], [9.0, 9.0, 9.0]]
+        {
+            let place = Vec3::new(x, y, z);
+            let rim = place.clamp(Vec3::ZERO, Vec3::new(4.0, 3.0, 2.0));
+            assert_eq!(volume.at(place), volume.at(rim), "{place}");
+        }
+    }
+
+    #[test]
     fn corners_are_the_ends_of_the_outermost_layers() {
         let lattice = Lattice {
             first: DVec3::new(-0.02, 0.01, 0.05),
