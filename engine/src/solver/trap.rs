@@ -320,6 +320,8 @@ impl Function for Stiffness<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drive::Drive;
+    use crate::force::Levitation;
     use crate::scene::{Bead, Board, Target, outline};
 
     #[test]
@@ -365,6 +367,77 @@ mod tests {
                 gradient[n]
             );
         }
+    }
+
+    /// A board of 4 x 4 elements with a trap before it.
+    fn before_board(trap: Trap) -> Scene {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (4, 4);
+        scene.targets = vec![Target::new(Shape::Trap { at: DVec3::Z * 0.05, trap, charge: 1 })];
+        scene
+    }
+
+    #[test]
+    fn only_a_standing_wave_with_all_elements_on_one_side_needs_its_lobes() {
+        let above = Board { at: DVec3::Z * 0.1, normal: DVec3::NEG_Z, ..Board::default() };
+        for (trap, boards, expected) in [
+            (Trap::Standing, vec![Board::default()], true),
+            (Trap::Standing, vec![above.clone()], true),
+            (Trap::Standing, vec![Board::default(), above], false),
+            (Trap::Twin, vec![Board::default()], false),
+        ] {
+            let scene = Scene { boards, ..before_board(trap) };
+            let aperture = Aperture::new(&scene);
+            let traps = Traps::of_scene(&scene, &aperture, &outline::foci(&scene).unwrap()).unwrap();
+            assert_eq!(needs_lobes(&aperture, &traps.traps[0]), expected, "{trap:?}, {:?}", scene.boards);
+        }
+    }
+
+    #[test]
+    fn the_phases_of_several_traps_do_not_depend_on_the_strength_of_elements() {
+        let start = |strength: f64| {
+            let mut scene = before_board(Trap::Twin);
+            scene.array.strength = strength;
+            let at = DVec3::new(0.015, 0.01, 0.06);
+            scene.targets.push(Target::new(Shape::Trap { at, trap: Trap::Bottle, charge: 1 }));
+            let aperture = Aperture::new(&scene);
+            let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+            signature(&problem, problem.traps.as_ref().unwrap())
+        };
+        // By a power of two, so that nothing is rounded otherwise.
+        for (strong, weak) in start(2.0).into_iter().zip(start(2f64.powi(-30))) {
+            assert!((strong - weak).norm() < 1e-9, "{strong} and {weak}");
+        }
+    }
+
+    #[test]
+    fn the_weakest_stiffness_is_that_of_a_bead_in_the_trap() {
+        let scene = before_board(Trap::Twin);
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let traps = problem.traps.as_ref().unwrap();
+        let start = signature(&problem, traps);
+        let phases = start.iter().map(|u| u.arg()).collect();
+        let bead = Levitation::new(&scene, &aperture, &[Drive { amplitudes: vec![1.0; 16], phases }]);
+        let expected = modes(&bead.forces(DVec3::Z * 0.05).symmetric())[0].stiffness;
+        let [own] = traps.weakest(&aperture, &start)[..] else { panic!("one trap") };
+        assert!((own - expected).abs() < 1e-6 * expected.abs(), "{own}, not {expected} N/m");
+    }
+
+    #[test]
+    fn a_focus_that_loses_a_fifth_of_its_power_is_not_kept() {
+        let mut scene = before_board(Trap::Twin);
+        scene.targets.push(Target::new(Shape::Point { at: DVec3::new(0.01, 0.0, 0.05) }));
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let traps = problem.traps.as_ref().unwrap();
+        let start = signature(&problem, traps);
+        let function = Stiffness::new(&problem, traps, &start);
+        let keeps = |power: f64| {
+            let u: Vec<_> = start.iter().map(|u| u * power.sqrt()).collect();
+            function.keeps_foci(&problem, &u)
+        };
+        assert_eq!([1.5, 1.0, 0.81, 0.79, 0.3, 0.0].map(keeps), [true, true, true, false, false, false]);
     }
 
     #[test]
