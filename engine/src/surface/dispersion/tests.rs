@@ -116,6 +116,34 @@ fn the_determinant_has_its_spurious_root_divided_away() {
 }
 
 #[test]
+fn the_determinant_keeps_its_digits_beside_the_rate_at_which_shear_neither_grows_nor_falls_off() {
+    let (depth, ratio) = (12.0f64, 3.0);
+    let (floor, t) = (Floor { depth, ratio }, depth.tanh());
+    for size in [0.0, 1e-11, 1e-9, 1e-8, 3e-7, 1e-6, 1.4e-6, 1e-5] {
+        for turn in 0..6 {
+            let s = Complex64::from_polar(size, f64::from(turn)) - 1.0;
+            let z = s + 1.0;
+            // cosh xδ and sinh xδ / x in powers of z.
+            let (mut c, mut s_x, mut power) = (Complex64::ZERO, Complex64::ZERO, Complex64::from(1.0));
+            for n in 0..10 {
+                c += power;
+                s_x += power * depth / f64::from(2 * n + 1);
+                power *= z * depth * depth / f64::from((2 * n + 1) * (2 * n + 2));
+            }
+            let plain = 4.0 * (z + 1.0) / depth.cosh() + (z * z + 6.0 * z + 1.0) * t * s_x
+                - (z * z + 2.0 * z + 5.0) * c
+                - ratio * (t * c - s_x);
+            for left in [0.0, 0.4] {
+                let expected = 2.0 * (-left * depth).exp() * plain / s;
+                let own = floor.determinant(s, left);
+                let off = (own - expected).norm() / expected.norm();
+                assert!(off < 5e-11, "{s} {left}: {own}, not {expected}, {off:e}");
+            }
+        }
+    }
+}
+
+#[test]
 fn a_remainder_is_the_determinant_at_both_roots() {
     let floor = Floor { depth: 1.5, ratio: 2.0 };
     for (damping, square) in [(0.3_f64, 2.0), (1.2, 0.4), (0.5, 0.25), (1e-3, 1e-6)] {
@@ -132,6 +160,30 @@ fn a_remainder_is_the_determinant_at_both_roots() {
             let slope = (at(by - damping) - at(-by - damping)) / (2.0 * by);
             assert!((a / slope - 1.0).abs() < 1e-4, "{damping}: {a} {slope}");
         }
+    }
+}
+
+#[test]
+fn a_wave_is_found_from_twice_its_damping() {
+    for (depth, ratio) in [(0.5f64, 2.0), (1.0, 10.0), (3.0, 100.0)] {
+        let floor = Floor { depth, ratio };
+        let near = Mode::deep(ratio * depth.tanh(), hindrance(depth));
+        let mode = floor.pair(near).expect("converges");
+        let damping = 2.0 * near.damping;
+        let far = Mode { damping, swing: near.square - damping * damping, ..near };
+        let again = floor.pair(far).expect("converges from afar");
+        let off = [again.damping / mode.damping - 1.0, again.square / mode.square - 1.0];
+        assert!(off.iter().all(|off| off.abs() < 1e-8), "{depth} {ratio}: {off:?}");
+    }
+}
+
+#[test]
+fn waves_on_shallow_thin_liquids_are_refined_too() {
+    // The damping is up to 1e4 in units of n: by the floor, in a thin layer above it.
+    for (depth, ratio) in [(0.01f64, 1e10), (0.3, 1e12), (1.0, 1e12)] {
+        let floor = Floor { depth, ratio };
+        let mode = floor.pair(Mode::deep(ratio * depth.tanh(), hindrance(depth))).expect("converges");
+        assert!(mode.damping > 100.0, "{depth} {ratio}: {mode:?}");
     }
 }
 
