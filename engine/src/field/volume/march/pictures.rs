@@ -106,6 +106,39 @@ fn a_projection_meets_a_peak_of_one_layer_at_any_depth() {
 }
 
 #[test]
+fn a_ray_looks_up_each_brick_on_its_way_once() {
+    let (block, volume) = cube(25, |_| 1.0);
+    for standard in [Standard::Front, Standard::Top, Standard::Side] {
+        let camera = Camera::of(&block, standard.direction(), 1.0, true);
+        let shot = Shot::new(&scenery(Body::Hidden, block, Vec::new()), &volume, &camera, (SIDE, SIDE));
+        let table = &[Vec3::ONE; 256];
+        let painter = Painter { shot: &shot, params: &shot.params, volume: &volume, table };
+        let projection = camera.projection(DVec2::splat(SIDE as f64));
+        let (mut rays, mut bricks, mut own) = (0.0, 0.0, 0);
+        for pixel in 0..SIDE * SIDE {
+            let at = DVec2::new((pixel % SIDE) as f64, (pixel / SIDE) as f64) + 0.5;
+            let (start, direction) = projection.ray(at);
+            let ray = Ray { start: start.as_vec3(), direction: direction.as_vec3() };
+            let Some((near, far)) = painter.inside(ray) else { continue };
+            let grid = painter.in_steps(ray);
+            let brick = |part: f32| {
+                ((grid.start + grid.direction * (near + (far - near) * part)) / BRICK as f32).floor()
+            };
+            rays += 1.0;
+            bricks += 1.0 + (brick(0.999) - brick(0.001)).abs().element_sum();
+            let mut depth = near;
+            while depth < far {
+                depth = painter.brick(&grid, depth).1.max(depth + LEAST * grid.step);
+                own += 1;
+            }
+        }
+        // By rounding, the last brick may end just before the box.
+        let is_once = (own as f32) < 1.02 * bricks + rays;
+        assert!(is_once && bricks > 2.0 * rays, "{standard:?}: {own} times, {bricks} bricks, {rays} rays");
+    }
+}
+
+#[test]
 fn a_dark_surface_glints_where_its_normal_halves_light_and_eye() {
     let params = ShotParams {
         right: [1.0, 0.0, 0.0],
