@@ -265,9 +265,11 @@ fn body(ray: Ray, near: f32, far: f32) -> Hit {
     var depth = near;
     var largest = 0.0;
     var place = near;
-    if IS_SURFACE {
+    if near < far {
         let value = value_at(grid.start + grid.direction * near);
-        if near < far && value >= params.level {
+        if !IS_SURFACE {
+            largest = value;
+        } else if value >= params.level {
             return Hit(near, vec4f(tint(value * params.per_peak), 1.0));
         }
     }
@@ -293,15 +295,15 @@ fn body(ray: Ray, near: f32, far: f32) -> Hit {
             }
         } else {
             if found.x > largest {
-                for (var i = 0u; i < MOST_STEPS; i++) {
-                    let here = depth + f32(i) * PROJECTION_STRIDE * step;
-                    if here >= end {
-                        break;
-                    }
+                for (var i = 1u; i <= MOST_STEPS; i++) {
+                    let here = min(depth + f32(i) * PROJECTION_STRIDE * step, end);
                     let value = value_at(grid.start + grid.direction * here);
                     if value > largest {
                         largest = value;
                         place = here;
+                    }
+                    if here >= end {
+                        break;
                     }
                 }
             }

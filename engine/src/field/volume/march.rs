@@ -342,7 +342,8 @@ impl Painter<'_> {
     fn projection(&self, ray: Ray, near: f32, far: f32) -> Option<(f32, Vec4)> {
         let grid = self.in_steps(ray);
         let step = grid.step;
-        let (mut largest, mut place) = (0.0f32, near);
+        let at = |depth: f32| self.volume.at(grid.start + grid.direction * depth);
+        let (mut largest, mut place) = (if near < far { at(near) } else { 0.0 }, near);
         let mut depth = near;
         for _ in 0..MOST_BRICKS {
             if depth >= far {
@@ -351,14 +352,14 @@ impl Painter<'_> {
             let (most, exit) = self.brick(&grid, depth);
             let end = exit.max(depth + LEAST * step).min(far);
             if most > largest {
-                for i in 0..MOST_STEPS {
-                    let here = depth + i as f32 * PROJECTION_STRIDE * step;
-                    if here >= end {
-                        break;
-                    }
-                    let value = self.volume.at(grid.start + grid.direction * here);
+                for i in 1..=MOST_STEPS {
+                    let here = (depth + i as f32 * PROJECTION_STRIDE * step).min(end);
+                    let value = at(here);
                     if value > largest {
                         (largest, place) = (value, here);
+                    }
+                    if here >= end {
+                        break;
                     }
                 }
             }

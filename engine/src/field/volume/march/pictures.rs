@@ -93,7 +93,7 @@ fn a_slice_shows_the_field_within_the_box_and_grows_opaque_with_it() {
 
 #[test]
 fn a_projection_meets_a_peak_of_one_layer_at_any_depth() {
-    for peak in 0..16 {
+    for peak in 0..17 {
         let (block, volume) = cube(17, |place| if place.y == peak { 1.0 } else { 0.0 });
         let camera = Camera::of(&block, Standard::Front.direction(), 1.0, false);
         let painted = painted(&scenery(Body::Projection, block, Vec::new()), &volume, &camera);
