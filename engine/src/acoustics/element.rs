@@ -153,7 +153,7 @@ pub fn piston_nodes(ka: f64, rho: f64, z: f64, error: f64) -> usize {
     // The τ at which growth and accuracy balance for large ka.
     let tau = (0.9 * strip(rho, z)).min((3.0 * digits / ka).cbrt().min(2.0)).max(f64::MIN_POSITIVE);
     // The factor in front of the exponential grows like one over the distance to the strip's edge.
-    let growth = ka * tau.sinh() + (2.0 / tau).ln().max(0.0);
+    let growth = ka * tau.sinh() + (2.0 / tau).ln();
     (((digits + growth) / (2.0 * tau)).ceil() as usize).max(2)
 }
 

@@ -151,7 +151,7 @@ fn by_lobes(problem: &Problem<'_>, traps: &Traps) -> Vec<Complex64> {
         let relative: Vec<_> = heard.iter().zip(&targets).map(|(p, target)| p.norm() / target).collect();
         let mean = relative.iter().sum::<f64>() / relative.len() as f64;
         for (weight, relative) in weights.iter_mut().zip(&relative) {
-            *weight *= (mean / relative.max(1e-3 * mean)).sqrt().min(2.0);
+            *weight *= (mean / relative).sqrt().min(2.0);
         }
     }
     u
