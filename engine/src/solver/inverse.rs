@@ -163,4 +163,39 @@ mod tests {
             assert!((condition * ratio - 1.0).abs() < 1e-6, "{ratio:e}: {condition:e}");
         }
     }
+
+    #[test]
+    fn the_residual_does_not_depend_on_the_unit_of_targets() {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (1, 2);
+        let aperture = Aperture::new(&scene);
+        // Two elements meet three targets by half.
+        let residuals = |unit: f64| {
+            let focus = |(x, target): (f64, f64)| Focus::new(DVec3::new(x, 0.01, 0.1), unit * target);
+            let foci = [(-0.03, 1.0), (0.0, 2.0), (0.04, 0.5)].into_iter().map(focus).collect();
+            let problem = Problem::new(&aperture, foci);
+            [pinv(&problem), weighted(&problem, 3)].map(|found| found.residual.unwrap())
+        };
+        let ratios = residuals(1.0);
+        assert!(ratios.iter().all(|residual| *residual > 0.05 && *residual < 1.0), "{ratios:?}");
+        for unit in [0.01, 300.0] {
+            for (got, expected) in residuals(unit).into_iter().zip(ratios) {
+                assert!((got / expected - 1.0).abs() < 1e-9, "{unit}: {got}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn where_no_sound_arrives_drives_are_finite_all_the_same() {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (2, 2);
+        let aperture = Aperture::new(&scene);
+        let focus = |x: f64| Focus::new(DVec3::new(x, 0.0, 0.1), 1.0);
+        let mut problem = Problem::new(&aperture, [-0.03, 0.0, 0.04].map(focus).to_vec());
+        problem.transfer = Transfer::zeros(3, 4);
+        for found in [pinv(&problem), weighted(&problem, 3)] {
+            assert!(found.values.iter().all(|u| u.is_finite()), "{found:?}");
+        }
+        assert_eq!(rank_and_condition(&problem.transfer).0, 0);
+    }
 }

@@ -448,4 +448,15 @@ mod tests {
             assert!((phase(expected * 1e-9) - expected).norm() < 1e-15, "{angle}");
         }
     }
+
+    #[test]
+    fn a_focus_without_pressure_is_brought_to_any_modulus() {
+        let (transfer, targets) = circle(3, 0.012, 1.5);
+        let mut state = start(&transfer, &targets);
+        let before = state.pressure[0].at(0);
+        state.pressure[0].set(1, Complex64::ZERO);
+        state.scale(1, 2.5);
+        assert_eq!(state.pressure[0].at(1), Complex64::from(2.5));
+        assert_eq!(state.pressure[0].at(0), before);
+    }
 }

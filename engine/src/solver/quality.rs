@@ -250,4 +250,15 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_bound_of_one_focus_is_all_elements_in_phase_over_its_target() {
+        let aperture = two_elements();
+        for target in [0.25, 1.0, 40.0] {
+            let problem = Problem::new(&aperture, vec![Focus::new(DVec3::new(0.01, 0.0, 0.1), target)]);
+            let expected = problem.transfer.row(0).map(Complex64::norm).sum::<f64>() / target;
+            let part = bound(&problem) / expected;
+            assert!((1.0..1.0 + 1e-9).contains(&part), "{target}: {part}");
+        }
+    }
 }

@@ -21,3 +21,17 @@ pub fn evenness(values: &[f64]) -> f64 {
     let least = values.iter().copied().fold(f64::INFINITY, f64::min);
     least / mean(values.iter().copied()).max(f64::MIN_POSITIVE)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statistics_are_those_of_a_known_row() {
+        let values = [1.0, 2.0, 3.0, 4.0, 5.0];
+        assert!((mean(values.into_iter()) - 3.0).abs() < 1e-15);
+        assert!((mean_square(&values) - 11.0).abs() < 1e-12);
+        assert!((spread(&values) - 2f64.sqrt() / 3.0).abs() < 1e-15);
+        assert!((evenness(&values) - 1.0 / 3.0).abs() < 1e-15);
+    }
+}
