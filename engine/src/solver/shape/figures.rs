@@ -244,6 +244,9 @@ fn heard(
 }
 
 #[cfg(test)]
+mod lobes;
+
+#[cfg(test)]
 mod tests {
     use glam::DVec2;
 
@@ -393,6 +396,45 @@ mod tests {
             let (sin, cos) = (TAU * f64::from(direction) / 16.0).sin_cos();
             let beside = heard_at(&aperture, at + 2e-4 * DVec3::new(cos, sin, 0.0), &u);
             assert!(beside <= loudest, "{direction}: {beside} beside {loudest}");
+        }
+    }
+
+    #[test]
+    fn strengths_of_two_drives_compare_as_their_mean_pressures_over_targets() {
+        let aperture = array(4, 5);
+        let focus = |(x, target)| Focus::new(DVec3::new(x, 0.0, 0.1), target);
+        let foci: Vec<_> = [(-0.02, 1.0), (0.0, 3.0), (0.03, 0.5)].into_iter().map(focus).collect();
+        let problem = Problem::new(&aperture, foci.clone());
+        let surroundings = Surroundings::of_plane(Plane::default(), 0.0);
+        let some = scattered(&aperture, 1);
+        let to_last: Vec<_> = problem.transfer.row(2).map(|h| 0.3 * Complex64::cis(-h.arg())).collect();
+        let strengths = [&some, &to_last].map(|u| {
+            let heard = foci.iter().map(|focus| heard_at(&aperture, focus.position, u) / focus.target);
+            (figures(&problem, &surroundings, u).strength, statistics::mean(heard) / u[0].norm())
+        });
+        let [(one, expected_one), (other, expected_other)] = strengths;
+        let error = one / other / (expected_one / expected_other) - 1.0;
+        assert!(error.abs() < 1e-9 && one > 0.0, "{strengths:?}");
+    }
+
+    #[test]
+    fn figures_of_areas_do_not_depend_on_the_scale_of_the_drive() {
+        let shape = Shape::Rectangle { at: DVec3::Z * 0.1, width: 0.02, height: 0.012 };
+        let area = Target { sampling: Sampling::Fill, ..Target::new(shape) };
+        let mut scene = Scene { targets: vec![area], ..Scene::default() };
+        (scene.array.rows, scene.array.columns) = (4, 4);
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let of = |scale: f64| {
+            let u: Vec<_> = scattered(&aperture, 1).iter().map(|u| u * scale).collect();
+            areas(&problem, problem.surroundings.as_ref().unwrap(), &u).unwrap()
+        };
+        let alone = of(1.0);
+        assert!(alone.contrast > 0.0 && alone.error < 1.0, "{alone:?}");
+        for scale in [1e-3, 1e3] {
+            let scaled = of(scale);
+            assert!((scaled.contrast / alone.contrast - 1.0).abs() < 1e-9, "{scaled:?}, not {alone:?}");
+            assert!((scaled.error / alone.error - 1.0).abs() < 1e-9, "{scaled:?}, not {alone:?}");
         }
     }
 }
