@@ -327,4 +327,25 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn rows_after_those_that_are_filled_may_hold_anything() {
+        for length in [8, 24, 48] {
+            for filled in 1..=length / 4 {
+                let row = |index: usize| if index < filled * 8 { scatter(index) } else { 7.0 };
+                let mut data = Waves::<f64> {
+                    re: (0..length * 8).map(row).collect(),
+                    im: (0..length * 8).map(|index| -2.0 * row(index)).collect(),
+                };
+                let mut cleared = data.clone();
+                cleared.re[filled * 8..].fill(0.0);
+                cleared.im[filled * 8..].fill(0.0);
+                for data in [&mut data, &mut cleared] {
+                    Plan::new(length).run(8, filled, data, &mut Waves::zeros(length * 8));
+                }
+                assert_eq!(data.re, cleared.re, "{filled} of {length}");
+                assert_eq!(data.im, cleared.im, "{filled} of {length}");
+            }
+        }
+    }
 }

@@ -10,6 +10,8 @@
 mod differences;
 mod fft;
 mod figures;
+#[cfg(test)]
+mod formula;
 mod further;
 mod grid;
 mod objective;
