@@ -177,7 +177,7 @@ pub fn distances(layout: &Layout, pitch: f64, foci: &[Focus], farthest: f64) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::{Board, Scene};
 
     #[test]
     fn the_mask_rises_between_the_drawing_and_elsewhere() {
@@ -291,5 +291,74 @@ mod tests {
         };
         assert!(with(most, 1) && with(most, 2), "all of {most}");
         assert!(!with(most + 1, 1) && with(most + 1, 2), "every second of {most} and one");
+    }
+
+    #[test]
+    fn grids_resolve_side_lobes_and_reach_farther_for_drawings_beside_the_axis() {
+        for (side, height, x) in
+            [(8, 0.1, 0.0), (8, 0.1, 0.2), (16, 0.1, 0.15), (16, 0.05, 0.0), (5, 0.07, 0.1)]
+        {
+            let aperture = square(side);
+            let problem = Problem::new(&aperture, vec![Focus::new(DVec3::new(x, 0.0, height), 1.0)]);
+            let plane = Plane { centre: DVec3::Z * height, ..Plane::default() };
+            let area = Area::new(&problem, &plane, false);
+            let Some(Area::Grid(layout)) = area else { panic!("{side}, {height}, {x}: {area:?}") };
+            let (apart, most) = (layout.spacing(aperture.pitch), spacing(&aperture, height));
+            assert!(apart <= most, "{side}, {height}: {apart} of {most} m");
+            let farthest = layout.places(aperture.pitch).map(|(_, place)| place.x).fold(0.0, f64::max);
+            let needed = slope(&aperture) * height + 0.6 * x;
+            assert!(farthest >= needed, "{side}, {height}, {x}: {farthest} of {needed} m");
+        }
+    }
+
+    #[test]
+    fn samples_of_a_tilted_plane_are_a_square_around_the_foot_of_the_drawing() {
+        let aperture = square(8);
+        let foci = [(-0.02, 0.0), (0.04, 0.01)].map(|(x, y)| Focus::new(DVec3::new(x, y, 0.2), 1.0));
+        let (middle, centre) = (DVec3::new(0.01, 0.005, 0.2), DVec3::new(0.05, 0.03, 0.15));
+        let problem = Problem::new(&aperture, foci.to_vec());
+        let plane = Plane { centre, x_axis: DVec3::new(1.0, 0.0, 0.2), ..Plane::default() };
+        let area = Area::new(&problem, &plane, false);
+        let Some(Area::Points { points, spacing }) = area else { panic!("{area:?}") };
+        let (x, y) = plane.axes().unwrap();
+        let normal = x.cross(y);
+        let foot = middle - normal * (middle - centre).dot(normal);
+        let half = slope(&aperture) * foot.length() + 0.6 * foci[0].position.distance(middle);
+        let along = (2.0 * half / spacing).round();
+        assert_eq!(points.len(), (along as usize + 1).pow(2));
+        for point in points {
+            let away = point - foot;
+            assert!(away.dot(normal).abs() < 1e-12, "{point} is beside the plane");
+            for steps in [x, y].map(|axis| (away.dot(axis) + half) / spacing) {
+                let is_on_grid = (steps - steps.round()).abs() < 1e-6 && (-0.5..along + 0.5).contains(&steps);
+                assert!(is_on_grid, "{point} is at {steps} of {along}");
+            }
+        }
+    }
+
+    #[test]
+    fn where_the_drawing_covers_every_sample_nothing_is_to_be_quiet() {
+        let is_heard = |pitch: f64| {
+            let mut scene = Scene::default();
+            (scene.array.rows, scene.array.columns, scene.array.pitch) = (1, 1, pitch);
+            let aperture = Aperture::new(&scene);
+            let at = DVec3::Z * 1e-3;
+            let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
+            on_plane::<f32>(&problem, &Plane { centre: at, ..Plane::default() }, false, 1.0).is_some()
+        };
+        assert!(is_heard(5e-3) && !is_heard(0.3e-3));
+    }
+
+    #[test]
+    fn points_in_front_of_one_board_and_behind_another_count() {
+        let beside = Board { at: DVec3::X * 0.1, normal: -DVec3::Z, ..Board::default() };
+        let mut scene = Scene { boards: vec![Board::default(), beside], ..Scene::default() };
+        (scene.array.rows, scene.array.columns) = (2, 2);
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::new(&aperture, vec![Focus::new(DVec3::Z * 0.1, 1.0)]);
+        let points = vec![DVec3::new(0.05, 0.0, 0.1)];
+        let silent = aperture.transfer(&points).row(0).filter(|h| h.norm() == 0.0).count();
+        assert_eq!(silent, 4, "of 8 elements");
+        assert!(in_zones::<f32>(&problem, &[Zone { points, weight: 1.0 }], 1.0).is_some());
     }
 }

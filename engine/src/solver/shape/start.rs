@@ -78,4 +78,52 @@ mod tests {
             assert!(is_same && many.len() == 32, "{number}: {few:?}, {many:?}");
         }
     }
+
+    #[test]
+    fn starts_do_not_depend_on_where_the_drawing_is() {
+        let form = |index: u32| DVec3::new(f64::from(index % 5), 0.7 * f64::from(index / 5), 100.0);
+        for shift in [DVec3::new(30.0, 0.0, 0.0), DVec3::new(-3.0, 50.0, 7.0)] {
+            for number in 0..Start::VARIANTS.len() {
+                let phases = |shift: DVec3| {
+                    let samples: Vec<_> = (0..18).map(|index| form(index) + shift).collect();
+                    Start::phases(number, &samples, &Plane::default())
+                };
+                for (here, there) in phases(DVec3::ZERO).into_iter().zip(phases(shift)) {
+                    assert!((0.5 * (here - there)).sin().abs() < 1e-9, "{number}: {here}, {there}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn smooth_starts_fall_around_the_middle_rise_along_y_or_rise_outwards() {
+        const COUNT: usize = 16;
+        let plane = Plane { x_axis: DVec3::Y, y_axis: -DVec3::X, ..Plane::default() };
+        let place = |index: usize| {
+            let (sin, cos) = (TAU * (index as f64 + 0.5) / COUNT as f64).sin_cos();
+            // Two rings.
+            DVec2::new(cos, sin) * if index < COUNT { 1.0 } else { 2.0 }
+        };
+        let in_space = |place: DVec2| DVec3::new(-place.y, place.x, 0.1);
+        let samples: Vec<_> = (0..2 * COUNT).map(|index| in_space(place(index))).collect();
+        for (number, start) in Start::VARIANTS.iter().enumerate() {
+            let phases = Start::phases(number, &samples, &plane);
+            let is_like = |form: &dyn Fn(DVec2) -> f64| {
+                let factor = phases[0] / form(place(0));
+                let mut all = phases.iter().enumerate();
+                factor > 0.0 && all.all(|(i, phase)| (phase - factor * form(place(i))).abs() < 1e-9)
+            };
+            let is_right = match start {
+                Start::Equal => phases.iter().all(|phase| phase.abs() < 1e-9),
+                Start::Vortex => phases[..COUNT].windows(2).all(|pair| {
+                    let ahead = (pair[1] - pair[0] + TAU / COUNT as f64) / 2.0;
+                    ahead.sin().abs() < 1e-9
+                }),
+                Start::Tilted => is_like(&|place| place.y),
+                Start::Curved => is_like(&|place| place.length_squared()),
+                Start::Scattered => true,
+            };
+            assert!(is_right, "{start:?}: {phases:?}");
+        }
+    }
 }

@@ -291,4 +291,59 @@ mod tests {
         assert!((pascals.scale / ratios.scale - 1.0).abs() < 1e-9, "{pascals:?}, not {ratios:?}");
         assert!((pascals.error - ratios.error).abs() < 1e-9, "{pascals:?}, not {ratios:?}");
     }
+
+    #[test]
+    fn grids_are_fine_enough_and_end_where_the_array_hardly_radiates() {
+        let aperture = Aperture::new(&scene(4));
+        let most = 2.0 * (0.1 + aperture.reach().length());
+        for (width, apart) in [(0.1, 3e-3), (0.2, 2e-3), (3.0, 4e-3)] {
+            let covers = [cover(&area(DVec3::Z * 0.1, width, HEIGHT), &aperture)];
+            let drawn = drawn(&covers, &aperture);
+            let layout = drawn.layout(&aperture, apart).unwrap();
+            let spacing = layout.spacing(aperture.pitch);
+            assert!(spacing <= apart && spacing > 0.5 * apart, "{width} m: {spacing} for {apart}");
+            let farthest = layout.places(aperture.pitch).map(|(_, place)| place.x).fold(0.0, f64::max);
+            let needed = most.min(covers[0].half.x + drawn.margin());
+            let is_enough = farthest > needed - spacing && farthest < 1.3 * needed + 8.0 * aperture.pitch;
+            assert!(is_enough, "{width} m: {farthest} for {needed}");
+        }
+    }
+
+    #[test]
+    fn foci_beside_an_area_change_the_scale_of_its_fit_by_their_mean_target_alone() {
+        let scale = |points: i32| {
+            let at = |i: i32| DVec3::new(-0.03, 3e-3 * f64::from(i), 0.1);
+            let points = (0..points).map(|i| Target::new(Shape::Point { at: at(i) }));
+            let targets = std::iter::once(area(DVec3::Z * 0.1, WIDTH, HEIGHT)).chain(points).collect();
+            let scene = Scene { targets, ..scene(4) };
+            let aperture = Aperture::new(&scene);
+            let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+            let surroundings = problem.surroundings.as_ref().unwrap();
+            let mut picture = picture::<f64>(&problem, surroundings, false, 1e-2).unwrap();
+            let mut drive = Waves::zeros(PADDING);
+            drive.re.fill(1.0);
+            let mean = problem.targets().iter().sum::<f64>() / problem.foci.len() as f64;
+            picture.hear(&[drive]).unwrap().scale * mean * mean
+        };
+        let alone = scale(0);
+        for points in [1, 10] {
+            assert!((scale(points) / alone - 1.0).abs() < 1e-9, "{points} points: {}", scale(points) / alone);
+        }
+    }
+
+    #[test]
+    fn tables_for_many_elements_have_fewer_samples() {
+        let aperture = Aperture::new(&scene(48));
+        // Upright, and for the most part below the array, where samples are left out.
+        let target = Target { normal: DVec3::X, ..area(DVec3::Z * -1.5, 3.0, 0.1) };
+        let covers = [cover(&target, &aperture)];
+        let half = covers[0].half + 3.7 * aperture.wavelength();
+        let samples = |most: usize| {
+            let spacing = (4.0 * half.element_product() / most as f64).sqrt();
+            around(&covers[0], half, spacing).filter(|point| point.z > 0.0).count()
+        };
+        let (_, wanted) = drawn(&covers, &aperture).in_table::<f32>(&aperture, 2e-3, 1.0);
+        assert_eq!(wanted.len(), samples(MOST_VALUES / (48 * 48)));
+        assert!(wanted.len() < samples(MOST_SAMPLES) && !wanted.is_empty(), "{}", wanted.len());
+    }
 }
