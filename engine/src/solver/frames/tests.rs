@@ -212,3 +212,31 @@ fn the_gauge_ends_at_the_last_frame_with_every_method() {
         assert_eq!(*heard.lock().unwrap(), [1.0], "{method:?}");
     }
 }
+
+#[test]
+fn a_shape_may_lose_more_than_separate_foci_before_a_search() {
+    let line = Shape::Line { from: DVec3::new(-0.01, 0.0, 0.1), to: DVec3::new(0.01, 0.0, 0.1) };
+    for is_shape in [false, true] {
+        let mut scene = scene(&ring(4), 64);
+        if is_shape {
+            scene.targets = vec![Target::new(line.clone())];
+        }
+        (scene.array.rows, scene.array.columns, scene.solver.quiet) = (4, 4, 0.0);
+        let aperture = Aperture::new(&scene);
+        let foci = crate::scene::outline::foci(&scene).unwrap();
+        let near = |shift: f64| {
+            let place = |focus: &Focus| Focus { position: focus.position + DVec3::X * shift, ..*focus };
+            Problem::of_scene(&scene, &aperture, foci.iter().map(place).collect())
+        };
+        assert_eq!(near(0.0).surroundings.is_some(), is_shape);
+        let found = excite(&near(0.0), &scene.solver).unwrap();
+        let mut before = Link::new(&near(0.0), &scene.solver, found, true);
+        before.most = 0.0;
+        let part = go_on(&near(1e-5), &before, &scene.solver).unwrap().part;
+        for (kept, is_kept) in [(0.97, true), (0.9, is_shape), (0.84, false)] {
+            before.most = part / kept;
+            let after = go_on(&near(1e-5), &before, &scene.solver).unwrap();
+            assert_eq!(after.most == before.most, is_kept, "shape: {is_shape}, {kept} kept");
+        }
+    }
+}

@@ -6,12 +6,14 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::scene::{Aim, Focus, Sampling, Scene, Shape, Target, outline};
+use crate::scene::{Aim, Area, Focus, Sampling, Scene, Shape, Target, Zone, outline};
 use crate::solver::Problem;
 use crate::solver::descent::{Descent, Function};
 use crate::solver::shape::objective::Loudness;
+use crate::solver::shape::real::Waves;
 use crate::solver::shape::{
-    AREA, COARSE, FINE, LAST, OTHER_STEPS, Search, Stage, Surroundings, TRIAL, TRIAL_REST, descend, value,
+    AREA, COARSE, FINE, LAST, OTHER_STEPS, Search, Stage, Surroundings, TRIAL, TRIAL_REST, descend, strokes,
+    value,
 };
 use crate::solver::starts::scatter;
 
@@ -334,4 +336,80 @@ fn a_descent_takes_all_its_steps_as_long_as_they_gain() {
         descend(&mut way, &mut search.objective, 25);
         assert!(end - way.value < 1e-2, "{end}, then {}", way.value);
     });
+}
+
+#[test]
+fn side_lobes_of_areas_weigh_little_by_default() {
+    with_search(&scene(true, 0.5, Aim::Pressure, 0.0), |search| {
+        for (quiet, expected) in [(0.25, 1.0 / 64.0), (0.5, 0.125), (1.0, 1.0), (3.0, 1.0)] {
+            search.surroundings.quiet = quiet;
+            let part = search.weights(Loudness::Eight).quiet / 0.8;
+            assert!((part - expected).abs() < 1e-12, "{quiet}: {part}, not {expected}");
+        }
+    });
+}
+
+#[test]
+fn a_plane_gets_finer_samples_beside_zones_too() {
+    let mut scene = scene(false, 0.5, Aim::Pressure, 0.0);
+    let area = Area::Circle { radius: 5e-3 };
+    let at = DVec3::new(0.05, 0.0, 0.15);
+    scene.quiet = vec![Zone { area, at, normal: DVec3::Z, angle: 0.0, weight: 1.0 }];
+    with_search(&scene, |search| {
+        search.objective.weights = search.weights(Loudness::Eight);
+        let phases = begun(search).x;
+        let [coarse, fine] = [false, true].map(|finer| {
+            search.hear(finer);
+            let tables = search.objective.quiet.iter().filter(|quiet| quiet.is_table()).count();
+            assert_eq!((search.objective.quiet.len(), tables), (2, 1));
+            search.objective.evaluate(&phases, &mut vec![0.0; phases.len()])
+        });
+        assert!(!is_close(coarse, fine), "{coarse}, {fine}");
+    });
+}
+
+#[test]
+fn a_descent_goes_on_from_value_and_slopes_on_the_rows_that_it_chooses() {
+    with_search(&scene(false, 0.5, Aim::Pressure, 0.01), |search| {
+        search.hear(false);
+        search.objective.weights = search.weights(Loudness::Eight);
+        let elements = search.problem.aperture.driven.len();
+        let other: Vec<_> = (0..elements).map(|n| TAU * scatter(3 * n)).collect();
+        assert!(search.objective.refresh(&other));
+        // On rows that are loud for other phases.
+        let mut way = begun(search);
+        search.objective.refresh(&way.x);
+        let mut expected = begun(search);
+        assert!(way.value < expected.value - 0.01, "{}, {}", way.value, expected.value);
+        assert!(expected.step(&mut search.objective));
+        search.objective.refresh(&other);
+        assert_eq!(descend(&mut way, &mut search.objective, 1), (1, true));
+        assert_eq!(way.x, expected.x);
+    });
+}
+
+#[test]
+fn at_the_focus_that_most_sound_reaches_for_its_target_all_elements_add_up_to_1() {
+    let mut scene = Scene::default();
+    (scene.array.rows, scene.array.columns) = (4, 4);
+    let aperture = Aperture::new(&scene);
+    for unit in [1.0, 200.0] {
+        let focus = |(x, target): (f64, f64)| Focus::new(DVec3::new(x, 0.01, 0.1), unit * target);
+        let foci: Vec<_> = [(-0.03, 2.0), (0.0, 8.0), (0.05, 3.0)].into_iter().map(focus).collect();
+        let problem = Problem::new(&aperture, foci);
+        let (table, _) = strokes(&problem, |_| true);
+        assert_eq!(table.points(), 3);
+        let loudest = |m: usize| {
+            let mut drive = table.excitation();
+            for (n, h) in problem.transfer.row(m).enumerate() {
+                let u = Complex64::cis(-h.arg());
+                (drive.re[n], drive.im[n]) = (u.re as f32, u.im as f32);
+            }
+            let mut p = Waves::zeros(8);
+            table.forward(&drive, &mut p);
+            p.square(m).sqrt()
+        };
+        let most = (0..3).map(loudest).fold(0.0, f64::max);
+        assert!((most - 1.0).abs() < 1e-5, "{unit}: {most}");
+    }
 }

@@ -5,9 +5,12 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::scene::{self, Aim, Area, ElementModel, Focus, Method, Plane, Scene, Shape, Target, outline};
+use sonoglyph::drive::Drive;
+use sonoglyph::scene::{
+    self, Aim, Area, ElementModel, Focus, Method, Plane, Sampling, Scene, Shape, Target, outline,
+};
 use sonoglyph::solver::shape::{self, Search, Surroundings, Zone, figures};
-use sonoglyph::solver::{self, Problem};
+use sonoglyph::solver::{self, Problem, Warning};
 
 type Strokes = Vec<Vec<DVec2>>;
 
@@ -332,5 +335,61 @@ fn only_best_takes_a_drags_first_calls() {
         if method != Method::Best {
             assert_eq!(drag.drive, solver::solve(&scene).unwrap().drive, "{method:?}");
         }
+    }
+}
+
+#[test]
+fn a_drags_frame_goes_on_from_drives_of_the_same_kind_alone() {
+    let scene = small_scene(Shape::Circle { at: DVec3::Z * 0.1, radius: 0.01 });
+    let mut wider = scene.clone();
+    wider.array.columns = 5;
+    let mut in_turn = scene.clone();
+    in_turn.solver.frames = 2;
+    let first = solver::solve_on(&scene, None).unwrap();
+    for other in [&wider, &in_turn] {
+        let before = solver::solve_on(other, None).unwrap();
+        let next = solver::solve_on(&scene, Some(&before)).unwrap();
+        assert_eq!(next.drive, first.drive, "{:?}", other.array);
+    }
+    let next = solver::solve_on(&scene, Some(&first)).unwrap();
+    assert_ne!(next.drive, first.drive, "nothing is gone on from");
+}
+
+#[test]
+fn best_warns_of_strokes_whose_sound_goes_elsewhere() {
+    let at = DVec3::new(-0.03, 0.0, 0.1);
+    let circle = Shape::Circle { at, radius: 0.01 };
+    let [stroke, points] = [false, true].map(|is_separate| {
+        let mut target = Target::new(circle.clone());
+        if is_separate {
+            target.sampling = Sampling::Points(8);
+        }
+        let mut scene = small_scene(Shape::Point { at: at + DVec3::Y * 0.03 });
+        scene.targets.push(target);
+        scene
+    });
+    for (name, scene, method, is_astray, is_warned) in [
+        ("a stroke", &stroke, Method::Best, true, true),
+        ("separate points", &points, Method::Best, true, false),
+        ("another method", &stroke, Method::Naive, true, false),
+        ("a drive to the targets", &stroke, Method::Best, false, false),
+    ] {
+        let mut scene = scene.clone();
+        scene.solver.method = method;
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let mut solution = solver::solve(&scene).unwrap();
+        if is_astray {
+            // To a place on the other side.
+            let aside = Problem::new(&aperture, vec![Focus::new(DVec3::new(0.05, 0.02, 0.1), 1.0)]);
+            let values: Vec<_> = aside.transfer.row(0).map(|h| Complex64::cis(-h.arg())).collect();
+            solution.drive = Drive::uniform(values.len(), &aperture.driven, &values);
+        }
+        (solution.figures, solution.warnings) = (None, Vec::new());
+        solution.judge(&scene, &problem);
+        let side_lobe = solution.figures.unwrap().side_lobe;
+        assert_eq!(side_lobe > 2.0, is_astray, "{name}: {side_lobe}");
+        let warnings = if is_warned { vec![Warning::OutOfReach(side_lobe)] } else { Vec::new() };
+        assert_eq!(solution.warnings, warnings, "{name}");
     }
 }
