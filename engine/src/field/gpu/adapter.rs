@@ -134,3 +134,17 @@ async fn offered(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
     let options = wgpu::RequestAdapterOptions { power_preference, ..Default::default() };
     instance.request_adapter(&options).await.into_iter().collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::requirement::found;
+
+    #[test]
+    fn the_best_of_all_listed_adapters_is_opened() {
+        let Some(gpu) = found("gpu", open_best(true)) else { return };
+        let all = adapters();
+        assert!(all.is_sorted_by_key(|info| info.kind), "{all:?}");
+        assert_eq!(all.first(), Some(gpu.info()));
+    }
+}

@@ -198,3 +198,73 @@ fn params(wave: &Wave, samples: &Samples) -> Params {
         ..Params::zeroed()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec2, DVec3, dvec3};
+    use num_complex::Complex64;
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::drive::Drive;
+    use crate::field::gpu::adapter;
+    use crate::field::gpu::tuning::Tuning;
+    use crate::field::reference;
+    use crate::requirement::found;
+    use crate::scene::{Array, Board, ElementModel, Plane, Scene};
+
+    /// Work cut much finer than any adapter needs.
+    const STARVED: Tuning = Tuning { most_rounds: 1 << 9, most_pairs: 1 << 9, ..Tuning::SOFTWARE };
+
+    fn array() -> Array {
+        Array { columns: 4, rows: 4, ..Array::default() }
+    }
+
+    fn samples() -> Samples {
+        let plane = Plane { centre: DVec3::Z * 0.06, size: DVec2::new(0.06, 0.05), ..Plane::default() };
+        Samples::on_plane(&plane, 31, 23).unwrap()
+    }
+
+    #[test]
+    fn fields_of_all_boards_are_those_of_the_reference_however_work_is_cut() {
+        let Some(gpu) = found("gpu", adapter::open_best(true)) else { return };
+        let exact = Array { element: ElementModel::ExactPiston, ..array() };
+        let above = Board { at: dvec3(0.01, 0.0, 0.15), normal: DVec3::NEG_Z, ..Board::default() };
+        let samples = samples();
+        for tuning in [Tuning::DISCRETE, STARVED] {
+            let gpu = gpu.twin().with_tuning(tuning);
+            for (name, array, boards) in [
+                ("exact pistons", exact.clone(), Vec::new()),
+                ("two boards", array(), vec![Board::default(), above.clone()]),
+            ] {
+                let aperture = Aperture::new(&Scene { array, boards, ..Scene::default() });
+                let elements = aperture.positions.len();
+                let phases = (0..elements).map(|n| 0.7 * (n * n) as f64).collect();
+                let drive = Drive { amplitudes: vec![1.0; elements], phases };
+                let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
+                let field = pressure(&gpu, &sources).unwrap();
+                let expected = reference::pressure(&aperture, &drive, &samples);
+                assert_eq!(field.len(), expected.len(), "{name}");
+                let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);
+                for (p, expected) in field.iter().zip(&expected) {
+                    let off = (Complex64::new(p.re.into(), p.im.into()) - expected).norm();
+                    assert!(off < 2e-5 * peak, "{name}, {tuning:?}: {p}, not {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn no_submission_has_more_pairs_than_allowed_and_none_is_missing() {
+        let Some(gpu) = found("gpu", adapter::open_best(true)) else { return };
+        let (gpu, samples) = (gpu.with_tuning(STARVED), samples());
+        let aperture = Aperture::new(&Scene { array: array(), ..Scene::default() });
+        let wave = Wave::new(&aperture.element, &aperture.faces[0].layout, &samples).unwrap();
+        let elements = Elements::with_room(&gpu, 16, Waves::of(&wave));
+        let out = gpu.storage("out", (samples.len() * 8) as u64);
+        let superposition = Superposition::new(&gpu, &wave, &elements, &samples, &out, 1.0);
+        let pairs: Vec<_> = superposition.steps().map(|step| step.pairs).collect();
+        assert!(pairs.iter().all(|pairs| *pairs <= STARVED.most_pairs), "{pairs:?}");
+        assert_eq!(pairs.iter().sum::<u64>(), 16 * samples.len() as u64);
+    }
+}
