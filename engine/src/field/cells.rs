@@ -171,7 +171,32 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::{Board, Scene};
+
+    #[test]
+    fn cells_near_a_wide_element_are_as_fine_as_its_directivity_on_the_nearest_board() {
+        let mut scene = Scene::default();
+        scene.array.element_radius = 0.02;
+        let plane = Plane { centre: DVec3::Z * 0.03, size: DVec2::splat(0.01), ..scene.plane.clone() };
+        let of = |scene: &Scene, plane: &Plane| {
+            let aperture = Aperture::new(scene);
+            let refined = pattern(&aperture, plane).unwrap();
+            let cells = Cells::new(&aperture, plane, 0.0, 1e-3).unwrap();
+            assert!((cells.step * PER_WAVELENGTH * refined / aperture.wavelength() - 1.0).abs() < 1e-12);
+            (refined, aperture.wavelength())
+        };
+        let (alone, wavelength) = of(&scene, &plane);
+        assert!(alone > 1.1);
+        let finest = 1f64.hypot(0.02 / wavelength) / HIGHEST;
+        // At a wavelength it is near.
+        let (near, _) = of(&scene, &Plane { centre: DVec3::Z * wavelength, ..plane.clone() });
+        assert!((near - finest).abs() < 1e-12, "{near}");
+        // And near one of two boards it is, whatever the other's distance.
+        let beside = Board { at: DVec3::Z * 0.028, ..Board::default() };
+        scene.boards = vec![Board::default(), beside];
+        let (near, _) = of(&scene, &plane);
+        assert!((near - finest).abs() < 1e-12, "{near}");
+    }
 
     #[test]
     fn cells_fill_the_plane_and_its_margin() {

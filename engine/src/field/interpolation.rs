@@ -265,6 +265,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn some_pixels_have_the_weights_that_they_have_among_all() {
+        let whole = Resampling::new((0..30).map(|i| 3.0 + 0.37 * f64::from(i)), 3, 5.0);
+        for pixels in [0..30, 4..9, 17..30, 8..8] {
+            let part = whole.part(pixels.clone());
+            assert_eq!(part.len(), pixels.len());
+            for (own, pixel) in pixels.enumerate() {
+                assert_eq!(part.of(own, 1), whole.of(pixel, 1), "{pixel}");
+            }
+        }
+    }
+
+    #[test]
     fn a_wave_within_the_band_is_met_and_one_beyond_is_not() {
         // Half-width 8 and β = 12 pass 0.5 - 12/(16 π) = 0.26 cycles per sample.
         let positions = |i: usize| 7.0 + 0.113 * i as f64;

@@ -434,6 +434,16 @@ mod tests {
     }
 
     #[test]
+    fn only_a_depression_is_a_surface_and_decibels_are_of_amplitudes_or_of_squares() {
+        for quantity in Quantity::ALL {
+            assert_eq!(quantity.declaration().is_surface(), quantity == Quantity::Depression, "{quantity:?}");
+        }
+        assert!((Quantity::Rms.decibels(0.1) + 20.0).abs() < 1e-12);
+        assert!((Quantity::Radiation.decibels(0.1) + 10.0).abs() < 1e-12);
+        assert!((Quantity::Rms.decibels(0.0) + 240.0).abs() < 1e-9, "silence has a level");
+    }
+
+    #[test]
     fn a_plane_wave_has_the_intensity_velocity_and_radiation_pressure_of_the_textbook() {
         let (air, constants, _) = constants();
         let impedance = air.density * air.sound_speed;

@@ -289,4 +289,27 @@ mod tests {
             assert_eq!(starts().max().unwrap() + last_line + layout.line, layout.count(), "{shared:?}");
         }
     }
+
+    #[test]
+    fn tables_fit_up_to_their_limit() {
+        let array = Array { rows: 5, columns: 7, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        let along = |axis: DVec3, count: u32| (0..count).map(|i| axis * f64::from(i) * 1e-4).collect();
+        let layout = |columns: u32| {
+            let samples = Samples { columns: along(DVec3::X, columns), rows: along(DVec3::Y, 320) };
+            Layout::new(&aperture.faces[0], &samples, [None, None])
+        };
+        // Large enough to ask for memory, and small.
+        for columns in [480, 16] {
+            let (own, both) = ([layout(columns)], [layout(columns), layout(16)]);
+            let bytes = |layouts: &[Layout]| -> usize {
+                layouts.iter().map(|layout| layout.count() * size_of::<Complex32>()).sum()
+            };
+            for layouts in [&own[..], &both[..]] {
+                let needed = bytes(layouts);
+                assert!(Layout::fit(layouts, needed) && !Layout::fit(layouts, needed - 1), "{needed} bytes");
+            }
+        }
+        assert!(layout(480).count() * size_of::<Complex32>() > 32 << 20);
+    }
 }
