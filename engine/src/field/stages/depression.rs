@@ -146,3 +146,33 @@ impl<'a> Interpolated<'a> {
         up.iter().enumerate().map(|(tap, part)| of_line(row + tap) * f64::from(*part)).sum()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::scene::{Plane, Scene};
+
+    #[test]
+    fn figures_of_a_wave_are_its_depth_its_slope_and_its_mean() {
+        const HEIGHT: f64 = 1e-5;
+        let plane = Plane { size: DVec2::new(0.05, 0.04), ..Plane::default() };
+        let cells = Cells::new(&Aperture::new(&Scene::default()), &plane, 0.02, 1e-3).unwrap();
+        for axis in [0, 1] {
+            // A wave of eleven cells about a mean depth.
+            let turn = TAU / (11.3 * cells.step);
+            let places = [0, 1].map(|axis| cells.places(axis).collect::<Vec<_>>());
+            let depth: Vec<_> = (0..cells.count())
+                .map(|i| [places[0][i % cells.counts[0]], places[1][i / cells.counts[0]]][axis])
+                .map(|place| HEIGHT * (1.0 + (turn * place).sin()))
+                .collect();
+            let Depression { deepest, slope, volume } = Depression::new(&cells, plane.size, &depth);
+            assert!((deepest / (2.0 * HEIGHT) - 1.0).abs() < 2e-3, "{axis}: {deepest:e}");
+            assert!((slope / (HEIGHT * turn) - 1.0).abs() < 2e-3, "{axis}: {slope:e}");
+            let mean = volume / plane.size.element_product();
+            assert!((mean / HEIGHT - 1.0).abs() < 1e-9, "{axis}: {mean:e}");
+        }
+    }
+}

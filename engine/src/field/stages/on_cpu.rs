@@ -24,6 +24,9 @@ use crate::scene::Liquid;
 use crate::simd::larger;
 use crate::surface::{Dent, Tank};
 
+#[cfg(test)]
+mod memory;
+
 /// Drives with samples in memory at the same time.
 const TOGETHER: usize = 64;
 /// Number of shares of the drives for parallel work, and limit of their cells in total. It is independent of the

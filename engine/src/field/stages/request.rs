@@ -238,3 +238,54 @@ impl Setting {
         Self { aperture: Aperture { driven: all, ..aperture.clone() }, plane }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Array, Envelope, Material, Modulation};
+
+    fn scene() -> Scene {
+        Scene { array: Array { columns: 2, rows: 2, ..Array::default() }, ..Scene::default() }
+    }
+
+    fn drive() -> Drive {
+        Drive { amplitudes: vec![1.0; 4], phases: vec![0.0; 4] }
+    }
+
+    #[test]
+    fn only_slow_quantities_are_means_over_the_envelope() {
+        let modulation = Modulation { shape: Envelope::Sine, depth: 1.0, ..Modulation::default() };
+        let mean = modulation.mean_square();
+        assert!(mean < 0.9);
+        let scene = Scene { modulation, ..scene() };
+        for quantity in Quantity::ALL {
+            let expected = if quantity.declaration().is_slow { mean } else { 1.0 };
+            assert_eq!(Request::new(&scene, vec![drive()], quantity, (8, 8)).part, expected, "{quantity:?}");
+        }
+    }
+
+    #[test]
+    fn the_bead_is_relevant_only_to_its_own_quantities() {
+        let mut heavy = scene();
+        heavy.bead.material = Material::Water;
+        for quantity in Quantity::ALL {
+            let relevant = |scene| Request::new(scene, vec![drive()], quantity, (8, 8)).relevant().unwrap();
+            let is_same = relevant(&heavy) == relevant(&scene());
+            assert_eq!(is_same, !quantity.declaration().of_bead, "{quantity:?}");
+        }
+    }
+
+    #[test]
+    fn every_drive_must_give_every_element_a_finite_amplitude_and_phase() {
+        let refused = |second: Drive| {
+            let request = Request::new(&scene(), vec![drive(), second], Quantity::Rms, (8, 8));
+            request.check() == Err(FieldError::NoDrive)
+        };
+        assert!(!refused(drive()));
+        for values in [vec![0.5; 3], vec![0.5; 5], vec![], vec![0.5, 0.5, f64::NAN, 0.5]] {
+            assert!(refused(Drive { amplitudes: values.clone(), ..drive() }), "{values:?}");
+            assert!(refused(Drive { phases: values.clone(), ..drive() }), "{values:?}");
+            assert!(refused(Drive { amplitudes: values.clone(), phases: values }));
+        }
+    }
+}

@@ -16,6 +16,9 @@ use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
 use crate::gauge::Gauge;
 
+#[cfg(test)]
+mod ceiling;
+
 /// The pressure at the samples, and its slope along the plane's normal; empty if not needed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Samples {

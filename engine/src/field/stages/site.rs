@@ -224,6 +224,36 @@ mod tests {
     use crate::scene::{Array, Scene};
 
     #[test]
+    fn the_square_of_a_root_is_more_accurate_than_the_root() {
+        let request =
+            |quantity| Request::new(&Scene::default(), vec![Drive::default(); 2], quantity, (20, 20));
+        let tolerance = Scene::default().plane.tolerance;
+        for (quantity, accuracy) in [(Quantity::Rms, tolerance.powf(1.5)), (Quantity::Gorkov, tolerance)] {
+            let cells = SiteKey::new(&request(quantity), false).by_cells.unwrap();
+            assert!((cells.accuracy / accuracy - 1.0).abs() < 1e-12, "{quantity:?}: {cells:?}");
+        }
+    }
+
+    #[test]
+    fn all_rows_of_cells_are_on_the_part_that_samples_cover() {
+        let mut scene = Scene::default();
+        (scene.array.rows, scene.array.columns) = (4, 4);
+        scene.plane.y_axis = DVec3::Z;
+        scene.plane.size = glam::dvec2(0.02, 0.02);
+        let mut clear = 0;
+        for step in 0..60 {
+            scene.plane.centre.z = 0.02 + 5e-4 * f64::from(step);
+            let request = Request::new(&scene, vec![Drive::default(); 2], Quantity::Gorkov, (20, 20));
+            let Ok(site) = Site::new(&SiteKey::new(&request, false), Costs::CPU) else { continue };
+            let (cells, grid) = (&site.cells.unwrap().cells, site.plan.grid.unwrap());
+            let covered = grid.covered.start - 1e-9..grid.covered.end + 1e-9;
+            assert!(cells.places(1).all(|row| covered.contains(&row)), "{covered:?}, {cells:?}");
+            clear += 1;
+        }
+        assert!((1..60).contains(&clear), "{clear}");
+    }
+
+    #[test]
     fn cells_take_finer_samples_as_far_as_f32_interpolates() {
         let request = Request::new(&Scene::default(), vec![Drive::default()], Quantity::Gorkov, (20, 20));
         let key = SiteKey::new(&request, false);
