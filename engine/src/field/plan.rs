@@ -492,3 +492,6 @@ impl Seen {
         found.filter(|_| self.is_lattice).map(|i| (i, along[i].signum()))
     }
 }
+
+#[cfg(test)]
+mod tests;
