@@ -237,6 +237,9 @@ mod tests {
     use glam::{DVec2, dvec3};
 
     use super::*;
+    use crate::acoustics::element::NEAREST;
+    use crate::field::quantity::{NORMAL, Part};
+    use crate::scene::{Array, Board, Scene};
 
     #[test]
     fn samples_stand_at_pixel_centres_row_0_at_the_smallest_y() {
@@ -268,5 +271,100 @@ mod tests {
         let samples = Samples::on_plane(&plane, 1, 2).unwrap();
         assert!(samples.point(0).distance(dvec3(0.0, 0.0, 0.05)) < 1e-15);
         assert!(samples.point(1).distance(dvec3(0.0, 0.0, 0.15)) < 1e-15);
+    }
+
+    #[test]
+    fn all_samples_lie_within_their_bounds_and_touch_them() {
+        let columns = vec![dvec3(0.1, 0.0, 0.2), dvec3(-0.3, 0.1, 0.25), dvec3(0.0, -0.1, 0.3)];
+        let samples = Samples { columns, rows: vec![dvec3(0.0, 0.3, 0.01), dvec3(0.02, 0.5, -0.04)] };
+        let points = || (0..samples.len()).map(|index| samples.point(index));
+        let low = points().fold(DVec3::MAX, DVec3::min);
+        let high = points().fold(DVec3::MIN, DVec3::max);
+        assert_eq!(samples.bounds(), (low, high));
+    }
+
+    /// Two boards face to face, 0.2 m apart.
+    fn between_boards() -> (Aperture, Drive) {
+        let array = Array { columns: 2, rows: 2, ..Array::default() };
+        let opposite = Board { at: DVec3::Z * 0.2, normal: DVec3::NEG_Z, ..Board::default() };
+        let boards = vec![Board::default(), opposite];
+        let drive = Drive { amplitudes: vec![1.0; 8], phases: (0..8).map(|n| 0.7 * f64::from(n)).collect() };
+        (Aperture::new(&Scene { array, boards, ..Scene::default() }), drive)
+    }
+
+    #[test]
+    fn the_field_of_usual_boards_is_in_f32_and_that_of_no_point_is_empty() {
+        let (aperture, drive) = between_boards();
+        let points = (0..40).map(|i| dvec3(0.002 * f64::from(i) - 0.03, 0.001 * f64::from(i), 0.09));
+        let samples = Samples::at(points.collect());
+        let expected = on_cpu(&aperture, &drive, &samples, false);
+        assert_ne!(expected, on_cpu(&aperture, &drive, &samples, true));
+        assert_eq!(Evaluator::Cpu.pressure(&aperture, &drive, &samples).unwrap(), expected);
+        // Where f32 is not promised to suffice, it is not tried.
+        let single = Array { columns: 1, rows: 1, ..Array::default() };
+        let single = Aperture::new(&Scene { array: single, ..Scene::default() });
+        for i in 0..20 {
+            let far = Samples::at(vec![dvec3(0.9 + 0.011 * f64::from(i), 0.0, 0.1)]);
+            let expected = on_cpu(&single, &drive, &far, true);
+            assert_eq!(Evaluator::Cpu.pressure(&single, &drive, &far).unwrap(), expected);
+        }
+        let none = Samples::at(Vec::new());
+        for evaluator in [Evaluator::Cpu, Evaluator::Reference] {
+            assert!(evaluator.pressure(&aperture, &drive, &none).unwrap().is_empty());
+        }
+    }
+
+    #[test]
+    fn slopes_next_to_one_of_several_boards_are_those_of_f64() {
+        /// m
+        const HALF: f64 = 1e-7;
+        let (aperture, drive) = between_boards();
+        let point = |i: u32| dvec3(0.003 * f64::from(i) - 0.007, 0.002 * f64::from(i), 0.004);
+        let near = Samples::at((0..6).map(point).collect());
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        for (part, axis) in [Part::AlongX, Part::AlongY, Part::Normal].into_iter().zip(axes) {
+            let slopes = |double| slope::part_on_cpu(&aperture, &drive, &near, part, axes, double);
+            assert_eq!(slopes(false), slopes(true), "{part:?}");
+            let [before, behind] = [HALF, -HALF]
+                .map(|by| reference::pressure(&aperture, &drive, &slope::shifted(&near, axis * by)));
+            let expected: Vec<_> =
+                before.iter().zip(&behind).map(|(a, b)| sound::narrow((a - b) / (2.0 * HALF))).collect();
+            assert_eq!(slopes(true).len(), near.len());
+            let steepest = peak(&expected);
+            for (slope, expected) in slopes(true).iter().zip(&expected) {
+                let off = (slope - expected).norm();
+                assert!(off < 1e-5 * steepest, "{part:?}: {slope}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn neighbours_of_a_point_are_on_its_side_of_a_board_and_not_too_near_to_it() {
+        let array = Array { columns: 2, rows: 2, ..Array::default() };
+        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+        for at in [0.0, 0.03] {
+            let boards = vec![Board { at: dvec3(0.02, 0.0, at), ..Board::default() }];
+            let aperture = Aperture::new(&Scene { array: array.clone(), boards, ..Scene::default() });
+            let around = slope::Around::new(NORMAL, axes, &aperture);
+            let neighbours = |height: f64| {
+                let point = dvec3(0.01, 0.0, at + height);
+                let around = around.points(&[point]);
+                assert_eq!(around.len(), 2);
+                let heights: Vec<_> = around.iter().map(|around| around.z - at).collect();
+                (heights, (around[0] + around[1]) / 2.0 - point)
+            };
+            for height in [-0.06, -0.03, -2e-5, -1.01e-5, -9e-6, 0.0, 9e-6, 1.01e-5, 0.01] {
+                let (heights, moved) = neighbours(height);
+                // Below the board's plane its elements are not heard.
+                let is_right = |&own: &f64| {
+                    if height < -NEAREST { own < -NEAREST } else { own > NEAREST * (1.0 - 1e-6) }
+                };
+                assert!(heights.iter().all(is_right), "{height:e}: {heights:?}");
+                assert!(moved.length() < 1e-12 || height.abs() < 1.5 * NEAREST, "{height:e}: {moved}");
+            }
+            // The lowest that are heard.
+            let lowest = neighbours(-NEAREST).0;
+            assert!(at > 0.0 || lowest.iter().all(|own| *own > 0.0), "{lowest:?}");
+        }
     }
 }

@@ -254,6 +254,66 @@ mod tests {
     }
 
     #[test]
+    fn the_highest_maximum_outside_all_main_lobes_is_found_beside_a_silent_board() {
+        let array = Array { columns: 8, rows: 8, ..Array::default() };
+        // Above the plane, which is behind it.
+        let above = Board { at: DVec3::Z * 0.5, ..Board::default() };
+        let boards = vec![Board::default(), above];
+        let aperture = Aperture::new(&Scene { array, boards, ..Scene::default() });
+        let foci = [DVec3::new(0.024, -0.01, 0.08), DVec3::new(-0.02, 0.017, 0.08)];
+        let drives = foci.map(|focus| {
+            let conjugate = aperture.transfer(&[focus]).back(&[Complex64::ONE]);
+            let excitation: Vec<_> = conjugate.iter().map(|u| u / u.norm().max(1e-30)).collect();
+            Drive::of(128, &aperture.driven, &excitation)
+        });
+        for x in [-0.03, -0.015, 0.006, 0.02, 0.035] {
+            let plane = Plane {
+                centre: DVec3::new(x, -0.004, 0.08),
+                size: DVec2::new(0.11, 0.08),
+                ..Plane::default()
+            };
+            let found = loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &plane, &drives, &foci).unwrap();
+            let boards = sides(&aperture);
+            let is_outside =
+                |point: DVec3| !foci.iter().any(|&focus| Lobe { focus, boards: &boards }.contains(point));
+            assert!(is_outside(found.position), "{found:?}");
+            let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
+            let pressures = |points: &[DVec3]| -> Vec<f64> {
+                aperture.pressures(points, &played).into_iter().map(Complex64::norm).collect()
+            };
+            let own = pressures(&[found.position])[0];
+            assert!((own / found.pressure - 1.0).abs() < 1e-6, "{found:?}, not {own}");
+            // All maxima between the pixels of a map.
+            let (width, height) = (121, 89);
+            let pixels = crate::field::Samples::on_plane(&plane, width, height).unwrap();
+            let points: Vec<_> = (0..pixels.len()).map(|pixel| pixels.point(pixel)).collect();
+            let levels = pressures(&points);
+            let is_maximum = |&at: &usize| {
+                let around = [at - 1, at + 1, at - width, at + width];
+                around.iter().all(|&beside| levels[beside] < levels[at])
+            };
+            let inside =
+                (1..height - 1).flat_map(|row| (1..width - 1).map(move |column| row * width + column));
+            let outside = inside.filter(is_maximum).filter(|&at| is_outside(points[at]));
+            let highest = outside.map(|at| levels[at]).fold(0.0, f64::max);
+            assert!(highest > 0.0 && found.pressure > 0.99 * highest, "{x}: {found:?}, not {highest}");
+        }
+    }
+
+    #[test]
+    fn a_board_whose_plane_has_the_focus_does_not_bound_its_lobe() {
+        let focus = DVec3::Z * 0.08;
+        let array = Array { columns: 4, rows: 4, ..Array::default() };
+        let beside = Board { at: DVec3::new(0.1, 0.0, 0.08), ..Board::default() };
+        for (boards, is_heard) in [(vec![Board::default(), beside.clone()], true), (vec![beside], false)] {
+            let aperture = Aperture::new(&Scene { array: array.clone(), boards, ..Scene::default() });
+            let boards = sides(&aperture);
+            let lobe = Lobe { focus, boards: &boards };
+            assert_eq!(lobe.contains(focus), is_heard);
+        }
+    }
+
+    #[test]
     fn a_lobe_ends_between_the_focus_and_the_next_maximum_whatever_the_shape_of_the_array() {
         let mut followed = 0;
         for (columns, rows) in [(16, 16), (16, 6), (6, 16), (32, 4), (1, 16)] {

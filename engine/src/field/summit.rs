@@ -222,6 +222,62 @@ fn vertex(around: [f64; 8], middle: f64) -> (DVec2, f64) {
 mod tests {
     use super::*;
 
+    /// Of samples a unit apart.
+    fn sampled(counts: [usize; 2], function: &impl Fn(DVec2) -> f64) -> Lattice {
+        let half = DVec2::new(counts[0] as f64 - 1.0, counts[1] as f64 - 1.0) / 2.0;
+        let place = |i: usize| DVec2::new((i % counts[0]) as f64, (i / counts[0]) as f64) - half;
+        let values = (0..counts[0] * counts[1]).map(|i| function(place(i))).collect();
+        Lattice { values, columns: counts[0], first: -half, step: DVec2::ONE, half }
+    }
+
+    #[test]
+    fn a_climb_that_cannot_reach_the_highest_is_given_up() {
+        let tops = [DVec2::new(-5.2, 0.3), DVec2::new(5.4, -0.4)];
+        let hill = |at: DVec2, top: DVec2| (-0.1 * (at - top).length_squared()).exp();
+        let function = |at: DVec2| hill(at, tops[0]) + 0.6 * hill(at, tops[1]);
+        let value = |places: &[DVec2]| places.iter().map(|&at| function(at)).collect();
+        let reached = sampled([25, 15], &function).climbed(&tops, None, &|_| true, &value);
+        assert_eq!(reached.len(), 1);
+        assert!(reached[0].place.distance(tops[0]) < 0.1, "{reached:?}");
+    }
+
+    #[test]
+    fn the_highest_of_more_summits_than_are_climbed_at_a_time_is_found_in_any_unit() {
+        let wave = |at: DVec2| {
+            1.1 + (1.05 * at.x + 0.3).cos() * (1.03 * at.y).cos() + 5e-3 * (0.11 * at.x - 0.07 * at.y).sin()
+        };
+        let summit = |unit: f64| {
+            let function = |at: DVec2| unit * wave(at);
+            let lattice = sampled([61, 51], &function);
+            assert!(lattice.maxima().count() > 2 * TOGETHER);
+            lattice.summit(|_| true, |places| places.iter().map(|&at| function(at)).collect()).unwrap()
+        };
+        let found = summit(1.0);
+        let fine = (0..=600 * 500u32).map(|i| {
+            let place = DVec2::new(f64::from(i % 601), f64::from(i / 601)) / 10.0 - DVec2::new(30.0, 25.0);
+            wave(place)
+        });
+        assert!(found.value > 0.999 * fine.fold(0.0, f64::max), "{found:?}");
+        for unit in [1e-3, 1e3] {
+            let other = summit(unit);
+            assert!((other.value / unit / found.value - 1.0).abs() < 1e-9, "{unit}: {other:?}, {found:?}");
+        }
+    }
+
+    #[test]
+    fn a_flat_function_is_not_climbed_from_every_sample() {
+        let evaluated = |side: usize| {
+            let count = std::cell::Cell::new(0);
+            let value = |places: &[DVec2]| {
+                count.set(count.get() + places.len());
+                vec![1.0; places.len()]
+            };
+            sampled([side; 2], &|_| 1.0).summit(|_| true, value).unwrap();
+            count.get()
+        };
+        assert_eq!(evaluated(30), evaluated(60));
+    }
+
     /// Of waves with six samples to the shortest, on a rectangle that cuts one of them.
     #[test]
     fn the_highest_of_many_summits_is_met_within_the_rectangle_and_at_its_edge() {
