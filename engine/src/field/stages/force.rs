@@ -213,3 +213,64 @@ impl Scenery<'_> {
         points.par_chunks(RUN).flat_map_iter(of_run).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::{dvec2, dvec3};
+
+    use super::*;
+    use crate::acoustics::Aperture;
+    use crate::drive::Drive;
+    use crate::field::{Quantity, Samples};
+    use crate::scene::{Array, Scene};
+
+    #[test]
+    fn forces_far_from_the_array_are_interpolated_and_those_near_it_are_not() {
+        let size = (21, 17);
+        let array = Array { columns: 4, rows: 4, ..Array::default() };
+        let scene = Scene { array, ..Scene::default() };
+        let aperture = Aperture::new(&scene);
+        let drive = Drive { amplitudes: vec![1.0; 16], phases: (0..16).map(|n| f64::from(n * n)).collect() };
+        let level =
+            Plane { centre: dvec3(0.004, -0.003, 0.05), size: dvec2(0.02, 0.024), ..Plane::default() };
+        let low = Plane { centre: dvec3(0.004, -0.003, 0.004), ..level.clone() };
+        let up = Plane { y_axis: DVec3::Z, size: dvec2(0.02, 0.08), ..level.clone() };
+        let down = Plane { y_axis: DVec3::NEG_Z, ..up.clone() };
+        let mut beside = Vec::new();
+        for (name, plane) in [("level", level), ("low", low), ("up", up), ("down", down)] {
+            let request = Request::new(&scene, vec![drive.clone()], Quantity::Force, size);
+            let request = Request { plane: plane.clone(), ..request };
+            let map = OfBead::default().map(&request, false, &Gauge::default()).unwrap();
+            let pixels = Samples::on_plane(&plane, size.0, size.1).unwrap();
+            assert_eq!(map.values.len(), pixels.len(), "{name}");
+            let levitation = Levitation::new(&scene, &aperture, std::slice::from_ref(&drive));
+            let expected: Vec<_> =
+                (0..pixels.len()).map(|pixel| levitation.force(pixels.point(pixel)).length()).collect();
+            let peak = expected.iter().copied().fold(0.0, f64::max);
+            for (pixel, (value, expected)) in map.values.iter().zip(&expected).enumerate() {
+                let off = (f64::from(*value) - expected).abs() / peak;
+                assert!(off < plane.tolerance, "{name}, {pixel}: {off:e}, {}", map.how);
+            }
+            if name == "low" {
+                assert_eq!((map.by, map.evaluated), (By::Reference, pixels.len()), "{}", map.how);
+                continue;
+            }
+            assert!(map.by == By::CpuInF64 && map.error > 0.0, "{name}: {:?}, {:e}", map.by, map.error);
+            let cells = Cells::new(&aperture, &plane, 0.0, plane.tolerance).unwrap();
+            beside.push(map.evaluated - cells.count());
+        }
+        // Nor are the edges of a fine map.
+        for length in [0.02, 0.0204, 0.0208, 0.0212] {
+            let plane = Plane { centre: DVec3::Z * 0.05, size: dvec2(0.01, length), ..Plane::default() };
+            let request = Request::new(&scene, vec![drive.clone()], Quantity::Force, (2, 300));
+            let request = Request { plane: plane.clone(), ..request };
+            let map = OfBead::default().map(&request, false, &Gauge::default()).unwrap();
+            let cells = Cells::new(&aperture, &plane, 0.0, plane.tolerance).unwrap();
+            assert_eq!(map.evaluated, cells.count(), "{length} m: {}", map.how);
+        }
+        // The two upright planes are the same upside down; their lower half is not clear.
+        let [none, upwards, downwards] = beside[..] else { unreachable!() };
+        assert!(none == 0 && upwards == downwards, "{beside:?}");
+        assert!(upwards > 0 && upwards.is_multiple_of(size.0) && upwards < size.0 * size.1 / 2, "{beside:?}");
+    }
+}

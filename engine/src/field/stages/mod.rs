@@ -468,3 +468,6 @@ impl Job<'_> {
         Map { width, height, values, peak, error, evaluated, by, how }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -210,6 +210,31 @@ mod tests {
     const AROUND: usize = 16;
 
     #[test]
+    fn the_nearest_elements_are_between_the_middle_two_of_their_pixels() {
+        let plane =
+            Plane { centre: dvec3(0.001, 0.002, 0.004), size: DVec2::new(0.1, 0.08), ..Plane::default() };
+        let mut scene = Scene { plane: plane.clone(), ..Scene::default() };
+        (scene.array.columns, scene.array.rows) = (3, 2);
+        let (size, drive) = ((120, 70), Drive { amplitudes: vec![1.0; 6], phases: vec![0.0; 6] });
+        let key = SiteKey::new(&Request::new(&scene, vec![drive], Quantity::Rms, size), false);
+        let places: Vec<_> = beside_elements(&key, [DVec3::X, DVec3::Y, DVec3::Z], size).collect();
+        assert_eq!(places.len(), 6 * AROUND);
+        let along = |axis: usize, pixel: usize| {
+            let place = (pixel as f64 + 0.5) / [120.0, 70.0][axis] - 0.5;
+            plane.centre[axis] + place * plane.size[axis]
+        };
+        for own in places.chunks(AROUND) {
+            let is_between = |at: &DVec3| {
+                let (low, high) = (own[5], own[10]);
+                let x = along(0, low % 120)..along(0, high % 120);
+                let y = along(1, low / 120)..along(1, high / 120);
+                x.contains(&at.x) && y.contains(&at.y)
+            };
+            assert!(key.setting.aperture.positions.iter().any(is_between), "{own:?}");
+        }
+    }
+
+    #[test]
     fn elements_beside_the_plane_are_between_their_pixels() {
         let plane =
             Plane { centre: dvec3(0.001, 0.002, 0.004), size: DVec2::new(0.1, 0.08), ..Plane::default() };
