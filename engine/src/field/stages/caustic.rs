@@ -13,6 +13,9 @@ use crate::simd::{Instructions, Isa, Kernel, fused};
 use crate::surface::caustic;
 use crate::surface::{Light, Rays};
 
+#[cfg(test)]
+mod blocks;
+
 /// Cells along the side of a block.
 const SIDE: usize = 8;
 /// Limit of brightness change from patch to patch, unless patches become finer than a pixel or [`FINE`] and
