@@ -209,7 +209,7 @@ mod tests {
         let mut on_cpu = Stages::new(Evaluator::Cpu);
         let upright = Plane { centre: dvec3(0.004, -0.002, 0.03), y_axis: DVec3::Z, ..level() };
         for (plane, quantity) in
-            [(level(), Quantity::Rms), (level(), Quantity::Velocity), (upright, Quantity::Rms)]
+            [(level(), Quantity::Rms), (level(), Quantity::Intensity), (upright, Quantity::Rms)]
         {
             let request = request(plane, quantity, (120, 100));
             let expected = on_cpu.map(&request).unwrap();
