@@ -128,12 +128,15 @@ impl Surface<'_> {
         let from = first.map(|first| first + self.reach - 2);
         for row in from[1]..=from[1] + cells[1] {
             for column in from[0]..=from[0] + cells[0] {
-                let at = |i: usize| self.depth[row * self.columns + column + i];
-                let up = |i: usize| self.depth[(row + i) * self.columns + column];
-                slope[0] = slope[0].max((at(2) - at(1)).abs());
-                slope[1] = slope[1].max((up(2) - up(1)).abs());
-                third = third.max((at(3) - at(0) - 3.0 * (at(2) - at(1))).abs());
-                third = third.max((up(3) - up(0) - 3.0 * (up(2) - up(1))).abs());
+                // Differences between the middle two of four cells, in the rows and columns of these two.
+                for beside in [1, 2] {
+                    let at = |i: usize| self.depth[(row + beside) * self.columns + column + i];
+                    let up = |i: usize| self.depth[(row + i) * self.columns + column + beside];
+                    slope[0] = slope[0].max((at(2) - at(1)).abs());
+                    slope[1] = slope[1].max((up(2) - up(1)).abs());
+                    third = third.max((at(3) - at(0) - 3.0 * (at(2) - at(1))).abs());
+                    third = third.max((up(3) - up(0) - 3.0 * (up(2) - up(1))).abs());
+                }
             }
         }
         let per_cell = self.per_cell.abs();

@@ -103,3 +103,22 @@ fn an_even_slope_needs_one_ray_to_a_cell_and_a_rough_surface_many() {
         assert!(bent.block(middle).is_some_and(|block| block.rays > 3), "{axis}");
     }
 }
+
+#[test]
+fn slopes_of_all_rows_and_columns_of_a_block_and_of_those_beside_it_count() {
+    let cells = cells();
+    for axis in [0, 1] {
+        for place in 0..3 * SIDE {
+            let depth =
+                |at: [usize; 2]| if at[axis] == place { 1e-4 * (at[1 - axis] % 2) as f64 } else { 0.0 };
+            let mut size = DVec2::splat(0.03);
+            // Light reaches it by slopes along the row or column alone.
+            size[1 - axis] = 1e-3;
+            let surface = Surface { size, ..surface(&cells, depth) };
+            let mut first = [SIDE; 2];
+            first[1 - axis] = 0;
+            let is_followed = surface.block(first).is_some();
+            assert_eq!(is_followed, (SIDE - 1..=2 * SIDE).contains(&place), "{axis}: {place}");
+        }
+    }
+}
