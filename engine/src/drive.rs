@@ -159,8 +159,6 @@ pub fn delay_level(phase: f64, levels: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
-
     use super::*;
     use crate::scene::{Array, Elements, Placed, Scene};
 
@@ -222,7 +220,7 @@ mod tests {
 
     #[test]
     fn heights_are_written_if_any_element_has_one() {
-        let placed = |z: f64| Placed { at: DVec3::new(0.01, 2.0 * z, z), normal: DVec3::Z };
+        let placed = |z: f64| Placed { at: [0.01, 2.0 * z, z].into(), normal: [0.0, 0.0, 1.0].into() };
         let placed = Elements::new([-0.004, 0.0, 0.004].map(placed).to_vec(), None);
         let array = Array { placed, file: Some("stairs.csv".to_owned()), ..Array::default() };
         let aperture = Aperture::new(&Scene { array, ..Scene::default() });

@@ -148,7 +148,7 @@ pub struct Picture<T> {
     /// Of every drive.
     p: Vec<Waves<T>>,
     /// I or the depression, then the derivatives by I.
-    intensities: Vec<T>,
+    pub(super) intensities: Vec<T>,
     fit: Option<Fit>,
 }
 
@@ -230,15 +230,10 @@ impl<T: Real> Picture<T> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
     use num_complex::Complex64;
 
     use super::*;
-    use crate::acoustics::Aperture;
-    use crate::scene::{Sampling, Scene, Shape, Target, outline};
-    use crate::solver::Problem;
     use crate::solver::shape::table::Table;
-    use crate::solver::shape::wanted;
 
     /// As many elements as samples, each heard at one of them alone.
     fn picture(brightness: &[f64], weight: &[f64]) -> Picture<f64> {
@@ -294,21 +289,5 @@ mod tests {
         assert_eq!(areas.hear(std::slice::from_ref(&drive)), None);
         drive.re[0] = 0.1;
         assert!(areas.hear(&[drive]).is_some());
-    }
-
-    #[test]
-    fn finer_samples_of_areas_are_more() {
-        let at = DVec3::Z * 0.1;
-        let shape = Shape::Rectangle { at, width: 0.02, height: 0.012 };
-        let area = Target { sampling: Sampling::Fill, ..Target::new(shape) };
-        let mut scene = Scene { targets: vec![area], ..Scene::default() };
-        (scene.array.rows, scene.array.columns) = (4, 4);
-        let aperture = Aperture::new(&scene);
-        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
-        let surroundings = problem.surroundings.as_ref().unwrap();
-        let [coarse, fine] = [false, true].map(|finer| {
-            wanted::picture::<f32>(&problem, surroundings, finer, 1.0).unwrap().intensities.len()
-        });
-        assert!(fine > coarse, "{fine}, and {coarse}");
     }
 }

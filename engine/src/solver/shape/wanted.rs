@@ -346,4 +346,15 @@ mod tests {
         assert_eq!(wanted.len(), samples(MOST_VALUES / (48 * 48)));
         assert!(wanted.len() < samples(MOST_SAMPLES) && !wanted.is_empty(), "{}", wanted.len());
     }
+
+    #[test]
+    fn finer_samples_of_areas_are_more() {
+        let scene = Scene { targets: vec![area(DVec3::Z * 0.1, WIDTH, HEIGHT)], ..scene(4) };
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let surroundings = problem.surroundings.as_ref().unwrap();
+        let [coarse, fine] = [false, true]
+            .map(|finer| picture::<f32>(&problem, surroundings, finer, 1.0).unwrap().intensities.len());
+        assert!(fine > coarse, "{fine}, and {coarse}");
+    }
 }
