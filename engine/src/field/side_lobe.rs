@@ -433,4 +433,23 @@ mod tests {
         let z = found.clone().unwrap().position.z;
         assert!(z.min(0.08 - z) >= aperture.wavelength(), "{found:?}");
     }
+
+    #[test]
+    fn a_point_in_the_lobe_of_one_of_two_boards_is_in_no_common_lobe() {
+        let focus = DVec3::new(0.0, 0.0, 0.12);
+        let beside = Board { at: DVec3::new(-0.12, 0.0, 0.12), normal: DVec3::X, x_axis: DVec3::Y };
+        let scene = Scene { boards: vec![Board::default(), beside], ..Scene::default() };
+        let boards = sides(&Aperture::new(&scene));
+        let of = |boards| Lobe { focus, boards };
+        let (common, own) = (of(&boards[..]), [of(&boards[..1]), of(&boards[1..])]);
+        let mut found = [0; 3];
+        for place in 0..41 * 41 {
+            let (x, z) = (place % 41 - 20, place / 41 - 20);
+            let point = focus + DVec3::new(f64::from(x), 0.0, f64::from(z)) * 0.002;
+            let within = own.iter().filter(|lobe| lobe.contains(point)).count();
+            assert_eq!(common.contains(point), within == 2, "{point}");
+            found[within] += 1;
+        }
+        assert!(found.iter().all(|&points| points > 0), "{found:?}");
+    }
 }

@@ -208,4 +208,31 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn neighbours_of_a_point_are_on_its_side_of_a_wall() {
+        const HAIR: f64 = 1e-6;
+        let (at, normal) = (dvec3(0.01, 0.0, 0.02), dvec3(0.6, 0.0, 0.8));
+        let along = dvec3(0.8, 0.0, -0.6) * 0.003 + DVec3::Y * 0.002;
+        for height in [-1e-3, -1.2e-5, -1.05e-5, -5e-6, 0.0, 1e-6, 1.05e-5, 1e-3] {
+            for direction in [DVec3::X, DVec3::Y, DVec3::Z, normal, -normal] {
+                let point = at + along + normal * height;
+                let pair = beside(point, direction, HAIR, &[(at, normal)]);
+                let place = format!("{height} m, towards {direction}");
+                assert!((pair[0] - pair[1]).distance(direction * 2.0 * HAIR) < 1e-12, "{place}: {pair:?}");
+                let heights = pair.map(|neighbour| normal.dot(neighbour - at));
+                let is_behind = height < -NEAREST;
+                let is_beside = |&own: &f64| {
+                    if is_behind { own < -NEAREST + 1e-12 } else { own > NEAREST - 1e-12 }
+                };
+                assert!(heights.iter().all(is_beside), "{place}: {heights:?}");
+                // Points near the wall are moved from it, as little as possible, and others not at all.
+                let moved = (pair[0] + pair[1]) / 2.0 - point;
+                let missing = if is_behind { 0.0 } else { (NEAREST - height).max(0.0) };
+                let most = if height.abs() < 2.0 * NEAREST { missing + 3.0 * HAIR } else { 1e-12 };
+                assert!(moved.length() < most, "{place}: {moved}");
+                assert!(moved.reject_from_normalized(normal).length() < 1e-12, "{place}: {moved}");
+            }
+        }
+    }
 }
