@@ -175,4 +175,42 @@ mod tests {
             assert!((mean / HEIGHT - 1.0).abs() < 1e-9, "{axis}: {mean:e}");
         }
     }
+
+    /// A plane of the size, its cells, and depths (m) along one of its axes.
+    fn along(size: DVec2, axis: usize, depth: impl Fn(f64, f64) -> f64) -> (Cells, Depression) {
+        let plane = Plane { size, ..Plane::default() };
+        let cells = Cells::new(&Aperture::new(&Scene::default()), &plane, 0.02, 1e-3).unwrap();
+        let places: Vec<_> = cells.places(axis).collect();
+        let place = |i: usize| places[[i % cells.counts[0], i / cells.counts[0]][axis]];
+        let depths: Vec<_> = (0..cells.count()).map(|i| depth(place(i), cells.step)).collect();
+        let found = Depression::new(&cells, size, &depths);
+        (cells, found)
+    }
+
+    #[test]
+    fn the_deepest_place_may_be_on_any_edge() {
+        let size = DVec2::new(0.05, 0.04);
+        for (axis, side) in [(0, -1.0), (0, 1.0), (1, -1.0), (1, 1.0)] {
+            let half = size[axis] / 2.0;
+            // A short wave with its crest on the edge, the highest of all.
+            let depth = |place: f64, step: f64| {
+                (1.0 + 0.5 * side * place / half) * (TAU * (place - side * half) / (3.3 * step)).cos()
+            };
+            let deepest = along(size, axis, depth).1.deepest;
+            assert!((deepest / 1.5 - 1.0).abs() < 5e-3, "{axis}, {side}: {deepest}");
+        }
+    }
+
+    #[test]
+    fn a_plane_smaller_than_a_cell_has_the_depth_and_the_slope_there() {
+        let size = DVec2::splat(2e-4);
+        for axis in [0, 1] {
+            let turn = |step: f64| TAU / (11.3 * step);
+            let (cells, found) = along(size, axis, |place, step| 1.0 + (turn(step) * place).sin());
+            let turn = turn(cells.step);
+            let deepest = 1.0 + (turn * size[axis] / 2.0).sin();
+            assert!((found.deepest / deepest - 1.0).abs() < 2e-3, "{axis}: {found:?}");
+            assert!((found.slope / turn - 1.0).abs() < 2e-3, "{axis}: {found:?}");
+        }
+    }
 }

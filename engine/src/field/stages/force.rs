@@ -273,4 +273,41 @@ mod tests {
         assert!(none == 0 && upwards == downwards, "{beside:?}");
         assert!(upwards > 0 && upwards.is_multiple_of(size.0) && upwards < size.0 * size.1 / 2, "{beside:?}");
     }
+
+    fn request(plane: Plane, size: (usize, usize)) -> Request {
+        let array = Array { columns: 4, rows: 4, ..Array::default() };
+        let drive = Drive { amplitudes: vec![1.0; 16], phases: (0..16).map(|n| f64::from(n * n)).collect() };
+        let scene = Scene { array, plane, ..Scene::default() };
+        Request::new(&scene, vec![drive], Quantity::Force, size)
+    }
+
+    #[test]
+    fn a_sloping_plane_is_clear_of_the_array_if_its_cells_are() {
+        let plane = Plane {
+            centre: DVec3::Z * 0.03,
+            x_axis: dvec3(1.0, 0.0, 0.4),
+            size: dvec2(0.02, 0.01),
+            ..Plane::default()
+        };
+        let request = request(plane.clone(), (21, 17));
+        let map = OfBead::default().map(&request, false, &Gauge::default()).unwrap();
+        let cells = Cells::new(&request.aperture, &plane, 0.0, plane.tolerance).unwrap();
+        assert_eq!((map.by, map.evaluated), (By::CpuInF64, cells.count()), "{}", map.how);
+    }
+
+    #[test]
+    fn the_error_is_three_times_the_deviation_relative_to_the_peak() {
+        let plane = Plane { centre: DVec3::Z * 0.05, size: dvec2(0.02, 0.02), ..Plane::default() };
+        for part in [1.0, 0.25] {
+            let request = Request { part, ..request(plane.clone(), (9, 8)) };
+            let Request { aperture, air, bead, drives, .. } = &request;
+            let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
+            let scenery = Scenery { request: &request, levitation, axes: [DVec3::X, DVec3::Y] };
+            let Map { values, peak, .. } = scenery.direct(&Gauge::default());
+            assert!(scenery.error(&values, peak) < 1e-6);
+            let off: Vec<_> = values.iter().map(|value| value + 0.01 * peak).collect();
+            let error = scenery.error(&off, peak);
+            assert!((error / 0.03 - 1.0).abs() < 1e-3, "{part}: {error:e}");
+        }
+    }
 }
