@@ -288,4 +288,24 @@ mod tests {
             assert!(refused(Drive { amplitudes: values.clone(), phases: values }));
         }
     }
+
+    #[test]
+    fn a_mean_needs_drives_a_part_and_a_moment() {
+        let request = Request::new(&scene(), vec![drive()], Quantity::Rms, (8, 8));
+        for part in [0.0, 0.5, 1.0] {
+            assert_eq!(Request { part, ..request.clone() }.check(), Ok(()), "{part}");
+        }
+        let part = |part: f64| Request { part, ..request.clone() };
+        let moment = |moment: f64| Request { moment, ..request.clone() };
+        for refused in [
+            Request { drives: Vec::new().into(), ..request.clone() },
+            part(-0.1),
+            part(1.1),
+            part(f64::NAN),
+            moment(f64::INFINITY),
+            moment(f64::NAN),
+        ] {
+            assert_eq!(refused.check(), Err(FieldError::NoMean), "{refused:?}");
+        }
+    }
 }

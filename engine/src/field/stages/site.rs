@@ -292,4 +292,38 @@ mod tests {
             assert!(!is_double(&scene, Quantity::Rms), "{tolerance:e}");
         }
     }
+
+    #[test]
+    fn squares_of_one_drive_are_formed_at_the_pixels_of_exact_maps_only() {
+        for quantity in [Quantity::Gorkov, Quantity::Radiation] {
+            let mut request = Request::new(&Scene::default(), vec![Drive::default()], quantity, (20, 20));
+            for (exact, tolerance) in [(false, 1e-3), (true, 1e-3), (false, 0.0), (true, 0.0)] {
+                request.plane.tolerance = tolerance;
+                let is_by_pixels = SiteKey::new(&request, exact) == SiteKey::by_pixels(&request, exact);
+                assert_eq!(is_by_pixels, exact || tolerance == 0.0, "{quantity:?}, {exact}, {tolerance}");
+            }
+        }
+    }
+
+    #[test]
+    fn pixels_are_evaluated_in_f64_where_f32_is_too_coarse_for_them_or_their_differences() {
+        let array = Array { columns: 4, rows: 4, ..Array::default() };
+        let mut scene = Scene { array, ..Scene::default() };
+        for (quantity, tolerance, has_grid, is_double) in [
+            (Quantity::Rms, 1e-3, true, false),
+            (Quantity::Rms, 0.0, false, false),
+            (Quantity::Rms, 1e-6, true, true),
+            // Slopes along the plane are those of the samples, without differences.
+            (Quantity::Radiation, 4e-4, true, false),
+            (Quantity::Radiation, 0.0, false, true),
+            (Quantity::Velocity, 1e-3, true, false),
+            (Quantity::Velocity, 1.6e-4, true, true),
+        ] {
+            scene.plane.tolerance = tolerance;
+            let request = Request::new(&scene, vec![Drive::default()], quantity, (20, 20));
+            let plan = Site::new(&SiteKey::by_pixels(&request, false), Costs::CPU).unwrap().plan;
+            let found = (plan.grid.is_some(), plan.double);
+            assert_eq!(found, (has_grid, is_double), "{quantity:?}, {tolerance}: {}", plan.reason);
+        }
+    }
 }

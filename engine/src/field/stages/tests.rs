@@ -161,3 +161,17 @@ fn errors_of_differences_count_in_full_where_the_sound_is_loudest() {
         assert!((least - 0.03).abs() < 1e-4 && most > 0.05 && most < 0.3001, "{quantity:?}: {least}, {most}");
     }
 }
+
+#[test]
+fn the_peak_of_phases_and_moments_is_the_largest_pressure_also_in_f64() {
+    let (scene, size) = (scene(), (12, 10));
+    let pixels = Samples::on_plane(&scene.plane, size.0, size.1).unwrap();
+    let field = reference::pressure(&Aperture::new(&scene), &drive(), &pixels);
+    let loudest = field.iter().map(|p| p.norm()).fold(0.0, f64::max);
+    for quantity in [Quantity::Phase, Quantity::Instantaneous] {
+        let mut stages = Stages::new(Evaluator::Reference);
+        let map = stages.map(&request(&scene, quantity, size)).unwrap();
+        assert_eq!(map.by, By::Reference);
+        assert!((f64::from(map.peak) / loudest - 1.0).abs() < 1e-5, "{quantity:?}: {}", map.peak);
+    }
+}
