@@ -459,4 +459,19 @@ mod tests {
         assert_eq!(state.pressure[0].at(1), Complex64::from(2.5));
         assert_eq!(state.pressure[0].at(0), before);
     }
+
+    #[test]
+    fn a_further_batch_of_starts_counts_only_if_its_weakest_focus_is_stronger() {
+        let (transfer, targets) = circle(5, 0.04, 3.0);
+        let gram = transfer.gram(None);
+        let mut further = Further { transfer: &transfer, targets: targets.clone(), gram, iterations: 10 };
+        let weakest = |found: &Excitation| range(&transfer, &targets, &found.values).0;
+        let values = vec![Complex64::ONE; transfer.elements];
+        let mut best = Excitation { values, iterations: 0, residual: None, weights: None };
+        for batch in 0..4 {
+            let expected = weakest(&best).max(weakest(&further.next(batch)));
+            best = further.stronger(best, batch);
+            assert!((weakest(&best) / expected - 1.0).abs() < 1e-9, "{batch}: {}", weakest(&best));
+        }
+    }
 }

@@ -252,4 +252,16 @@ mod tests {
         let best = power(&gram, &found(&gram, &[1.0; 6], 50, 0));
         assert!(best > 1.2 * equal, "{best} is hardly more than {equal}");
     }
+
+    #[test]
+    fn a_silent_focus_leaves_the_others_alone() {
+        // Behind the array, and before it.
+        let places = [DVec3::Z * -0.1, DVec3::Z * 0.1];
+        let gram = Aperture::new(&Scene::default()).transfer(&places).gram(None);
+        assert!(gram.re[0] == 0.0 && gram.re[3] > 0.0, "{gram:?}");
+        for iterations in [1, 20] {
+            let heard = found(&gram, &[1.0, 2.0], iterations, 0)[1];
+            assert!((heard.norm() - 1.0).abs() < 1e-6, "{iterations}: {heard}");
+        }
+    }
 }

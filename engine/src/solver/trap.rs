@@ -477,4 +477,22 @@ mod tests {
         assert!(matches!(function.foci[..], [(_, square)] if square == 0.0), "{:?}", function.foci);
         assert!(function.keeps_foci(&problem, &start));
     }
+
+    #[test]
+    fn a_net_force_counts_by_its_square() {
+        let scene = before_board(Trap::Twin);
+        let aperture = Aperture::new(&scene);
+        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+        let traps = problem.traps.as_ref().unwrap();
+        let start = signature(&problem, traps);
+        let x: Vec<_> = start.iter().map(|u| u.arg()).collect();
+        // N, of the first drive's stiffness at a distance of 1/k.
+        let unit = Stiffness::new(&problem, traps, &start).unit / aperture.element.wavenumber;
+        let value = |load: f64| {
+            let traps = Traps { load: load * unit, ..traps.clone() };
+            Stiffness::new(&problem, &traps, &start).evaluate(&x, &mut vec![0.0; x.len()])
+        };
+        let [one, two] = [1.0, 2.0].map(|load| value(load) + value(-load) - 2.0 * value(0.0));
+        assert!(one > 0.01 && (two / one - 4.0).abs() < 1e-6, "{one}, and {two} of twice the load");
+    }
 }
