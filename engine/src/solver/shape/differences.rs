@@ -178,3 +178,27 @@ fn a_field_that_a_drive_makes_is_found_again() {
     }
     assert!(before > 0.01 && way.value < 1e-6, "{before}, then {:e}", way.value);
 }
+
+#[test]
+fn the_gradient_along_strokes_does_not_depend_on_the_unit_of_pressure() {
+    let aperture = Aperture::new(&Scene { array: small(), ..Scene::default() });
+    let stroke: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();
+    let elements = aperture.driven.len();
+    let phases: Vec<_> = (0..elements).map(|n| 6.0 * scatter(n)).collect();
+    let of = |scale: f64| {
+        let mut table = Table::<f64>::new(elements);
+        aperture.transfer(&stroke).rows().for_each(|row| table.push(row, scale));
+        let mut gradient = vec![0.0; elements];
+        let value = Objective::new(table, 1, ALONE).evaluate(&phases, &mut gradient);
+        (value, gradient)
+    };
+    let (expected, slopes) = of(SCALE);
+    let largest = slopes.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
+    for scale in [1e-6 * SCALE, 1e6 * SCALE] {
+        let (value, gradient) = of(scale);
+        assert!((value - expected).abs() < 1e-9, "{scale:e}: {value}, not {expected}");
+        for (n, (slope, expected)) in gradient.iter().zip(&slopes).enumerate() {
+            assert!((slope - expected).abs() < 1e-9 * largest, "{scale:e}, {n}: {slope}, not {expected}");
+        }
+    }
+}

@@ -413,3 +413,20 @@ fn at_the_focus_that_most_sound_reaches_for_its_target_all_elements_add_up_to_1(
         assert!((most - 1.0).abs() < 1e-5, "{unit}: {most}");
     }
 }
+
+#[test]
+fn the_descent_of_areas_begins_anew_when_side_lobes_count() {
+    let mut scene = scene(true, 1.0, Aim::Pressure, 0.0);
+    (scene.array.rows, scene.array.columns) = (5, 4);
+    with_search(&scene, |search| {
+        assert!(search.advance().is_some());
+        let before = search.ways[0].as_ref().unwrap().x.clone();
+        assert_eq!(search.stage(), Stage::Area(0));
+        assert!(search.advance().is_some());
+        let mut anew = Descent::new(before, &mut search.objective);
+        descend(&mut anew, &mut search.objective, AREA.0);
+        let way = search.ways[0].as_ref().unwrap();
+        assert!(is_close(way.value, anew.value), "{}, not {}", way.value, anew.value);
+        assert_eq!(way.x, anew.x);
+    });
+}

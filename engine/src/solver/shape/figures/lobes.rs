@@ -88,3 +88,21 @@ fn the_loudest_lobe_counts_even_if_samples_of_another_are_louder() {
     let (at, p) = side_lobe(&problem, &problem.foci, &Plane::default(), &u).unwrap();
     assert!(at.truncate().distance(places[1]) < 2e-3 && p > loudest.1, "{at}: {p}");
 }
+
+#[test]
+fn side_lobes_are_as_loud_as_the_elements() {
+    let lobe = |strength: f64| {
+        let mut aperture = array(4, 4);
+        aperture.element.strength = strength;
+        let problem = Problem::new(&aperture, vec![Focus::new(DVec3::new(0.02, 0.0, 0.1), 1.0)]);
+        let u: Vec<_> = (0..16).map(|n| Complex64::cis(9.0 * scatter(n))).collect();
+        side_lobe(&problem, &problem.foci, &Plane::default(), &u)
+    };
+    let (expected_at, expected) = lobe(1.0).unwrap();
+    // Of powers of two, so that nothing is rounded otherwise.
+    for strength in [2f64.powi(-20), 2f64.powi(20)] {
+        let (at, p) = lobe(strength).unwrap_or_else(|| panic!("{strength:e}: no lobe"));
+        assert!((p / strength / expected - 1.0).abs() < 1e-9, "{strength:e}: {p}, not {expected}");
+        assert!(at.distance(expected_at) < 1e-9, "{strength:e}: {at}, not {expected_at}");
+    }
+}
