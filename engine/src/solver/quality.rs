@@ -261,4 +261,16 @@ mod tests {
             assert!((1.0..1.0 + 1e-9).contains(&part), "{target}: {part}");
         }
     }
+
+    #[test]
+    fn a_drive_that_is_heard_is_not_silent_however_faint() {
+        let aperture = two_elements();
+        let problem = Problem::new(&aperture, vec![Focus::new(DVec3::Z * 0.1, 1.0)]);
+        let values = vec![Complex64::ONE; 2];
+        let excitation = Excitation { values, iterations: 0, residual: None, weights: None };
+        for (pressure, expected) in [(1e3, false), (1e-30, false), (1e-150, true), (0.0, true)] {
+            let quality = Quality::new(&problem, &excitation, &[Complex64::from(pressure)]);
+            assert_eq!(quality.is_silent(), expected, "{pressure:e} Pa");
+        }
+    }
 }

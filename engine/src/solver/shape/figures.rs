@@ -437,4 +437,26 @@ mod tests {
             assert!((scaled.error / alone.error - 1.0).abs() < 1e-9, "{scaled:?}, not {alone:?}");
         }
     }
+
+    #[test]
+    fn figures_of_areas_do_not_depend_on_the_strength_of_elements() {
+        let at = DVec3::new(0.005, 0.0, 0.06);
+        let shape = Shape::Rectangle { at, width: 0.02, height: 0.015 };
+        let target = Target { sampling: Sampling::Fill, ..Target::new(shape) };
+        let mut scene = Scene { targets: vec![target], ..Scene::default() };
+        (scene.array.rows, scene.array.columns) = (4, 5);
+        let of = |strength: f64| {
+            let mut aperture = Aperture::new(&scene);
+            aperture.element.strength = strength;
+            let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
+            areas(&problem, problem.surroundings.as_ref().unwrap(), &scattered(&aperture, 1)).unwrap()
+        };
+        let usual = of(1.0);
+        for strength in [1e-60, 1e60] {
+            let own = of(strength);
+            let what = format!("{strength:e}: {own:?}, not {usual:?}");
+            assert!((own.contrast / usual.contrast - 1.0).abs() < 1e-9, "{what}");
+            assert!((own.error / usual.error - 1.0).abs() < 1e-9, "{what}");
+        }
+    }
 }

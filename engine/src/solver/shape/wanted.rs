@@ -357,4 +357,39 @@ mod tests {
             .map(|finer| picture::<f32>(&problem, surroundings, finer, 1.0).unwrap().intensities.len());
         assert!(fine > coarse, "{fine}, and {coarse}");
     }
+
+    #[test]
+    fn grids_of_turned_areas_end_beside_their_margins() {
+        let aperture = Aperture::new(&scene(4));
+        for angle in [0.0, 90f64.to_radians(), 30f64.to_radians()] {
+            let covers = [cover(&Target { angle, ..area(DVec3::Z * 0.1, 0.05, HEIGHT) }, &aperture)];
+            let drawn = drawn(&covers, &aperture);
+            let layout = drawn.layout(&aperture, 3e-3).unwrap();
+            let all = layout.places(aperture.pitch).map(|(_, place)| place.abs());
+            let farthest = all.fold(DVec2::ZERO, DVec2::max);
+            let half = covers[0].half + drawn.margin();
+            let corners = [half, half * DVec2::new(1.0, -1.0)];
+            let [one, other] = corners.map(|corner| covers[0].world(corner).truncate().abs());
+            let needed = one.max(other);
+            let is_enough = farthest.cmpgt(needed - layout.spacing(aperture.pitch)).all();
+            let is_near = farthest.cmplt(1.3 * needed + 8.0 * aperture.pitch).all();
+            assert!(is_enough && is_near, "{angle}: {farthest} for {needed}");
+        }
+    }
+
+    #[test]
+    fn tables_want_the_squares_of_pressures() {
+        let aperture = Aperture::new(&scene(4));
+        let tilted = |pressure: f64, x: f64| {
+            let normal = DVec3::new(0.2, 0.0, 1.0);
+            let at = DVec3::new(x, 0.0, 0.1);
+            cover(&Target { normal, pressure, ..area(at, WIDTH, HEIGHT) }, &aperture)
+        };
+        let covers = [tilted(3.0, 0.0), tilted(0.5, 0.05)];
+        let drawn = drawn(&covers, &aperture);
+        for (cover, expected) in covers.iter().zip([9.0, 0.25]) {
+            let brightness = drawn.at(cover.centre, 1e-3);
+            assert!((brightness - expected).abs() < 1e-12, "{brightness}, not {expected}");
+        }
+    }
 }
