@@ -123,4 +123,13 @@ mod tests {
         assert!((air.absorption() - 8.0).abs() < 1e-12, "{air:?}");
         assert!(((-air.attenuation).exp() - 10f64.powf(-8.0 / 20.0)).abs() < 1e-15);
     }
+
+    /// U.S. Standard Atmosphere, 1976: at sea level, and at 11 km.
+    #[test]
+    fn viscosity_is_that_of_the_standard_atmosphere() {
+        for (temperature, expected) in [(15.0, 1.7894e-5), (-56.5, 1.4216e-5)] {
+            let own = viscosity(&Medium { temperature, ..Medium::default() });
+            assert!((own - expected).abs() < 1e-9, "{temperature} °C: {own:e}, not {expected:e}");
+        }
+    }
 }

@@ -155,3 +155,23 @@ impl Along {
         all
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_product_of_waves_is_the_wave_of_their_sum() {
+        let wave = |rates: [Complex64; 3]| {
+            Derivatives::of(|orders| (0..3).map(|axis| rates[axis].powu(orders[axis])).product())
+        };
+        let [re, im] = [[0.3, -0.7, 1.1], [-0.9, 0.4, 0.6]];
+        let a = [0, 1, 2].map(|axis| Complex64::new(re[axis], im[axis]));
+        let b = [0, 1, 2].map(|axis| Complex64::new(-im[axis], 2.0 * re[axis]));
+        let own = wave(a).times(&wave(b));
+        let expected = wave([0, 1, 2].map(|axis| a[axis] + b[axis]));
+        for (at, (own, expected)) in own.0.iter().zip(expected.0).enumerate() {
+            assert!((own - expected).norm() < 1e-13, "{at}: {own}, not {expected}");
+        }
+    }
+}

@@ -245,7 +245,7 @@ fn flat(placed: &[Placed]) -> Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Array, ElementModel, Elements, Placed};
+    use crate::scene::{Array, Board, ElementModel, Elements, Placed};
 
     #[test]
     fn elements_are_numbered_row_by_row_and_centred() {
@@ -453,6 +453,37 @@ mod tests {
                 }
             }
             assert!((20..9 * points.len() - 20).contains(&silent), "{bend}: {silent}");
+        }
+    }
+
+    #[test]
+    fn images_are_no_boards() {
+        let board = |z: f64| Board { at: DVec3::Z * z, ..Board::default() };
+        let array = Array { rows: 2, columns: 2, ..Array::default() };
+        let boards = vec![board(0.0), board(-0.1)];
+        let reflectors =
+            vec![Reflector { point: DVec3::Z * 0.2, normal: DVec3::NEG_Z, ..Reflector::default() }];
+        let aperture = Aperture::new(&Scene { array, boards, reflectors, ..Scene::default() });
+        assert_eq!((aperture.boards().count(), aperture.faces.len()), (2, 4));
+        // Between the image of a board, at 0.4 m, and the boards.
+        assert!((aperture.height(DVec3::Z * 0.15) - 0.15).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_resolution_beside_the_axis_is_that_of_the_angle_between_the_ends() {
+        let array = Array { rows: 4, columns: 8, pitch: 0.01, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        for point in [DVec3::new(0.02, 0.0, 0.05), DVec3::new(-0.06, 0.01, 0.08), DVec3::new(0.3, 0.02, 0.03)]
+        {
+            let angle = |ends: [DVec3; 2]| {
+                let [a, b] = ends.map(|end| end - point);
+                a.angle_between(b)
+            };
+            let across = angle([-0.035, 0.035].map(|x| DVec3::new(x, point.y, 0.0)));
+            let up = angle([-0.015, 0.015].map(|y| DVec3::new(point.x, y, 0.0)));
+            let expected = aperture.wavelength() / (2.0 * (across.max(up) / 2.0).sin());
+            let own = aperture.resolution()(point);
+            assert!((own / expected - 1.0).abs() < 1e-9, "{point}: {own}, not {expected}");
         }
     }
 }

@@ -282,4 +282,21 @@ mod tests {
             assert!(worst < 0.5 * accuracy, "{accuracy:e}: {worst:e}");
         }
     }
+
+    #[test]
+    fn the_lowest_corner_of_a_tilted_plane_counts() {
+        let mut scene = Scene::default();
+        scene.array.element_radius = 0.02;
+        let aperture = Aperture::new(&scene);
+        let plane = Plane {
+            centre: DVec3::Z * 0.03,
+            size: DVec2::new(0.02, 0.01),
+            x_axis: DVec3::new(0.8, 0.0, 0.6),
+            y_axis: DVec3::new(-0.36, 0.8, 0.48),
+            ..scene.plane
+        };
+        let lowest = 0.03 - (0.02 * 0.6 + 0.01 * 0.48) / 2.0;
+        let own = pattern(&aperture, &plane).unwrap();
+        assert!((own - 1f64.hypot(0.02 / lowest) / HIGHEST).abs() < 1e-12, "{own}");
+    }
 }

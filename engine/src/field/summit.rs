@@ -379,4 +379,33 @@ mod tests {
         assert!(found.place.distance(top) < 1e-6, "{found:?}");
         assert_eq!(lattice.summit(|place| place.x > 2.0, all), None);
     }
+
+    /// The values asked for, in calls, on the way from a place to the top of a function with samples a unit apart.
+    fn on_the_way(from: DVec2, function: impl Fn(DVec2) -> f64) -> (Summit, Vec<Vec<DVec2>>) {
+        let calls = std::cell::RefCell::new(Vec::new());
+        let value = |places: &[DVec2]| {
+            calls.borrow_mut().push(places.to_vec());
+            places.iter().map(|&at| function(at)).collect()
+        };
+        let reached = sampled([41, 41], &function).climbed(&[from], None, &|_| true, &value);
+        (reached[0], calls.take())
+    }
+
+    #[test]
+    fn a_climb_compares_neighbours_within_half_a_step_and_ends_at_the_top() {
+        let top = DVec2::new(6.3, -4.2);
+        let hill = |at: DVec2| 3.0 / (1.0 + 0.01 * (at - top).length_squared());
+        for from in [DVec2::new(1.3, -0.9), top + 2e-3] {
+            let (summit, calls) = on_the_way(from, hill);
+            assert!(summit.place.distance(top) < 1e-3, "{summit:?}");
+            for around in calls.iter().filter_map(|places| places.first_chunk::<8>()) {
+                let wide = around[7] - around[0];
+                assert!(wide.max_element() <= 2.0 * FARTHEST + 1e-9, "{wide} from {from}");
+            }
+        }
+        // Once its neighbours are near enough nothing more is asked for: the place, and twice its neighbours and a
+        // vertex.
+        let (_, calls) = on_the_way(top, hill);
+        assert!(calls.len() <= 5, "{}", calls.len());
+    }
 }

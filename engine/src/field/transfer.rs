@@ -262,7 +262,7 @@ impl Transfer {
 mod tests {
     use super::*;
     use crate::acoustics::Aperture;
-    use crate::scene::{Array, Scene};
+    use crate::scene::{Array, Board, Scene};
 
     #[test]
     fn elements_use_a_table_from_its_first_value_to_its_last() {
@@ -311,5 +311,33 @@ mod tests {
             }
         }
         assert!(layout(480).count() * size_of::<Complex32>() > 32 << 20);
+    }
+
+    #[test]
+    fn a_table_that_no_machine_holds_does_not_fit() {
+        let aperture = Aperture::new(&Scene::default());
+        let samples = Samples { columns: vec![DVec3::X; 64], rows: vec![DVec3::Y; 64] };
+        let own = Layout::new(&aperture.faces[0], &samples, [None, None]);
+        let endless = Layout { distinct: [1 << 24, 1 << 20], ..own.clone() };
+        assert!(Layout::fit(&[own], usize::MAX) && !Layout::fit(&[endless], usize::MAX));
+    }
+
+    #[test]
+    fn elements_of_every_board_start_at_its_own_first() {
+        let array = Array { rows: 3, columns: 4, ..Array::default() };
+        let boards = vec![Board::default(), Board { at: DVec3::X * 0.1, ..Board::default() }];
+        let aperture = Aperture::new(&Scene { array, boards, ..Scene::default() });
+        let along = |axis: DVec3| (0..16).map(|i| axis * f64::from(i) * 1e-3).collect();
+        let samples = Samples { columns: along(DVec3::X), rows: along(DVec3::Y) };
+        let shared = |element_axis, samples| Some(Shared { element_axis, samples });
+        for shared in [[None, None], [shared(0, 2), None], [shared(0, 1), shared(1, -3)]] {
+            let starts = [0, 1].map(|board| {
+                let board = &aperture.faces[board];
+                let terms = Layout::new(board, &samples, shared).terms(board, [&[Complex64::ONE; 24]]);
+                terms.iter().map(|term| term.start).collect::<Vec<_>>()
+            });
+            assert_eq!(starts[0].len(), 12);
+            assert_eq!(starts[0], starts[1], "{shared:?}");
+        }
     }
 }

@@ -160,3 +160,22 @@ impl Sphere {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Medium;
+
+    #[test]
+    fn a_bead_that_is_not_small_has_a_warning_with_its_ka() {
+        let (frequency, medium) = (40_000.0, Medium::default());
+        let air = Air::new(&medium, frequency);
+        let wavenumber = 2.0 * PI * frequency / air.sound_speed;
+        let warning = |ka: f64| {
+            let bead = Bead { radius: ka / wavenumber, ..Bead::default() };
+            Sphere::new(&bead, &air, wavenumber).warning()
+        };
+        assert_eq!(warning(0.99 * SMALL), None);
+        assert!(warning(0.31).is_some_and(|text| text.contains("0.31")));
+    }
+}

@@ -263,6 +263,22 @@ mod tests {
     }
 
     #[test]
+    fn the_bound_is_not_below_a_focus_that_gets_all_elements_in_phase() {
+        let aperture = two_elements();
+        for loud in [1.0, 3.0, 7.0, 40.0] {
+            // In phase the first focus hears all; the second has more than enough.
+            let foci = [loud, 1e-3].map(|target| Focus::new(DVec3::Z * 0.1, target)).to_vec();
+            let mut problem = Problem::new(&aperture, foci);
+            for (m, n, value) in [(0, 0, 3.0), (0, 1, 2.0), (1, 0, 1.0), (1, 1, 4.0)] {
+                problem.transfer.set(m, n, Complex64::from(value));
+            }
+            let part = bound(&problem) / (5.0 / loud);
+            // Up to the rounding of a few sums.
+            assert!((1.0 - 1e-14..1.0 + 1e-9).contains(&part), "{loud}: {part}");
+        }
+    }
+
+    #[test]
     fn a_drive_that_is_heard_is_not_silent_however_faint() {
         let aperture = two_elements();
         let problem = Problem::new(&aperture, vec![Focus::new(DVec3::Z * 0.1, 1.0)]);

@@ -293,7 +293,7 @@ fn bricks(lattice: &Lattice, values: &[f32]) -> Vec<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Array, Board, Scene};
+    use crate::scene::{Array, Board, Reflector, Scene};
 
     #[test]
     fn points_times_elements_decide_unless_that_leaves_fewer_than_the_least() {
@@ -466,6 +466,26 @@ mod tests {
                 let off = f64::from(*own) - expected.norm() / 2f64.sqrt();
                 assert!(off.abs() < 1e-5 * f64::from(volume.peak), "{own}, not {expected}, at {point}");
             }
+        }
+    }
+
+    #[test]
+    fn a_volume_holds_sound_from_a_reflector() {
+        let array = Array { rows: 4, columns: 4, ..Array::default() };
+        // Samples beside a tilted board share no table.
+        let boards = vec![Board { normal: DVec3::new(0.1, 0.0, 1.0), ..Board::default() }];
+        let reflectors = vec![Reflector { point: DVec3::Z * 0.1, normal: -DVec3::Z, coefficient: 0.5 }];
+        let aperture = Aperture::new(&Scene { array, boards, reflectors, ..Scene::default() });
+        let drive = Drive { amplitudes: vec![1.0; 16], phases: (0..16).map(f64::from).collect() };
+        let block = Block { centre: DVec3::Z * 0.06, size: DVec3::splat(0.02) };
+        let fineness = Fineness { per_wavelength: 2.0, least: 1, most: 1 << 20, pairs: 1e9 };
+        let volume = Volume::new(&aperture, std::slice::from_ref(&drive), &block, fineness);
+        let layers = (0..volume.lattice.counts.z as usize).map(|z| layer(&volume.lattice, z));
+        let points: Vec<_> =
+            layers.flat_map(|of| (0..of.len()).map(|i| of.point(i)).collect::<Vec<_>>()).collect();
+        let expected = aperture.pressures(&points, &drive.excitation(&aperture.driven));
+        for (own, expected) in volume.values.iter().zip(expected) {
+            assert!((own - expected.norm() as f32 / 2f32.sqrt()).abs() < 1e-4 * volume.peak, "{own}");
         }
     }
 }

@@ -361,4 +361,18 @@ mod tests {
         assert_eq!(silent, 4, "of 8 elements");
         assert!(in_zones::<f32>(&problem, &[Zone { points, weight: 1.0 }], 1.0).is_some());
     }
+
+    #[test]
+    fn samples_of_a_wide_plane_are_as_many_as_have_room() {
+        // 16 Mi values, or 10 000 samples.
+        for (side, most) in [(4, 10_000), (64, 4096)] {
+            let aperture = square(side);
+            let foci = [-5.0, 5.0].map(|x| Focus::new(DVec3::new(x, x, 0.2), 1.0)).to_vec();
+            let problem = Problem::new(&aperture, foci);
+            let plane = Plane { centre: DVec3::Z * 0.2, ..Plane::default() };
+            let area = Area::new(&problem, &plane, false);
+            let Some(Area::Points { points, .. }) = area else { panic!("{side}: a grid") };
+            assert_eq!(points.len(), most, "{side}");
+        }
+    }
 }

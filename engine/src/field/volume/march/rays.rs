@@ -187,3 +187,64 @@ fn a_slice_in_a_face_of_the_box_is_seen() {
         }
     }
 }
+
+#[test]
+fn a_tint_is_the_nearest_of_the_table() {
+    let volume = growing();
+    let shot = shot(&volume, Vec::new());
+    let table = std::array::from_fn(|i| Vec3::splat(i as f32));
+    let painter = Painter { shot: &shot, params: &shot.params, volume: &volume, table: &table };
+    for i in 0..=1000 {
+        let part = i as f32 / 1000.0;
+        let tint = painter.tint(part).x;
+        assert!((tint - 255.0 * part).abs() < 0.5 + 1e-3, "{part}: {tint}");
+    }
+    assert_eq!([-1.0, 2.0].map(|part| painter.tint(part).x), [0.0, 255.0]);
+}
+
+#[test]
+fn a_dot_is_shaded_as_a_ball() {
+    let volume = growing();
+    let shot = shot(&volume, Vec::new());
+    let painter = painter(&shot, &volume);
+    let ray = Ray { start: Vec3::ZERO, direction: Vec3::Z };
+    let radius = 5.0;
+    let dot = Thing {
+        place: [8.0, 8.0, 0.2, DOT as f32],
+        first: [radius, 0.0, 0.0, 0.0],
+        colour: [1.0, 0.5, 0.25, 1.0],
+        ..Thing::default()
+    };
+    for off in [0.0, 1.5, 3.0, 4.0, 4.9, 5.2] {
+        let (_, colour) = painter.meet(&dot, Vec2::new(8.0 + off, 8.0), ray).expect("it covers the pixel");
+        // The part of the ball's normal that faces the eye.
+        let facing = (1.0 - (off / radius).min(1.0).powi(2)).sqrt();
+        let expected = Vec3::new(1.0, 0.5, 0.25) * (0.62 + 0.38 * facing);
+        assert!(colour.truncate().distance(expected) < 1e-5, "{off}: {colour}, not {expected}");
+    }
+}
+
+#[test]
+fn the_rim_of_a_disc_covers_pixels_in_part_at_any_distance() {
+    let volume = growing();
+    let mut shot = shot(&volume, Vec::new());
+    shot.params.spread = 2e-3;
+    let painter = painter(&shot, &volume);
+    let ray = Ray { start: Vec3::new(8e-3, 8e-3, -0.1), direction: Vec3::Z };
+    for depth in [0.1, 0.3, 0.8] {
+        let pixel = shot.params.aside + shot.params.spread * depth;
+        for part in [0.1, 0.5, 0.9] {
+            // The rim is so far beyond the ray.
+            let radius = 5e-3 + (part - 0.5) * pixel;
+            let disc = Thing {
+                place: [13e-3, 8e-3, depth - 0.1, DISC as f32],
+                first: [0.0, 0.0, 1.0, radius],
+                colour: [1.0; 4],
+                ..Thing::default()
+            };
+            let (own, colour) = painter.meet(&disc, Vec2::ZERO, ray).expect("it covers a part");
+            assert!((own - depth).abs() < 1e-6, "{own}, not {depth}");
+            assert!((colour.w - part).abs() < 1e-3, "{depth}: {colour}, not {part}");
+        }
+    }
+}
