@@ -1,14 +1,14 @@
 //! Long computations without the GIL, with Ctrl-C and progress reports.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, SyncSender, sync_channel};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use sonoglyph::gauge::Gauge;
+use sonoglyph::gauge::{Cancel, Gauge};
 
 /// Interval of checks for Ctrl-C and of progress reports.
 const LOOK: Duration = Duration::from_millis(40);
@@ -55,7 +55,7 @@ fn bug() -> PyErr {
 /// separate one.
 ///
 /// # Errors
-/// Ctrl-C (the work ends at its next progress report), and exceptions of `progress`.
+/// Ctrl-C (the work ends at its next progress report, a solver at its next step), and exceptions of `progress`.
 pub fn run<T: Send + 'static>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -65,15 +65,16 @@ pub fn run<T: Send + 'static>(
     if is_brief && progress.is_none() {
         return py.detach(|| catch_unwind(AssertUnwindSafe(|| work(&Gauge::default())))).map_err(|_| bug());
     }
-    let (stop, part) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
-    let (stopped, told) = (Arc::clone(&stop), Arc::clone(&part));
+    let (stop, part) = (Cancel::default(), Arc::new(AtomicU64::new(0)));
+    let (stopped, told) = (stop.clone(), Arc::clone(&part));
     let gauge = Gauge::new(move |part| {
         told.store(part.to_bits(), Ordering::Relaxed);
-        if stopped.load(Ordering::Relaxed) {
+        if stopped.is_cancelled() {
             // The receiver is gone after Ctrl-C.
             resume_unwind(Box::new("interrupted"));
         }
-    });
+    })
+    .until(&stop);
     let (sender, receiver) = sync_channel(1);
     hand_over(Box::new(move || {
         let made = catch_unwind(AssertUnwindSafe(|| gauge.lead(|| work(&gauge))));
@@ -99,7 +100,7 @@ pub fn run<T: Send + 'static>(
                     .check_signals()
                     .and_then(|()| tell.map_or(Ok(()), |tell| tell.call1((f64::from_bits(now),)).map(drop)));
                 if let Err(error) = heard {
-                    stop.store(true, Ordering::Relaxed);
+                    stop.cancel();
                     return Err(error);
                 }
             }

@@ -7,15 +7,26 @@ use egui::Context;
 
 use crate::app::beside;
 use crate::app::job::Job;
+use crate::gauge::Cancel;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::gauge::Gauge;
 use crate::scene::Scene;
 
 /// A value computed elsewhere, with its inputs. Of several requests only the latest is fulfilled.
 #[derive(Debug)]
 pub struct Later<K, V> {
-    running: Option<(K, Receiver<V>)>,
+    running: Option<Running<K, V>>,
     done: Option<(K, V)>,
     /// The key of a failed computation.
     failed: Option<K>,
+}
+
+#[derive(Debug)]
+struct Running<K, V> {
+    key: K,
+    receiver: Receiver<V>,
+    /// Of a job: its value is then dropped.
+    cancel: Cancel,
 }
 
 impl<K, V> Default for Later<K, V> {
@@ -39,18 +50,35 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
             ctx.request_repaint();
         };
         match beside::run("later", make) {
-            Ok(()) => self.running = Some((key.clone(), receiver)),
+            Ok(()) => {
+                self.running = Some(Running { key: key.clone(), receiver, cancel: Cancel::default() });
+            }
             Err(_) => self.failed = Some(key.clone()),
         }
     }
 
-    /// The same for a job on a scene.
+    /// Cancels a running job, unless it is for this key.
+    pub fn keep(&mut self, key: Option<&K>) {
+        if let Some(running) = &self.running
+            && Some(&running.key) != key
+        {
+            running.cancel.cancel();
+        }
+    }
+
+    /// The same for a job on a scene; a job for another scene is cancelled.
     pub fn ask_for<J: Job<Made = V>>(&mut self, key: &K, ctx: &Context)
     where
         K: Borrow<Scene>,
     {
+        self.keep(Some(key));
         #[cfg(not(target_arch = "wasm32"))]
-        self.ask(key, ctx, |key| J::make(key.borrow()));
+        if !self.is_refused(key) {
+            let cancel = Cancel::default();
+            let gauge = Gauge::default().until(&cancel);
+            self.ask(key, ctx, move |key| gauge.lead(|| J::make(key.borrow())));
+            self.running.iter_mut().for_each(|running| running.cancel = cancel.clone());
+        }
         #[cfg(target_arch = "wasm32")]
         if !self.is_refused(key) {
             let (sender, receiver) = sync_channel(1);
@@ -60,7 +88,7 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
                 let _ = sender.send(made);
                 ctx.request_repaint();
             });
-            self.running = Some((key.clone(), receiver));
+            self.running = Some(Running { key: key.clone(), receiver, cancel: Cancel::default() });
         }
     }
 
@@ -71,11 +99,12 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
 
     /// Collects a finished value, and returns whether there was one. Call it every frame.
     pub fn collect(&mut self) -> bool {
-        let Some((key, receiver)) = self.running.take() else { return false };
-        match receiver.try_recv() {
-            Ok(value) => self.done = Some((key, value)),
-            Err(TryRecvError::Empty) => self.running = Some((key, receiver)),
-            Err(TryRecvError::Disconnected) => self.failed = Some(key),
+        let Some(running) = self.running.take() else { return false };
+        match running.receiver.try_recv() {
+            Ok(_) if running.cancel.is_cancelled() => {}
+            Ok(value) => self.done = Some((running.key, value)),
+            Err(TryRecvError::Empty) => self.running = Some(running),
+            Err(TryRecvError::Disconnected) => self.failed = Some(running.key),
         }
         self.running.is_none()
     }

@@ -36,6 +36,8 @@ pub struct Board {
     /// Shared with the thread that waits for Ctrl-C.
     link: Arc<Mutex<Option<Link>>>,
     hears_signals: bool,
+    /// Number of times that other programs silenced the link.
+    silenced: u64,
     calibration: Calibration,
     /// The drives in turn, as sent.
     drives: Option<Vec<Drive>>,
@@ -55,6 +57,20 @@ impl Board {
     /// The panel's state before the first connection.
     pub fn shown() -> BoardShown {
         BoardShown { ports_from: ports_from(), ..BoardShown::default() }
+    }
+
+    /// Silences the board for other programs, while the window does something else.
+    pub fn silencer(&self) -> Box<dyn Fn() + Send + Sync> {
+        let link = Arc::clone(&self.link);
+        Box::new(move || locked(&link).iter().for_each(|link| link.silencer().silence()))
+    }
+
+    /// Learns, before what other programs wish, whether they have silenced the board since the last frame.
+    pub fn attend(&mut self, shown: &mut Shown) {
+        let Some(silenced) = locked(&self.link).as_ref().map(Link::silenced) else { return };
+        if std::mem::replace(&mut self.silenced, silenced) < silenced {
+            shown.board.plays = Plays::Nothing;
+        }
     }
 
     pub fn execute(&mut self, command: &BoardCommand, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
@@ -170,7 +186,7 @@ impl Board {
 
     fn show(&self, content: Content) {
         if let Some(link) = &*locked(&self.link) {
-            link.show(content);
+            link.show_unless_silenced(content, self.silenced);
         }
     }
 
@@ -195,6 +211,7 @@ impl Board {
                 self.hear_signals();
                 *locked(&self.link) = Some(link);
                 (self.calibration, self.drives, self.modulation) = (calibration, None, None);
+                self.silenced = 0;
             }
             Err(error) => shown.notice = Some(Notice { text: error, is_error: true }),
         }

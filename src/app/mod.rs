@@ -287,8 +287,8 @@ impl Window {
                 board.execute(&command, editor, shown, ctx);
             }
             Command::Serve(on) => {
-                let Self { serving, editor, shown, .. } = self;
-                serving.switch(on, editor, shown, ctx);
+                let Self { serving, editor, shown, board, .. } = self;
+                serving.switch(on, editor, shown, board.silencer(), ctx);
             }
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
             Command::Recover(scene) => {
@@ -435,6 +435,7 @@ impl Window {
     pub fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         let before = self.editor.seen();
+        self.board.attend(&mut self.shown);
         self.serving.exchange(&mut self.editor, &self.shown, &ctx);
         let Self { editor, shown, workshop, board, .. } = self;
         let mut commands = ui::show(editor, shown, ui, |editor, shown, ui| {

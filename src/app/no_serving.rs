@@ -8,7 +8,15 @@ use crate::ui::{Editor, Shown};
 pub struct Serving {}
 
 impl Serving {
-    pub fn switch(&mut self, _: bool, _: &Editor, _: &mut Shown, _: &Context) {}
+    pub fn switch(
+        &mut self,
+        _: bool,
+        _: &Editor,
+        _: &mut Shown,
+        _: Box<dyn Fn() + Send + Sync>,
+        _: &Context,
+    ) {
+    }
 
     pub fn exchange(&mut self, _: &mut Editor, _: &Shown, _: &Context) {}
 

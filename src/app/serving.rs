@@ -35,7 +35,14 @@ struct Open {
 
 impl Serving {
     /// Begins or ends to listen.
-    pub fn switch(&mut self, on: bool, editor: &Editor, shown: &mut Shown, ctx: &Context) {
+    pub fn switch(
+        &mut self,
+        on: bool,
+        editor: &Editor,
+        shown: &mut Shown,
+        silence: Box<dyn Fn() + Send + Sync>,
+        ctx: &Context,
+    ) {
         self.0 = None;
         shown.serving = None;
         if !on {
@@ -44,6 +51,7 @@ impl Serving {
         let base = Arc::new(editor.scene().clone());
         match started(&base, ctx) {
             Ok(server) => {
+                server.desk().silence_by(silence);
                 let addresses = server.addresses().lines();
                 shown.serving = Some(ServingShown { addresses, ..ServingShown::default() });
                 let wished = wished(&server.desk().wish().0);
@@ -68,8 +76,9 @@ impl Serving {
             editor.take(merged(&open.base, &wish.scene, editor.scene()));
         }
         let asks = wished(&wish);
-        let is_new = generation != open.generation && asks != open.wished;
-        if wish.stops != open.stops || (is_new && !wish.sends) {
+        let is_stopped = wish.stops != open.stops;
+        let is_new = generation != open.generation && (asks != open.wished || is_stopped);
+        if is_stopped || (is_new && !wish.sends) {
             editor.asked_by_others.push(Command::Board(BoardCommand::Stop));
         }
         if is_new && wish.sends {
@@ -105,6 +114,7 @@ impl Serving {
         desk.tell(Report {
             serial: 0,
             generation: open.generation,
+            solved: open.generation,
             wish: Some(Wish { moves: open.wished.1, sends, ..Wish::new(Arc::clone(&open.base)) }),
             solution: shown.solution.clone(),
             problem: shown.problem.clone(),

@@ -20,9 +20,10 @@ use crate::app::space::Spacing;
 use crate::app::survey::Survey;
 use crate::app::time_course::TimeCourse;
 use crate::field::{Evaluator, Quantity, Request, Stages, missed};
-use crate::scene::{Scene, check, motion, outline};
+use crate::gauge::Gauge;
+use crate::scene::{Scene, Solver, check, motion, outline};
 use crate::solver::frames::Sequence;
-use crate::solver::{self, Problem, Solution};
+use crate::solver::{self, Problem, Solution, SolveError};
 use crate::studio::liquid;
 use crate::studio::posing::{is_shape, posed, posed_in_motion};
 use crate::studio::reach;
@@ -35,6 +36,8 @@ use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Pressed, Shown, Soun
 const AT_ONCE: usize = 120 * 256;
 /// The same for shapes: a frame allows a few steps.
 const AT_ONCE_OF_SHAPES: usize = 360 * 256;
+/// What is not solved after this time is solved in the background, too: the window stays at hand.
+const PROMPT: Duration = Duration::from_millis(100);
 
 /// Pixels per wavelength for radiation pressure: a square of the sound has two cycles per wavelength.
 const PER_WAVELENGTH: f64 = 6.0;
@@ -81,6 +84,8 @@ pub struct Workshop {
     /// Warnings about targets out of reach, with their scene.
     reach: Option<(Scene, Vec<String>)>,
     solving: Later<Scene, Solved>,
+    /// Foci times elements, and the solver, of a scene that was not solved in time between two frames.
+    slow: Option<(usize, Solver)>,
     bound: Later<Scene, f64>,
     methods: Later<Scene, Vec<MethodRow>>,
     wants_methods: Option<Scene>,
@@ -106,6 +111,7 @@ impl Workshop {
             solved: None,
             reach: None,
             solving: Later::default(),
+            slow: None,
             bound: Later::default(),
             methods: Later::default(),
             wants_methods: None,
@@ -236,16 +242,19 @@ impl Workshop {
 
     fn solve(&mut self, scene: &Scene, shown: &mut Shown, ctx: &Context) {
         if scene.targets.is_empty() {
+            self.solving.keep(None);
             shown.solution = None;
             self.solved = None;
             return;
         }
         let posed = posed(scene);
+        self.solving.keep(Some(&posed));
         if self.solved.as_ref().is_none_or(|(scene, _)| *scene != posed) {
             let start = Instant::now();
-            let outcome = match amount(&posed) {
+            let outcome = match amount(&posed).map(|amount| self.at_once(&posed, amount, shown)) {
                 Err(problem) => Err(problem),
-                Ok(amount) if amount > if is_shape(&posed) { AT_ONCE_OF_SHAPES } else { AT_ONCE } => {
+                Ok(Some(solved)) => solved,
+                Ok(None) => {
                     self.solving.ask_for::<Solve>(&posed, ctx);
                     match self.solving.get(&posed) {
                         Some(solved) => solved.clone(),
@@ -254,10 +263,6 @@ impl Workshop {
                             return;
                         }
                     }
-                }
-                Ok(_) => {
-                    let found = solver::solve_on(&posed, shown.solution.as_deref());
-                    found.map(Arc::new).map_err(|error| error.to_string())
                 }
             };
             self.take(posed.clone(), outcome, start.elapsed().as_secs_f64(), shown);
@@ -280,6 +285,23 @@ impl Workshop {
         }
     }
 
+    /// The solution of a scene that is solved between two frames.
+    fn at_once(&mut self, posed: &Scene, amount: usize, shown: &Shown) -> Option<Solved> {
+        let most = if is_shape(posed) { AT_ONCE_OF_SHAPES } else { AT_ONCE };
+        let was_slow = |(slow, solver): &(usize, Solver)| amount >= *slow && *solver == posed.solver;
+        if amount > most || self.slow.as_ref().is_some_and(was_slow) {
+            return None;
+        }
+        let solve = || solver::solve_on(posed, shown.solution.as_deref());
+        match Gauge::default().within(PROMPT).lead(solve) {
+            Err(SolveError::Cancelled) => {
+                self.slow = Some((amount, posed.solver.clone()));
+                None
+            }
+            solved => Some(solved.map(Arc::new).map_err(|error| error.to_string())),
+        }
+    }
+
     /// Targets out of the array's reach, updated once nothing is dragged.
     fn reached(&mut self, ctx: &Context) -> &[String] {
         let Some((posed, _)) = &self.solved else { return &[] };
@@ -294,6 +316,9 @@ impl Workshop {
 
     fn take(&mut self, posed: Scene, outcome: Solved, elapsed: f64, shown: &mut Shown) {
         shown.solving = outcome.as_ref().map_or(elapsed, |done| done.seconds) * 1e3;
+        if outcome.as_ref().is_ok_and(|done| done.seconds < PROMPT.as_secs_f64()) {
+            self.slow = None;
+        }
         if let Ok(solution) = &outcome {
             shown.solution = Some(solution.clone());
         }
@@ -340,6 +365,7 @@ impl Workshop {
         shown.round = None;
         shown.is_following = false;
         if !moves || !is_wanted {
+            self.round.keep(None);
             return;
         }
         let moving = posed_in_motion(scene);

@@ -1,19 +1,28 @@
-//! Background solving: the newest request is solved on a thread, superseded requests are dropped.
+//! Background solving: a thread solves what is wanted last; what is wanted no longer is cancelled.
 
 use std::io;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-use web_time::Duration;
+use web_time::{Duration, Instant};
 
 use crate::device::task::{Watched, finish};
+use crate::gauge::{Cancel, Gauge};
 use crate::scene::Scene;
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{self, Solution};
 
+/// A drive that is found within this time is used although a newer scene waits for the thread: otherwise a fast stream
+/// of scenes would have no drives at all.
+const GRACE: Duration = Duration::from_millis(200);
+/// Limits of the time of iterations, of which clients choose the number: of a scene at rest, and of all frames.
+const ITERATING: Duration = Duration::from_secs(5);
+const ITERATING_IN_MOTION: Duration = Duration::from_secs(60);
+
 /// Work to be solved.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Work {
+    /// A scene at rest, in the time of a drag's frame.
+    Quick(Scene),
     /// A scene at rest, with its full method.
     Still(Scene),
     /// All frames of a motion.
@@ -33,62 +42,80 @@ pub enum Found {
     Motion(Result<Arc<Sequence>, String>),
 }
 
+#[derive(Debug)]
+struct Running {
+    work: Work,
+    cancel: Cancel,
+    since: Instant,
+}
+
+impl Running {
+    fn is(&self, work: &Work) -> bool {
+        self.work == *work && !self.cancel.is_cancelled()
+    }
+}
+
 #[derive(Debug, Default)]
 struct Held {
     next: Option<Work>,
-    running: Option<Work>,
+    /// The drive from which quick work goes on.
+    before: Option<Arc<Solution>>,
+    running: Option<Running>,
+    done: Option<Done>,
     closing: bool,
 }
 
-/// The thread, which ends after its current work when this is dropped.
+/// The thread. When this is dropped, its work is cancelled and it ends.
 #[derive(Debug)]
-pub struct Beside {
-    held: Arc<Watched<Held>>,
-    done: Receiver<Done>,
-}
+pub struct Beside(Arc<Watched<Held>>);
 
 impl Beside {
+    /// `tell` is called after every result.
+    ///
     /// # Errors
     /// No thread to be had.
-    pub fn start() -> io::Result<Self> {
+    pub fn start(tell: impl Fn() + Send + 'static) -> io::Result<Self> {
         let held = Arc::new(Watched::new(Held::default()));
-        let (sender, done) = sync_channel(1);
         let its = Arc::clone(&held);
-        std::thread::Builder::new().name("solve".to_owned()).spawn(move || work(&its, &sender))?;
-        Ok(Self { held, done })
+        let work = move || work(&its, &tell);
+        std::thread::Builder::new().name("solve".to_owned()).spawn(work)?;
+        Ok(Self(held))
     }
 
-    /// Requests this work, unless it is already running.
-    pub fn ask(&self, work: Work) {
-        let mut held = self.held.lock();
-        if held.running.as_ref() == Some(&work) {
-            held.next = None;
-            return;
+    /// From now on only this is wanted. Ask again until it is there: other work is cancelled once its time is over.
+    pub fn want(&self, work: Option<Work>, before: Option<&Arc<Solution>>) {
+        let mut held = self.0.lock();
+        if let Some(running) = &held.running {
+            if work.as_ref().is_some_and(|work| running.is(work)) {
+                held.next = None;
+                return;
+            }
+            if work.is_none() || running.since.elapsed() > GRACE {
+                running.cancel.cancel();
+            }
         }
-        held.next = Some(work);
+        (held.next, held.before) = (work, before.cloned());
         drop(held);
-        self.held.ring();
+        self.0.ring();
     }
 
-    pub fn is_busy(&self) -> bool {
-        let held = self.held.lock();
-        held.running.is_some() || held.next.is_some()
-    }
-
-    /// The finished result, once.
+    /// The last result, once.
     pub fn collect(&self) -> Option<Done> {
-        self.done.try_recv().ok()
+        self.0.lock().done.take()
     }
 }
 
 impl Drop for Beside {
     fn drop(&mut self) {
-        self.held.lock().closing = true;
-        self.held.ring();
+        let mut held = self.0.lock();
+        held.closing = true;
+        held.running.iter().for_each(|running| running.cancel.cancel());
+        drop(held);
+        self.0.ring();
     }
 }
 
-fn work(held: &Watched<Held>, done: &SyncSender<Done>) {
+fn work(held: &Watched<Held>, tell: &dyn Fn()) {
     loop {
         finish(held.wait_while(Duration::MAX, |held| held.next.is_none() && !held.closing));
         let mut now = held.lock();
@@ -96,81 +123,137 @@ fn work(held: &Watched<Held>, done: &SyncSender<Done>) {
             return;
         }
         let Some(next) = now.next.take() else { continue };
-        now.running = Some(next.clone());
+        let (before, cancel) = (now.before.take(), Cancel::default());
+        now.running = Some(Running { work: next.clone(), cancel: cancel.clone(), since: Instant::now() });
         drop(now);
-        let result = match next {
-            Work::Still(scene) => {
-                let solved = solver::solve(&scene).map(Arc::new).map_err(|error| error.to_string());
-                Done { scene, found: Found::Still(solved) }
-            }
-            Work::Motion(scene) => {
-                let followed = frames::follow(&scene).map(Arc::new).map_err(|error| error.to_string());
-                Done { scene, found: Found::Motion(followed) }
-            }
-        };
-        // A failure means that the receiver is gone.
-        if done.send(result).is_err() {
-            return;
+        let done = solved(next, before.as_deref(), &Gauge::default().until(&cancel));
+        let mut now = held.lock();
+        now.running = None;
+        if !cancel.is_cancelled() {
+            now.done = Some(done);
+            drop(now);
+            tell();
         }
-        held.lock().running = None;
+    }
+}
+
+fn solved(work: Work, before: Option<&Solution>, gauge: &Gauge) -> Done {
+    let text = |error: solver::SolveError| error.to_string();
+    let at_rest = |solve: &dyn Fn() -> Result<Solution, solver::SolveError>| {
+        Found::Still(gauge.clone().iterating_for(ITERATING).lead(solve).map(Arc::new).map_err(text))
+    };
+    match work {
+        Work::Quick(scene) => Done { found: at_rest(&|| solver::solve_on(&scene, before)), scene },
+        Work::Still(scene) => Done { found: at_rest(&|| solver::solve(&scene)), scene },
+        Work::Motion(scene) => {
+            let followed = frames::follow_with(&scene, &gauge.clone().iterating_for(ITERATING_IN_MOTION));
+            Done { scene, found: Found::Motion(followed.map(Arc::new).map_err(text)) }
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::mpsc::RecvTimeoutError;
+    use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{Shape, Target};
+    use crate::scene::{Method, Shape, Target};
 
     /// Upper limit of every wait, for slow machines.
-    const PATIENCE: Duration = Duration::from_secs(20);
+    const PATIENCE: Duration = Duration::from_secs(60);
 
     fn point(height: f64) -> Scene {
         Scene { targets: vec![Target::new(Shape::Point { at: DVec3::Z * height })], ..Scene::default() }
     }
 
-    #[test]
-    fn the_newest_request_is_busy_from_its_asking_until_it_is_solved() {
-        // No thread, so that nothing is solved meanwhile.
-        let beside = Beside { held: Arc::new(Watched::new(Held::default())), done: sync_channel(1).1 };
-        let [old, new] = [0.1, 0.2].map(|height| Work::Still(point(height)));
-        assert!(!beside.is_busy());
-        beside.ask(old.clone());
-        beside.ask(new.clone());
-        assert!(beside.is_busy(), "before it is begun");
-        let next = beside.held.lock().next.take();
-        assert_eq!(next, Some(new.clone()));
-        beside.held.lock().running = next;
-        assert!(beside.is_busy(), "while it is solved");
-        beside.ask(old);
-        beside.ask(new);
-        assert_eq!(beside.held.lock().next, None, "it is running already");
-        beside.held.lock().running = None;
-        assert!(!beside.is_busy());
+    /// A scene that takes minutes.
+    fn slow() -> Scene {
+        let mut scene = point(0.1);
+        (scene.solver.method, scene.solver.search) = (Method::Best, 600.0);
+        scene
+    }
+
+    fn started() -> (Beside, Receiver<()>) {
+        let (sender, told) = sync_channel(100);
+        (Beside::start(move || drop(sender.send(()))).unwrap(), told)
+    }
+
+    /// Wants work until it is done, as the loop does.
+    fn solved(beside: &Beside, told: &Receiver<()>, work: &Work) -> Done {
+        let begun = Instant::now();
+        while begun.elapsed() < PATIENCE {
+            beside.want(Some(work.clone()), None);
+            if told.recv_timeout(Duration::from_millis(5)).is_ok()
+                && let Some(done) = beside.collect()
+            {
+                return done;
+            }
+        }
+        panic!("not solved: {work:?}")
+    }
+
+    fn is_running(beside: &Beside, work: &Work) -> bool {
+        beside.0.lock().running.as_ref().is_some_and(|running| running.is(work))
     }
 
     #[test]
-    fn the_thread_solves_and_ends_with_its_owner() {
-        // Many times, since its end may come before the thread waits, which is then not woken.
-        for _ in 0..30 {
-            let mut beside = Beside::start().unwrap();
-            let done = std::mem::replace(&mut beside.done, sync_channel(1).1);
-            beside.ask(Work::Still(point(0.1)));
-            let Done { scene, found } = done.recv_timeout(PATIENCE).unwrap();
-            assert!(scene == point(0.1) && matches!(found, Found::Still(Ok(_))), "{found:?}");
-            drop(beside);
-            assert_eq!(done.recv_timeout(PATIENCE).unwrap_err(), RecvTimeoutError::Disconnected);
+    fn the_newest_scene_is_solved_before_a_slow_one() {
+        let (beside, told) = started();
+        for _ in 0..2 {
+            let slow = Work::Still(slow());
+            beside.want(Some(slow.clone()), None);
+            while !is_running(&beside, &slow) {
+                std::thread::yield_now();
+            }
+            let done = solved(&beside, &told, &Work::Still(point(0.12)));
+            assert!(done.scene == point(0.12) && matches!(done.found, Found::Still(Ok(_))), "{done:?}");
+            // What was cancelled is begun anew.
         }
     }
 
     #[test]
-    fn a_thread_that_was_ended_before_it_waits_does_not_wait() {
-        let held = Watched::new(Held { closing: true, ..Held::default() });
-        let (sender, done) = sync_channel(1);
-        std::thread::Builder::new().name("solve".to_owned()).spawn(move || work(&held, &sender)).unwrap();
-        assert_eq!(done.recv_timeout(PATIENCE).unwrap_err(), RecvTimeoutError::Disconnected);
+    fn unwanted_work_and_a_dropped_owners_is_cancelled() {
+        let (beside, told) = started();
+        let slow = Work::Still(slow());
+        for _ in 0..2 {
+            beside.want(Some(slow.clone()), None);
+            while !is_running(&beside, &slow) {
+                std::thread::yield_now();
+            }
+            beside.want(None, None);
+            let begun = Instant::now();
+            while beside.0.lock().running.is_some() {
+                assert!(begun.elapsed() < PATIENCE, "still solved");
+                std::thread::yield_now();
+            }
+            assert!(beside.collect().is_none());
+        }
+        beside.want(Some(slow.clone()), None);
+        while !is_running(&beside, &slow) {
+            std::thread::yield_now();
+        }
+        drop(beside);
+        let ended = told.recv_timeout(PATIENCE);
+        assert_eq!(ended, Err(RecvTimeoutError::Disconnected), "its thread ends, and tells of nothing");
+    }
+
+    #[test]
+    fn quick_work_goes_on_from_the_drive_before() {
+        let (beside, told) = started();
+        let shape = |radius: f64| Scene {
+            targets: vec![Target::new(Shape::Circle { at: DVec3::Z * 0.1, radius })],
+            ..Scene::default()
+        };
+        let Found::Still(Ok(first)) = solved(&beside, &told, &Work::Quick(shape(0.02))).found else {
+            panic!("no drive")
+        };
+        let moved = Work::Quick(shape(0.021));
+        beside.want(Some(moved), Some(&first));
+        told.recv_timeout(PATIENCE).unwrap();
+        let Some(Done { found: Found::Still(Ok(second)), .. }) = beside.collect() else { panic!("no drive") };
+        let expected = solver::solve_on(&shape(0.021), Some(&first)).unwrap();
+        assert_eq!(second.drive, expected.drive);
     }
 }

@@ -42,6 +42,8 @@ pub struct Board {
     /// The last content sent, and its frame rate.
     played: Option<(Play, f64)>,
     modulation: Option<Modulation>,
+    /// Number of times that others silenced it.
+    silenced: u64,
     /// Whether the emergency stop silences it.
     is_stopped: bool,
 }
@@ -62,8 +64,15 @@ impl Board {
             match link.event_within(Duration::from_millis(20)) {
                 Some(Event::Ready(Found { carrier, .. })) => {
                     note_carrier(carrier);
-                    let (played, modulation, is_stopped) = (None, None, false);
-                    return Ok(Some(Self { link, calibration, carrier, played, modulation, is_stopped }));
+                    return Ok(Some(Self {
+                        link,
+                        calibration,
+                        carrier,
+                        played: None,
+                        modulation: None,
+                        silenced: 0,
+                        is_stopped: false,
+                    }));
                 }
                 Some(Event::Lost(why)) => anyhow::bail!(why),
                 Some(Event::Notice(text)) => note(&text),
@@ -73,8 +82,18 @@ impl Board {
         }
     }
 
-    /// Processes the link's messages.
+    /// Silences it from other threads, even while this one is busy.
+    pub fn silencer(&self) -> Box<dyn Fn() + Send + Sync> {
+        let silencer = self.link.silencer();
+        Box::new(move || silencer.silence())
+    }
+
+    /// Processes the link's messages. What is played afterwards is refused if it was silenced meanwhile.
     pub fn attend(&mut self) {
+        let silenced = self.link.silenced();
+        if std::mem::replace(&mut self.silenced, silenced) != silenced {
+            self.played = None;
+        }
         while let Some(event) = self.link.event() {
             match event {
                 Event::Ready(Found { carrier, .. }) => {
@@ -151,7 +170,7 @@ impl Board {
             let notice = levels::amplitude_notice(profile, &solution.drive, &self.calibration);
             notice.iter().for_each(|notice| warn(notice));
         }
-        self.link.show(content);
+        self.link.show_unless_silenced(content, self.silenced);
         self.played = Some((play, rate));
         Ok(())
     }

@@ -17,6 +17,8 @@ pub struct Desk {
     pub counts: Counts,
     /// Called after every change.
     notify: Box<dyn Fn() + Send + Sync>,
+    /// Silences the board at once, on the thread of whoever asks for it.
+    silence: Mutex<Option<Box<dyn Fn() + Send + Sync>>>,
 }
 
 #[derive(Debug)]
@@ -24,6 +26,8 @@ struct Held {
     wish: Wish,
     /// Number of changes of the wish.
     generation: u64,
+    /// A result came that the loop has not yet seen.
+    has_news: bool,
     closing: bool,
 }
 
@@ -36,8 +40,29 @@ impl std::fmt::Debug for Desk {
 impl Desk {
     /// `notify` is called after every change, by its author.
     pub fn new(scene: Arc<Scene>, notify: Box<dyn Fn() + Send + Sync>) -> Self {
-        let held = Held { wish: Wish::new(scene), generation: 1, closing: false };
-        Self { held: Watched::new(held), report: Mutex::default(), counts: Counts::default(), notify }
+        let held = Held { wish: Wish::new(scene), generation: 1, has_news: false, closing: false };
+        Self {
+            held: Watched::new(held),
+            report: Mutex::default(),
+            counts: Counts::default(),
+            notify,
+            silence: Mutex::default(),
+        }
+    }
+
+    /// Calls `silence` whenever a change ends playback, before that change is acknowledged.
+    pub fn silence_by(&self, silence: Box<dyn Fn() + Send + Sync>) {
+        *locked(&self.silence) = Some(silence);
+    }
+
+    /// Ends playback and silences the board.
+    pub fn silence(&self) {
+        let mut held = self.held.lock();
+        (held.wish.sends, held.wish.stops) = (false, held.wish.stops + 1);
+        held.generation += 1;
+        locked(&self.silence).iter().for_each(|silence| silence());
+        drop(held);
+        self.held.ring();
     }
 
     /// Applies a change, and returns the number of changes.
@@ -45,11 +70,27 @@ impl Desk {
     /// # Errors
     /// Errors of [`Wish::after`]; the wish is then unchanged.
     pub fn change(&self, change: &[Edit]) -> Result<u64, EditError> {
-        let mut held = self.held.lock();
-        let made = held.wish.after(change);
+        /// Tries outside of the lock, so that a large edit delays no other's stop.
+        const TRIES: usize = 3;
+        let beside = (0..TRIES).find_map(|_| {
+            let (wish, generation) = self.wish();
+            let made = wish.after(change);
+            let held = self.held.lock();
+            (held.generation == generation).then_some((held, made))
+        });
+        let (mut held, made) = beside.unwrap_or_else(|| {
+            let held = self.held.lock();
+            let made = held.wish.after(change);
+            (held, made)
+        });
         let made = made.inspect_err(|_| self.counts.refused.add())?;
+        let is_stopped = made.stops > held.wish.stops && !made.sends;
         (held.wish, held.generation) = (made, held.generation + 1);
         let generation = held.generation;
+        // Under the lock: who reads an earlier wish is refused by the link.
+        if is_stopped {
+            locked(&self.silence).iter().for_each(|silence| silence());
+        }
         drop(held);
         self.counts.changes.add();
         self.held.ring();
@@ -80,10 +121,17 @@ impl Desk {
         self.held.lock().generation
     }
 
-    /// Waits for a newer wish than `generation`, at most for `timeout`.
+    /// Waits for a newer wish than `generation`, or for news, at most for `timeout`.
     pub fn wait(&self, generation: u64, timeout: Duration) {
-        let is_so = |held: &Held| held.generation == generation && !held.closing;
+        let is_so = |held: &Held| held.generation == generation && !held.has_news && !held.closing;
         finish(self.held.wait_while(timeout, is_so));
+        self.held.lock().has_news = false;
+    }
+
+    /// Wakes the loop for a result.
+    pub fn bring_news(&self) {
+        self.held.lock().has_news = true;
+        self.held.ring();
     }
 
     pub fn report(&self) -> Arc<Report> {

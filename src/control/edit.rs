@@ -50,7 +50,7 @@ pub struct Wish {
     pub moves: bool,
     /// The board plays the scene.
     pub sends: bool,
-    /// Number of stop requests.
+    /// Number of times that playback was stopped.
     pub stops: u64,
 }
 
@@ -70,7 +70,8 @@ impl Wish {
         for edit in change {
             match edit {
                 Edit::Motion(on) => moves = *on,
-                Edit::Send(on) => sends = *on,
+                Edit::Send(true) => sends = true,
+                Edit::Send(false) => (sends, stops) = (false, stops + u64::from(sends)),
                 Edit::Stop => (sends, stops) = (false, stops + 1),
                 Edit::Scene(scene) => edited = Some((**scene).clone()),
                 Edit::At(..)

@@ -1,4 +1,4 @@
-//! The loop from the desk to the board: the newest scene is solved, played, and reported.
+//! The loop from the desk to the board: the newest scene is solved by a thread beside it, played, and reported.
 
 use std::io;
 use std::sync::Arc;
@@ -11,20 +11,19 @@ use crate::control::desk::Desk;
 use crate::control::edit::{Edit, Wish};
 use crate::control::report::Report;
 use crate::device::health::Health;
-use crate::scene::{Scene, motion, outline};
+use crate::scene::{Scene, motion};
+use crate::solver::Solution;
 use crate::solver::frames::Sequence;
-use crate::solver::{self, Solution};
 use crate::studio::posing::{is_shape, posed, posed_in_motion};
 
 /// Polling interval of the board.
 const TICK: Duration = Duration::from_millis(20);
-/// Limit of foci times elements solved immediately, as in the window; more are solved in the background.
-const AT_ONCE: usize = 120 * 256;
-const AT_ONCE_OF_SHAPES: usize = 360 * 256;
+/// A turn waits so long for a drive, so that a report of a scene has it.
+const BRIEF: Duration = Duration::from_millis(20);
 /// After so long without a change a shape is searched on.
 const IDLE: Duration = Duration::from_millis(200);
 
-/// The loop's state: playback, solutions and reports.
+/// The loop's state: playback, solutions and reports. It never solves itself, so that silence never waits.
 #[derive(Debug)]
 pub struct Live {
     desk: Arc<Desk>,
@@ -43,10 +42,14 @@ impl Live {
     /// # Errors
     /// No thread to be had.
     pub fn new(desk: Arc<Desk>, board: Option<Board>) -> io::Result<Self> {
+        if let Some(board) = &board {
+            desk.silence_by(board.silencer());
+        }
+        let its = Arc::clone(&desk);
         Ok(Self {
             desk,
             board,
-            beside: Beside::start()?,
+            beside: Beside::start(move || its.bring_news())?,
             solved: None,
             last: None,
             frames: None,
@@ -71,17 +74,23 @@ impl Live {
             (self.seen, self.changed) = (generation, Instant::now());
         }
         let scene = self.tuned(&wish.scene);
-        self.collect();
-        let is_solving = self.solve(&scene, &wish);
+        let mut work = self.solve(&scene, &wish);
+        if matches!(work, Some(Work::Quick(_))) {
+            self.desk.wait(generation, BRIEF);
+            work = self.solve(&scene, &wish);
+        }
         let refused = self.play(&scene, &wish);
         let problem = refused.or_else(|| Some(self.solved.as_ref()?.1.as_ref().err()?.clone()));
+        let is_quick_pending = matches!(work, Some(Work::Quick(_)));
+        let solved = if is_quick_pending { self.desk.report().solved } else { generation };
         self.desk.tell(Report {
             serial: 0,
             generation,
+            solved,
             solution: self.solved.as_ref().and_then(|(_, solved)| solved.as_ref().ok().cloned()),
             wish: Some(wish),
             problem,
-            is_solving,
+            is_solving: work.is_some(),
             board: self.board.as_ref().map(Board::report),
         });
     }
@@ -101,73 +110,45 @@ impl Live {
         scene
     }
 
-    fn collect(&mut self) {
+    /// Takes what is solved, and requests what is not.
+    fn solve(&mut self, scene: &Scene, wish: &Wish) -> Option<Work> {
         match self.beside.collect() {
             Some(Done { scene, found: Found::Still(found) }) => {
                 let found = found.map(|found| match &self.last {
                     Some(last) => Arc::new(Arc::unwrap_or_clone(found).turned_to(last)),
                     None => found,
                 });
-                let is_current = self.solved.as_ref().is_none_or(|(solved, _)| *solved == scene);
-                // A first drive is better than none, even if outdated.
-                if is_current || self.is_large() {
-                    self.take(scene, found);
+                if let Ok(found) = &found {
+                    self.last = Some(Arc::clone(found));
                 }
+                self.solved = Some((scene, found));
             }
             Some(Done { scene, found: Found::Motion(found) }) => self.frames = Some((scene, found)),
             None => {}
         }
+        let work = self.unsolved(scene, wish);
+        self.beside.want(work.clone(), self.last.as_ref());
+        work
     }
 
-    fn is_large(&self) -> bool {
-        self.solved.as_ref().is_some_and(|(scene, _)| amount(scene).is_ok_and(|amount| amount > AT_ONCE))
-    }
-
-    fn take(&mut self, scene: Scene, found: Result<Arc<Solution>, String>) {
-        if let Ok(found) = &found {
-            self.last = Some(Arc::clone(found));
-        }
-        self.solved = Some((scene, found));
-    }
-
-    /// Solves; returns whether background work is running.
-    fn solve(&mut self, scene: &Scene, wish: &Wish) -> bool {
+    /// The most urgent work.
+    fn unsolved(&mut self, scene: &Scene, wish: &Wish) -> Option<Work> {
         if scene.targets.is_empty() {
             (self.solved, self.frames) = (None, None);
-            return false;
+            return None;
         }
         let posed = posed(scene);
-        if self.solved.as_ref().is_none_or(|(solved, _)| *solved != posed) {
-            let most = if is_shape(&posed) { AT_ONCE_OF_SHAPES } else { AT_ONCE };
-            match amount(&posed) {
-                Ok(amount) if amount > most => {
-                    self.beside.ask(Work::Still(posed));
-                    return true;
-                }
-                Ok(_) => {
-                    let found = solver::solve_on(&posed, self.last.as_deref());
-                    self.take(posed, found.map(Arc::new).map_err(|error| error.to_string()));
-                }
-                Err(problem) => self.take(posed, Err(problem)),
+        let Some((_, solved)) = self.solved.as_ref().filter(|(solved, _)| *solved == posed) else {
+            return Some(Work::Quick(posed));
+        };
+        if self.board.is_some() && wish.sends && wish.moves && motion::moves(scene) {
+            let moving = posed_in_motion(scene);
+            if self.frames.as_ref().is_none_or(|(followed, _)| *followed != moving) {
+                return Some(Work::Motion(moving));
             }
         }
-        let moving = (self.board.is_some() && wish.sends && wish.moves && motion::moves(scene))
-            .then(|| posed_in_motion(scene));
-        if let Some(moving) = moving
-            && self.frames.as_ref().is_none_or(|(followed, _)| *followed != moving)
-        {
-            self.beside.ask(Work::Motion(moving));
-            return true;
-        }
-        if let Some((solved, Ok(found))) = &self.solved
-            && is_shape(solved)
-            && found.figures.is_none()
-            && self.changed.elapsed() > IDLE
-        {
-            // The quick result is improved in the background.
-            self.beside.ask(Work::Still(solved.clone()));
-        }
-        self.beside.is_busy()
+        let is_quick = solved.as_ref().is_ok_and(|found| found.figures.is_none());
+        (is_quick && is_shape(&posed) && self.changed.elapsed() > IDLE).then_some(Work::Still(posed))
     }
 
     /// Plays the result; returns the reason if the board cannot.
@@ -177,8 +158,10 @@ impl Live {
             board.stop();
             return None;
         }
+        // While a scene is solved, the board plays the one before, if it has the same elements.
+        let fits = |before: &Scene| before.elements() == scene.elements();
         let play = if wish.moves && motion::moves(scene) {
-            match &self.frames {
+            match self.frames.as_ref().filter(|(before, _)| fits(before)) {
                 Some((_, Ok(sequence))) => Play::Motion(Arc::clone(sequence)),
                 Some((_, Err(problem))) => {
                     board.stop();
@@ -188,7 +171,7 @@ impl Live {
                 None => return None,
             }
         } else {
-            match &self.solved {
+            match self.solved.as_ref().filter(|(before, _)| fits(before)) {
                 Some((_, Ok(solution))) => Play::Still(Arc::clone(solution)),
                 Some((_, Err(_))) | None => {
                     board.stop();
@@ -198,10 +181,4 @@ impl Live {
         };
         board.play(scene, play).err()
     }
-}
-
-/// Foci times elements.
-fn amount(scene: &Scene) -> Result<usize, String> {
-    let foci = outline::foci(scene).map_err(|error| error.to_string())?;
-    Ok(foci.len() * scene.elements())
 }

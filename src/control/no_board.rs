@@ -20,6 +20,10 @@ pub enum Play {
 pub struct Board(Infallible);
 
 impl Board {
+    pub fn silencer(&self) -> Box<dyn Fn() + Send + Sync> {
+        match self.0 {}
+    }
+
     pub fn attend(&mut self) {
         match self.0 {}
     }

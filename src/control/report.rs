@@ -41,6 +41,8 @@ pub struct Report {
     pub serial: u64,
     /// Of the wish.
     pub generation: u64,
+    /// Of the latest wish whose drive is there.
+    pub solved: u64,
     pub wish: Option<Wish>,
     pub solution: Option<Arc<Solution>>,
     /// The reason for a missing drive, or for a silent board.

@@ -131,7 +131,7 @@ impl Waiting {
         }
         let report = post.desk.report();
         self.who.retain(|&(who, generation, since)| {
-            let is_due = report.generation >= generation || since.elapsed() > PATIENCE;
+            let is_due = report.solved >= generation || since.elapsed() > PATIENCE;
             if is_due {
                 post.answer(who, &osc::state(&report), true);
             }

@@ -275,7 +275,7 @@ impl Connection<'_> {
     /// Waits until the preceding changes are solved, within a time limit.
     fn catch_up(&self) {
         let (generation, until) = (self.desk.generation(), Instant::now() + PATIENCE);
-        while self.desk.report().generation < generation && Instant::now() < until {
+        while self.desk.report().solved < generation && Instant::now() < until {
             std::thread::sleep(Duration::from_micros(500));
         }
     }

@@ -183,6 +183,83 @@ fn an_emergency_stop_lasts_until_the_next_send() {
     live.close();
 }
 
+/// A scene that no solver ends in a minute.
+fn slow() -> Scene {
+    scene(
+        "format = 1\n[[target]]\nkind = \"circle\"\nat = [0, 0, 0.1]\nradius = 0.05\npoints = 100\n\
+         [solver]\nmethod = \"greedy\"\niterations = 100000\n",
+    )
+}
+
+/// Closes a desk, also when a test fails.
+struct End<'a>(&'a Desk);
+
+impl Drop for End<'_> {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
+
+/// The loop of the server on a thread of its own, until `work` returns.
+fn while_live(board: &Board, desk: &Arc<Desk>, work: impl FnOnce()) {
+    let mut live = Live::new(Arc::clone(desk), Some(opened(board.path(), PROFILE))).unwrap();
+    std::thread::scope(|scope| {
+        let end = End(desk);
+        scope.spawn(|| {
+            while !desk.is_closing() {
+                live.turn();
+            }
+            live.close()
+        });
+        work();
+        drop(end);
+    });
+}
+
+#[test]
+fn stop_and_newer_scenes_wait_for_no_solver() {
+    let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
+    let desk = Arc::new(Desk::new(Arc::new(scene(SCENE)), Box::new(|| {})));
+    while_live(&board, &desk, || {
+        for text in [SCENE.replace("0.02, 0.1]", "0.03, 0.1]"), SCENE.to_owned()] {
+            let quick = Edit::Scene(Box::new(scene(&text)));
+            desk.change(&[quick.clone(), Edit::Send(true)]).unwrap();
+            eventually("sound", || plays(&board, &text));
+            let change = desk.change(&[Edit::Scene(Box::new(slow()))]).unwrap();
+            eventually("the solver at work", || desk.report().generation >= change);
+            desk.change(&[Edit::Stop]).unwrap();
+            eventually("silence", || is_silent(&board));
+            assert!(desk.report().is_solving && desk.report().solved < change, "it waited for the solver");
+            desk.change(&[quick, Edit::Send(true)]).unwrap();
+            eventually("the newest scene", || plays(&board, &text));
+            desk.change(&[Edit::Stop]).unwrap();
+            eventually("silence", || is_silent(&board));
+            eventually("rest", || !desk.report().is_solving);
+            assert!(is_silent(&board), "a drive that came later is not played");
+        }
+    });
+}
+
+#[test]
+fn a_silenced_link_refuses_what_its_owner_plays() {
+    let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
+    let mut own = opened(board.path(), PROFILE);
+    let scene = scene(SCENE);
+    let [first, second] = [0, 1].map(|_| Play::Still(Arc::new(solver::solve(&scene).unwrap())));
+    own.play(&scene, first).unwrap();
+    eventually("the scene", || plays(&board, SCENE));
+    own.silencer()();
+    // Its owner has not yet heard of it.
+    own.play(&scene, second.clone()).unwrap();
+    eventually("silence", || is_silent(&board));
+    std::thread::sleep(std::time::Duration::from_millis(100));
+    assert!(is_silent(&board));
+    own.attend();
+    own.play(&scene, second).unwrap();
+    eventually("the scene again", || plays(&board, SCENE));
+    own.close();
+}
+
 #[test]
 fn a_motion_follows_its_changes_and_one_without_a_solution_is_silent() {
     let text = |size: f64, rest: &str| {

@@ -9,7 +9,7 @@ use sonoglyph::control::desk::Desk;
 use sonoglyph::control::edit::Edit;
 use sonoglyph::control::live::Live;
 
-use crate::waiting::PATIENCE;
+use crate::waiting::{PATIENCE, eventually};
 use crate::{TWO, scene};
 
 #[test]
@@ -60,8 +60,10 @@ fn without_a_board_no_frames_of_a_motion_are_solved() {
     let mut live = Live::new(Arc::clone(&desk), None).unwrap();
     for sends in [false, true] {
         desk.change(&[Edit::Motion(true), Edit::Send(sends)]).unwrap();
-        live.turn();
-        let report = desk.report();
-        assert!(report.solution.is_some() && !report.is_solving, "sends: {sends}");
+        eventually("a drive", || {
+            live.turn();
+            desk.report().solution.is_some()
+        });
+        assert!(!desk.report().is_solving, "sends: {sends}");
     }
 }

@@ -1,10 +1,11 @@
 //! Programs ended by signals: files are the old or the whole new ones, and no temporary files remain.
 
 use std::fs;
+use std::io::BufRead;
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::Stdio;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::{Running, folder, listing, program, succeed};
 
@@ -67,6 +68,30 @@ fn a_new_file_is_whole_or_missing() {
         drop(solve);
         assert!(fs::read(&path).is_ok_and(|bytes| bytes == whole) || !path.exists());
         assert!(listing(folder.path()).iter().all(|name| ["a.toml", "x.csv"].contains(&name.as_str())));
+    }
+}
+
+#[cfg(feature = "serial")]
+#[test]
+fn a_signal_ends_a_solve_of_hours() {
+    let folder = folder();
+    let slow = "format = 1\n[[target]]\nkind = \"circle\"\nat = [0, 0, 0.1]\nradius = 0.05\npoints = 100\n\
+                [solver]\nmethod = \"greedy\"\niterations = 100000\n";
+    fs::write(folder.path().join("slow.toml"), slow).unwrap();
+    let board = ["--port", "virtual:sonicsurface", "--profile", "sonicsurface"];
+    let send: &[_] = &["send", "slow.toml"];
+    let serve: &[_] = &["serve", "slow.toml", "--osc", "0"];
+    for (command, begun, signal, status) in
+        [(send, "frames/s", "INT", 0), (send, "frames/s", "TERM", 0), (serve, "silent until", "HUP", 0)]
+    {
+        let mut command = program(folder.path(), &[command, &board].concat());
+        let mut run = Running(command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap());
+        let mut said = std::io::BufReader::new(run.0.stderr.take().unwrap()).lines();
+        assert!(said.any(|line| line.unwrap().contains(begun)), "{signal}: never ready");
+        // The board is found and the solver works.
+        std::thread::sleep(Duration::from_millis(300));
+        run.signal(signal);
+        assert_eq!(run.ended().code(), Some(status), "{signal}");
     }
 }
 

@@ -10,7 +10,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("shelf", &[]),
     ("source", &["rustix", "tempfile"]),
     ("memory", &[]),
-    ("gauge", &[]),
+    ("gauge", &["web_time"]),
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
     ("table", &["csv", "thiserror"]),
     ("rounding", &[]),

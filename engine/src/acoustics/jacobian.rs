@@ -2,6 +2,7 @@
 
 use crate::acoustics::transfer::{BLOCK, block};
 use crate::acoustics::{Phasors, Transfer};
+use crate::gauge;
 use crate::simd::{Instructions, Isa, Kernel, accumulate, fused64, lanes};
 
 /// Number of points summed in parallel.
@@ -75,7 +76,7 @@ impl Kernel for Update<'_> {
                 to[first..first + TILE].copy_from_slice(&[*a, *b, *c, *d]);
             }
         }
-        for first in (0..transfer.points).step_by(TILE) {
+        for first in (0..transfer.points).step_by(TILE).take_while(|_| !gauge::is_cancelled()) {
             for start in (0..first + TILE).step_by(BLOCK) {
                 let mut sums = [[0.0; BLOCK]; TILE];
                 for row in by_element.chunks_exact(stride) {

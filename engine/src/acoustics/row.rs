@@ -8,6 +8,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::element::{NEAREST, Radiator};
 use crate::acoustics::{Aperture, Element, Face, Transfer};
+use crate::gauge;
 use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
 
 /// Elements processed together.
@@ -197,7 +198,7 @@ impl<'a> Rows<'a> {
         if let [(face, _, elements)] = &self.faces[..]
             && face.gain == 1.0
         {
-            for (index, &point) in points.iter().enumerate() {
+            for (index, &point) in points.iter().enumerate().take_while(|_| !gauge::is_cancelled()) {
                 let (re, im) = transfer.row_mut(index);
                 elements.fill(face.pose.local(point), re, im);
             }
@@ -206,7 +207,7 @@ impl<'a> Rows<'a> {
         transfer.clear();
         for (face, columns, elements) in &self.faces {
             let (mut wave_re, mut wave_im) = (vec![0.0; elements.room()], vec![0.0; elements.room()]);
-            for (index, &point) in points.iter().enumerate() {
+            for (index, &point) in points.iter().enumerate().take_while(|_| !gauge::is_cancelled()) {
                 elements.fill(face.pose.local(point), &mut wave_re, &mut wave_im);
                 let (re, im) = transfer.row_mut(index);
                 let pairs = re[columns.clone()].iter_mut().zip(&wave_re);

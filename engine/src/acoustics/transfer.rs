@@ -5,6 +5,7 @@
 
 use num_complex::Complex64;
 
+use crate::gauge;
 use crate::simd::{
     Instructions, Isa, Kernel, accumulate, accumulate_product, deduct_product, fused64, lanes, total,
 };
@@ -383,7 +384,7 @@ impl Kernel for Gram<'_> {
     fn run<I: Instructions>(self) {
         let Self { left, right, gram } = self;
         let points = left.points;
-        for i in 0..points {
+        for i in (0..points).take_while(|_| !gauge::is_cancelled()) {
             // Two rows at a time keep the adders busy; beyond the diagonal the second is the conjugate of a later
             // result.
             for j in (0..=i).step_by(2) {

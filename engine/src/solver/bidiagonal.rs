@@ -7,6 +7,8 @@ use std::ops::Range;
 
 use num_complex::Complex64;
 
+use crate::gauge;
+
 /// B with its singular values, of either sign, on the diagonal once it is diagonal.
 #[derive(Clone, Debug)]
 pub struct Bidiagonal {
@@ -49,7 +51,7 @@ impl Rotation {
 impl Bidiagonal {
     /// Makes B diagonal. Rotations from the left are applied to b; those from the right are returned in their order.
     ///
-    /// `None` if it does not converge, which is known of no matrix of finite numbers.
+    /// `None` if it is cancelled, or does not converge, which is known of no matrix of finite numbers.
     pub fn diagonalise(&mut self, b: &mut [Complex64]) -> Option<Vec<Rotation>> {
         /// Sweeps per value; three are many.
         const SWEEPS: usize = 60;
@@ -59,7 +61,7 @@ impl Bidiagonal {
         let negligible = f64::EPSILON * largest;
         let mut rotations = Vec::new();
         let mut last = diagonal.len().saturating_sub(1);
-        for _ in 0..SWEEPS * diagonal.len() {
+        for _ in (0..SWEEPS * diagonal.len()).take_while(|_| !gauge::is_cancelled()) {
             while last > 0 && upper[last - 1].abs() <= negligible {
                 last -= 1;
             }

@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::gauge;
+
 /// Stored pairs of steps and gradient changes; 5 and 20 work equally well.
 const PAIRS: usize = 10;
 /// The largest change of an unknown in the first step, and in any other.
@@ -45,7 +47,7 @@ impl Descent {
         self.value = function.evaluate(&self.x, &mut self.gradient);
     }
 
-    /// One step; false if no descent is found.
+    /// One step; false if no descent is found, or the search is cancelled.
     pub fn step(&mut self, function: &mut impl Function) -> bool {
         let mut direction = self.direction();
         let mut slope = dot(&direction, &self.gradient);
@@ -55,7 +57,7 @@ impl Descent {
             slope = dot(&direction, &self.gradient);
         }
         let largest = direction.iter().fold(0.0f64, |most, d| most.max(d.abs()));
-        let can_go = self.value.is_finite() && slope.is_finite() && largest > 0.0;
+        let can_go = self.value.is_finite() && slope.is_finite() && largest > 0.0 && !gauge::is_cancelled();
         if !can_go {
             return false;
         }

@@ -74,34 +74,37 @@ impl Frame {
 /// # Errors
 /// As [`solver::solve`], and frames that [`motion::frames`] refuses.
 pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
-    follow_with(scene, &Gauge::default())
+    follow_with(scene, &Gauge::current())
 }
 
-/// As [`follow`], reporting the number of solved frames.
+/// As [`follow`], reporting the number of solved frames, under the limits of `progress`.
 ///
 /// # Errors
 /// As [`follow`].
 pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveError> {
     let start = Instant::now();
     if scene.solver.frames > 1 && !motion::moves(scene) {
-        return turns_of(scene);
+        return turns_of(scene, progress);
     }
     let frames = motion::frames(scene)?;
     let aperture = Aperture::new(scene);
     // Identical frames are solved once.
     let stands: Vec<_> = frames.chunk_by(|a, b| a == b).collect();
-    let problem = |stand: &&[Vec<Focus>]| Problem::of_scene(scene, &aperture, stand[0].clone());
     let settings = &scene.solver;
     let found = progress.count(stands.len());
     let most = stands.iter().map(|stand| stand[0].len()).max().unwrap_or(0);
     let _room = room::of_methods(scene, most, rayon::current_num_threads())?;
     let solved = if settings.method == Method::Best {
-        chained(scene, &aperture, &stands.iter().map(|stand| &stand[0][..]).collect::<Vec<_>>(), &found)?
+        let foci: Vec<_> = stands.iter().map(|stand| &stand[0][..]).collect();
+        chained(scene, &aperture, &foci, progress, &found)?
     } else {
-        let alone = |stand| {
-            let problem = problem(stand);
-            found.add();
-            Ok(Found::new(&problem, settings, excite(&problem, settings)?, true))
+        let alone = |stand: &&[Vec<Focus>]| {
+            limited(progress, stands.len(), || {
+                let problem = Problem::of_scene(scene, &aperture, stand[0].clone());
+                let excitation = excite(&problem, settings)?;
+                found.add();
+                Ok(Found::new(&problem, settings, excitation, true))
+            })
         };
         stands.par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
     };
@@ -121,9 +124,18 @@ pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveErr
     Ok(Sequence { frames: repeated.collect(), steps, seconds })
 }
 
+/// One of `of` frames, on any thread, under the limits of all.
+fn limited<T>(
+    all: &Gauge,
+    of: usize,
+    solve: impl FnOnce() -> Result<T, SolveError>,
+) -> Result<T, SolveError> {
+    all.share(of).lead(|| solver::unless_cancelled(solve()?))
+}
+
 /// The drives in turn, as frames.
-fn turns_of(scene: &Scene) -> Result<Sequence, SolveError> {
-    let solution = solver::solve(scene)?;
+fn turns_of(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveError> {
+    let solution = progress.lead(|| solver::solve(scene))?;
     let aperture = Aperture::new(scene);
     let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;
     let frame = |drive: Drive| {
@@ -232,22 +244,30 @@ fn chained(
     scene: &Scene,
     aperture: &Aperture,
     foci: &[&[Focus]],
+    progress: &Gauge,
     done: &Counter,
 ) -> Result<Vec<Found>, SolveError> {
     let settings = &scene.solver;
     let problem = |frame: usize| Problem::of_scene(scene, aperture, foci[frame].to_vec());
     let keys = keyframes(foci, STRIDE * aperture.wavelength());
-    let first = problem(keys[0]);
-    let mut links = vec![Link::new(&first, settings, excite(&first, settings)?, true)];
-    done.add();
-    for (before, &key) in keys[1..].iter().enumerate() {
-        links.push(go_on(&problem(key), &links[before], settings)?);
+    let next = |frame: usize, before: Option<&Link>| {
+        let link = limited(progress, foci.len(), || {
+            let problem = problem(frame);
+            match before {
+                Some(before) => go_on(&problem, before, settings),
+                None => Ok(Link::new(&problem, settings, excite(&problem, settings)?, true)),
+            }
+        });
         done.add();
+        link
+    };
+    let mut links: Vec<Link> = Vec::with_capacity(keys.len());
+    for &key in &keys {
+        links.push(next(key, links.last())?);
     }
     let between = |&frame: &usize| {
         let before = keys.partition_point(|&key| key < frame) - 1;
-        done.add();
-        Ok((frame, go_on(&problem(frame), &links[before], settings)?.found))
+        Ok((frame, next(frame, Some(&links[before]))?.found))
     };
     let gaps: Vec<_> = (0..foci.len()).filter(|frame| keys.binary_search(frame).is_err()).collect();
     let mut found = gaps.par_iter().map(between).collect::<Result<Vec<_>, SolveError>>()?;

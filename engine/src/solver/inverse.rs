@@ -3,6 +3,7 @@
 use num_complex::Complex64;
 
 use crate::acoustics::Transfer;
+use crate::gauge;
 use crate::solver::matrix::Matrix;
 use crate::solver::{Excitation, Problem, singular, statistics};
 
@@ -27,7 +28,7 @@ pub fn pinv(problem: &Problem<'_>) -> Excitation {
 pub fn weighted(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let mut weights = vec![1.0; problem.transfer.elements];
     let (mut values, mut residual) = weighted_inverse(problem, &weights);
-    for _ in 0..iterations {
+    for _ in gauge::iterations(iterations) {
         let mean = statistics::mean(values.iter().map(|u| u.norm()));
         if mean == 0.0 {
             // The field is zero at all foci: weights are undefined.
@@ -56,7 +57,7 @@ fn weighted_inverse(problem: &Problem<'_>, weights: &[f64]) -> (Vec<Complex64>, 
     let scale = if smallest.is_finite() { smallest } else { 1.0 };
     let scaled: Vec<_> =
         targets.iter().zip(&norms).map(|(target, norm)| Complex64::from(target * (scale / norm))).collect();
-    // The decomposition of finite numbers does not fail; the latter is a valid drive in any case.
+    // The decomposition of finite numbers fails only if cancelled; the latter is a valid drive in any case.
     let values: Vec<_> = match singular::solve(matrix, scaled.clone(), RANK_TOLERANCE) {
         Some(values) => values.iter().zip(&roots).map(|(u, root)| u * root).collect(),
         None => transfer.back(&scaled),

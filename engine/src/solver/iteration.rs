@@ -7,7 +7,7 @@ use web_time::{Duration, Instant};
 use num_complex::Complex64;
 
 use crate::acoustics::{PhaseJacobian, Phasors, Sums, Transfer};
-use crate::gauge::Gauge;
+use crate::gauge::{self, Gauge};
 use crate::solver::cholesky::Factor;
 use crate::solver::{Excitation, Problem, starts, statistics};
 
@@ -31,7 +31,7 @@ pub fn gs(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let targets = problem.targets();
     let mut state =
         State::from_foci(&problem.transfer, targets.iter().copied().map(Complex64::from).collect());
-    for _ in 0..iterations {
+    for _ in gauge::iterations(iterations) {
         for (m, target) in targets.iter().enumerate() {
             state.scale(m, *target);
         }
@@ -52,7 +52,7 @@ pub fn gspat(problem: &Problem<'_>, iterations: u32) -> Excitation {
         (0..count).map(row).collect()
     };
     let mut p: Vec<_> = targets.iter().copied().map(Complex64::from).collect();
-    for _ in 0..iterations {
+    for _ in gauge::iterations(iterations) {
         p = heard(&p).iter().zip(&targets).map(|(p, target)| phase(*p) * target).collect();
     }
     let gamma = heard(&p);
@@ -102,8 +102,8 @@ pub fn greedy(problem: &Problem<'_>, sweeps: u32) -> Excitation {
     order.sort_by(|&a, &b| starts::scatter(a).total_cmp(&starts::scatter(b)));
     let mut u = vec![Complex64::ZERO; elements];
     let mut pressure = vec![Complex64::ZERO; targets.len()];
-    for _ in 0..sweeps {
-        for &n in &order {
+    for _ in gauge::iterations(sweeps) {
+        for &n in order.iter().take_while(|_| !gauge::is_cancelled()) {
             let without: Vec<_> =
                 (0..targets.len()).map(|m| pressure[m] - transfer.at(m, n) * u[n]).collect();
             let error = |choice: &Complex64| -> f64 {
@@ -260,7 +260,7 @@ impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
     /// The correction is the square root of the ratio: undamped, two foci oscillate forever.
     fn weigh(&mut self, targets: &[f64], mut weights: Vec<f64>, iterations: u32) -> Vec<f64> {
         let count = targets.len() as f64;
-        for _ in 0..iterations {
+        for _ in gauge::iterations(iterations) {
             let mean = self.relative(targets).sum::<f64>() / count;
             if mean == 0.0 {
                 // The field is zero at all foci: weights are undefined.
@@ -311,7 +311,7 @@ impl State<'_, 1> {
         let count = targets.len();
         let mut jacobian = PhaseJacobian::default();
         for _ in 0..LEVELLINGS {
-            if self.spread(targets) < LEVEL {
+            if self.spread(targets) < LEVEL || gauge::is_cancelled() {
                 return;
             }
             let moduli: Vec<_> = (0..count).map(|m| self.modulus(m)).collect();

@@ -5,6 +5,7 @@
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+use crate::gauge;
 use crate::simd::{Instructions, Isa, Kernel, accumulate, accumulate_product, deduct_product, total};
 
 /// Rows are padded to a multiple of it.
@@ -132,7 +133,7 @@ impl Matrix {
         for first in (0..self.rows).step_by(PANEL) {
             let after = (first + PANEL).min(self.rows);
             isa.run(Panel { matrix: self, triangle: &mut triangle, rows: first..after });
-            if after == self.rows {
+            if after == self.rows || gauge::is_cancelled() {
                 break;
             }
             let stride = self.stride;

@@ -31,6 +31,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
+use crate::gauge;
 use crate::scene::{Amplitudes, Focus, KeyError, Method, Part, Pressures, Scene, Solver, outline};
 
 pub use inverse::rank_and_condition;
@@ -210,18 +211,26 @@ pub enum SolveError {
     SeveralFoci(usize),
     #[error("{elements} elements and {foci} foci need about {mebibytes} MiB of memory, more than there is")]
     TooLarge { elements: usize, foci: usize, mebibytes: usize },
+    #[error("the solver was cancelled")]
+    Cancelled,
 }
 
-/// Solves the scene with its method, including its further search.
+/// What a step has made, unless it was cancelled.
+fn unless_cancelled<T>(made: T) -> Result<T, SolveError> {
+    if gauge::is_cancelled() { Err(SolveError::Cancelled) } else { Ok(made) }
+}
+
+/// Solves the scene with its method, including its further search. [`gauge`] can cancel it, and bound the time of its
+/// iterations.
 ///
 /// # Errors
-/// A scene without usable focal points, or `focus` with several.
+/// A scene without usable focal points, `focus` with several, or a cancelled solver.
 pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let start = Instant::now();
     let aperture = Aperture::new(scene);
     let foci = outline::foci(scene)?;
     let _room = room::of_methods(scene, foci.len(), 1)?;
-    let problem = Problem::of_scene(scene, &aperture, foci);
+    let problem = unless_cancelled(Problem::of_scene(scene, &aperture, foci))?;
     let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
     let excitation = match (scene.solver.method, &problem.surroundings) {
         (Method::Best, Some(surroundings)) => shape::best_within(&problem, surroundings, time),
@@ -240,7 +249,7 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     if problem.surroundings.is_some() {
         solution.judge(scene, &problem);
     }
-    Ok(solution)
+    unless_cancelled(solution)
 }
 
 /// Solves within the time of a drag's frame: a shape's drive continues from the previous one, or is a first one,
@@ -272,7 +281,7 @@ pub fn solve_on(scene: &Scene, before: Option<&Solution>) -> Result<Solution, So
             found.unwrap_or_else(|| iteration::naive(&problem))
         }
     };
-    Ok(solution(scene, &problem, &excitation, start.elapsed().as_secs_f64()))
+    unless_cancelled(solution(scene, &problem, &excitation, start.elapsed().as_secs_f64()))
 }
 
 /// The solution of the scene's excitation as played.

@@ -2,6 +2,7 @@
 
 use num_complex::Complex64;
 
+use crate::gauge;
 use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::bidiagonal::Bidiagonal;
 use crate::solver::iteration::phase;
@@ -12,7 +13,7 @@ const TOGETHER: usize = 2;
 
 /// The singular values, in no order, as many as the matrix has rows or columns.
 ///
-/// `None` if a number is infinite or NaN.
+/// `None` if a number is infinite or NaN, or the step is cancelled.
 pub fn values(matrix: Matrix) -> Option<Vec<f64>> {
     // Fewer rows than columns are less work.
     let matrix = if matrix.rows > matrix.columns { matrix.adjoint() } else { matrix };
@@ -24,7 +25,7 @@ pub fn values(matrix: Matrix) -> Option<Vec<f64>> {
 
 /// The shortest x that meets A x = b as nearly as the singular values above `tolerance` times the largest allow.
 ///
-/// `None` if a number is infinite or NaN.
+/// `None` if a number is infinite or NaN, or the step is cancelled.
 pub fn solve(matrix: Matrix, b: Vec<Complex64>, tolerance: f64) -> Option<Vec<Complex64>> {
     Reduced::new(Isa::best(), matrix, b)?.solve(tolerance)
 }
@@ -53,7 +54,7 @@ impl Reduced {
         matrix.scale(1.0 / scale);
         let (mut inner, outer) =
             if matrix.rows < matrix.columns { (matrix.triangle(isa), Some(matrix)) } else { (matrix, None) };
-        let (diagonal, upper) = isa.run(Reduction { matrix: &mut inner, b: &mut b });
+        let (diagonal, upper) = isa.run(Reduction { matrix: &mut inner, b: &mut b })?;
         let mut phases = vec![Complex64::ONE; inner.columns];
         for i in 0..inner.columns {
             let left = phase(diagonal[i] * phases[i]);
@@ -103,7 +104,7 @@ struct Reduction<'a> {
 }
 
 impl Kernel for Reduction<'_> {
-    type Output = (Vec<Complex64>, Vec<Complex64>);
+    type Output = Option<(Vec<Complex64>, Vec<Complex64>)>;
 
     #[inline(always)]
     fn run<I: Instructions>(self) -> Self::Output {
@@ -120,6 +121,9 @@ impl Kernel for Reduction<'_> {
             add::<I>(&mut (&mut sum.0, &mut sum.1), matrix.row(row, 0), x.conj());
         }
         for i in 0..columns {
+            if gauge::is_cancelled() {
+                return None;
+            }
             let power = column[i..].iter().map(Complex64::norm_sqr).sum();
             let Reflection { result, lift, scale } = Reflection::new(column[i], power);
             diagonal.push(result);
@@ -151,7 +155,7 @@ impl Kernel for Reduction<'_> {
                 row += 1;
             }
         }
-        (diagonal, upper)
+        Some((diagonal, upper))
     }
 }
 

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Air, Aperture, Derivatives, Emitters, Transfer};
 use crate::force::{Sphere, modes};
-use crate::gauge::Gauge;
+use crate::gauge::{self, Gauge};
 use crate::scene::{Focus, Part, Scene, Shape, Trap};
 use crate::solver::descent::{Descent, Function};
 use crate::solver::{Excitation, Problem, iteration};
@@ -134,7 +134,7 @@ fn by_lobes(problem: &Problem<'_>, traps: &Traps) -> Vec<Complex64> {
     // Neighbours that start a golden angle apart help each other more often than in phase.
     let mut free: Vec<f64> = (0..groups.len()).map(|i| 2.4 * i as f64).collect();
     let mut u = Vec::new();
-    for _ in 0..ITERATIONS {
+    for _ in (0..ITERATIONS).take_while(|_| !gauge::is_cancelled()) {
         let mut wanted = vec![Complex64::ZERO; targets.len()];
         for (group, phase) in groups.iter().zip(&free) {
             for i in group.clone() {

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod cancel;
 #[path = "../../../tests/dice/mod.rs"]
 #[expect(dead_code, reason = "used by other test binaries")]
 mod dice;

@@ -63,6 +63,8 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<()> {
     }
     let plays = board.is_some();
     let desk = Arc::new(Desk::new(Arc::new(scene), Box::new(|| {})));
+    let its = Arc::clone(&desk);
+    interrupted.then(move || its.silence())?;
     let server = Server::start(settings(args), Arc::clone(&desk))?;
     let mut live = Live::new(Arc::clone(&desk), board)?;
     for line in server.addresses().lines() {
@@ -82,9 +84,10 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<()> {
     while !interrupted.is_set() {
         live.turn();
     }
+    let health = live.close();
     drop(server);
     say!("{}", desk.counts.tally())?;
-    let Some(health) = live.close() else { return Ok(()) };
+    let Some(health) = health else { return Ok(()) };
     match health.state {
         State::Lost(why) => anyhow::bail!("{why}: the board was lost, in an unknown state"),
         State::Connecting | State::Ready if !health.silenced => {

@@ -98,6 +98,8 @@ struct Wanted {
     content: Option<Arc<Content>>,
     modulation: Modulation,
     generation: u64,
+    /// Number of times that others silenced it.
+    silenced: u64,
     /// When it changed last.
     since: Instant,
     closing: bool,
@@ -129,6 +131,22 @@ pub struct Link {
     task: Option<Task>,
 }
 
+/// Silences a board from any thread, while the link's owner does something else.
+pub struct Silencer(Arc<Shared>);
+
+impl std::fmt::Debug for Silencer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Silencer").finish_non_exhaustive()
+    }
+}
+
+impl Silencer {
+    /// Silences the board, and refuses what is shown by an owner that does not know of it.
+    pub fn silence(&self) {
+        self.0.want(|wanted| (wanted.content, wanted.silenced) = (None, wanted.silenced + 1));
+    }
+}
+
 impl std::fmt::Debug for Link {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Link").field("settings", &self.settings).finish_non_exhaustive()
@@ -158,9 +176,29 @@ impl Link {
         self.want(|wanted| wanted.content = content);
     }
 
+    /// The same, unless the board was silenced by a [`Silencer`] since [`Self::silenced`] gave this number.
+    pub fn show_unless_silenced(&self, content: Content, silenced: u64) {
+        let content = content.plays().then(|| Arc::new(content));
+        self.want(|wanted| {
+            if wanted.silenced == silenced {
+                wanted.content = content;
+            }
+        });
+    }
+
     /// Silences the board.
     pub fn stop(&self) {
         self.want(|wanted| wanted.content = None);
+    }
+
+    /// Number of times that a [`Silencer`] silenced the board.
+    pub fn silenced(&self) -> u64 {
+        self.shared.wanted.lock().silenced
+    }
+
+    /// Silences the board for other threads.
+    pub fn silencer(&self) -> Silencer {
+        Silencer(Arc::clone(&self.shared))
     }
 
     /// Sets the envelope.
@@ -169,10 +207,7 @@ impl Link {
     }
 
     fn want(&self, change: impl FnOnce(&mut Wanted)) {
-        let mut wanted = self.shared.wanted.lock();
-        self.shared.renew(&mut wanted, Instant::now(), change);
-        drop(wanted);
-        self.shared.wanted.ring();
+        self.shared.want(change);
     }
 
     /// The next message, if there is one.
@@ -217,6 +252,7 @@ impl Shared {
             content: None,
             modulation: Modulation::default(),
             generation: 0,
+            silenced: 0,
             since: Instant::now(),
             closing: false,
         };
@@ -225,6 +261,13 @@ impl Shared {
 
     fn wanted(&self) -> Wanted {
         self.wanted.lock().clone()
+    }
+
+    fn want(&self, change: impl FnOnce(&mut Wanted)) {
+        let mut wanted = self.wanted.lock();
+        self.renew(&mut wanted, Instant::now(), change);
+        drop(wanted);
+        self.wanted.ring();
     }
 
     /// Makes a wish newer.

@@ -16,7 +16,9 @@ pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Dur
     let gauge = Gauge::current();
     let mut search = Search::new(problem, surroundings);
     let mut best = None;
-    while let Some(better) = search.advance() {
+    while !gauge.is_cancelled()
+        && let Some(better) = search.advance()
+    {
         best = Some(better);
     }
     let mut number = Start::VARIANTS.len();
