@@ -14,6 +14,7 @@ use crate::drive::Drive;
 use crate::scene::{Modulation, Scene, motion};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
+use crate::studio::felt::Offer;
 use crate::studio::output::{note, warn};
 
 /// Content for a board.
@@ -42,6 +43,8 @@ pub struct Board {
     /// The last content sent, and its frame rate.
     played: Option<(Play, f64)>,
     modulation: Option<Modulation>,
+    /// The modulation last offered for a scene that is hardly felt.
+    offer: Option<Offer>,
     /// Number of times that others silenced it.
     silenced: u64,
     /// Whether the emergency stop silences it.
@@ -70,6 +73,7 @@ impl Board {
                         carrier,
                         played: None,
                         modulation: None,
+                        offer: None,
                         silenced: 0,
                         is_stopped: false,
                     }));
@@ -130,11 +134,22 @@ impl Board {
     /// # Errors
     /// Content that this board cannot play: it is then silent.
     pub fn play(&mut self, scene: &Scene, play: Play) -> Result<(), String> {
+        self.offer(scene, matches!(play, Play::Motion(_)));
         let made = self.prepare(scene, play);
         if made.is_err() {
             self.stop();
         }
         made
+    }
+
+    /// Says once that a scene is hardly felt.
+    fn offer(&mut self, scene: &Scene, moves: bool) {
+        let Settings { profile, .. } = *self.link.settings();
+        let offer = Offer::new(scene, moves, profile, self.link.settings().baud());
+        if let Some(offer) = offer.filter(|_| self.offer != offer) {
+            note(&offer.to_string());
+        }
+        self.offer = offer;
     }
 
     fn prepare(&mut self, scene: &Scene, play: Play) -> Result<(), String> {

@@ -163,7 +163,7 @@ fn liquid(scene: &Scene) -> String {
     let name = if given {
         format!("liquid of {:.0} kg/m³ and {:.1} mN/m", liquid.density(), liquid.surface_tension() * 1e3)
     } else {
-        liquid.name.into_str().replace('-', " ")
+        liquid.named().into_str().replace('-', " ")
     };
     format!("{name} {height:.0} mm from the array")
 }

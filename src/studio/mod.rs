@@ -7,6 +7,7 @@ pub mod bring_up;
 pub mod convention;
 pub mod elements;
 pub mod evaluator;
+pub mod felt;
 pub mod figure;
 pub mod findings;
 pub mod flight;

@@ -130,7 +130,7 @@ mod tests {
             modulation: Modulation { shape: Envelope::Sine, frequency: 300.0, ..Modulation::default() },
             ..Scene::default()
         };
-        (scene.liquid.name, scene.liquid.viscosity) = (LiquidName::Glycerol, Some(4.0));
+        (scene.liquid.name, scene.liquid.viscosity) = (Some(LiquidName::Glycerol), Some(4.0));
         let drives = vec![solver::solve(&scene).unwrap().drive];
         let request = Request::new(&scene, drives, Quantity::Depression, (10, 10));
         let mut stages = Stages::new(Evaluator::Cpu);

@@ -1,5 +1,6 @@
 //! The window's Device panel with a virtual board: drags on the screen arrive over a real line.
 
+use std::net::UdpSocket;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -12,11 +13,12 @@ use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::health::State;
 use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
-use sonoglyph::scene::{Motion, MotionPath};
-use sonoglyph::ui::Panel;
+use sonoglyph::field::Quantity;
+use sonoglyph::scene::{Envelope, LiquidName, Motion, MotionPath};
 use sonoglyph::ui::board::Plays;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::Lens;
+use sonoglyph::ui::{Command, Panel};
 
 use super::{Screen, window};
 
@@ -147,6 +149,72 @@ fn a_dragged_target_is_played() {
             std::thread::sleep(Duration::from_millis(5));
         }
     }
+}
+
+#[test]
+fn a_client_silences_the_board_between_two_frames() {
+    let (mut screen, board, _) = connected(Profile::SonicSurface);
+    screen.state_mut().editor_mut().asked_by_others.push(Command::Serve(true));
+    screen.get_by_label("Send").click();
+    until(&mut screen, "sound", |screen| screen.state().shown().serving.is_some() && !is_silent(&board));
+    let addresses = screen.state().shown().serving.clone().unwrap().addresses;
+    let client = UdpSocket::bind("127.0.0.1:0").unwrap();
+    client.connect(addresses[0].strip_prefix("OSC on udp://").unwrap()).unwrap();
+    client.send(b"/sonoglyph/stop\0,\0\0\0").unwrap();
+    // The window draws nothing meanwhile.
+    let start = Instant::now();
+    while !is_silent(&board) {
+        assert!(start.elapsed() < PATIENCE, "silence waits for a frame");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    screen.run_steps(4);
+    assert_eq!(screen.state().shown().board.plays, Plays::Nothing);
+    assert!(is_silent(&board), "a later frame sounds");
+    screen.get_by_label("Send").click();
+    until(&mut screen, "sound", |_| !is_silent(&board));
+}
+
+#[test]
+fn the_window_is_at_hand_while_a_scene_is_solved() {
+    let (mut screen, board, _) = connected(Profile::SonicSurface);
+    screen.get_by_label("Send").click();
+    until(&mut screen, "sound", |_| !is_silent(&board));
+    // No solver ends it in a minute.
+    let slow = "format = 1\n[[target]]\nkind = \"circle\"\nat = [0, 0, 0.1]\nradius = 0.05\npoints = 100\n\
+                [solver]\nmethod = \"greedy\"\niterations = 100000\n";
+    let slow = sonoglyph::scene::file::parse(slow, "slow.toml".as_ref()).unwrap();
+    let before = std::mem::replace(&mut screen.state_mut().editor_mut().document.scene, slow);
+    screen.run_steps(3);
+    screen.get_by_label("Stop").click();
+    until(&mut screen, "silence", |_| is_silent(&board));
+    assert!(screen.state().shown().pending.is_some(), "it is not being solved");
+    screen.state_mut().editor_mut().document.scene = before;
+    until(&mut screen, "the newest scene", |screen| screen.state().shown().pending.is_none());
+    let shown = screen.state().shown();
+    assert_eq!(shown.solution.as_ref().unwrap().foci.len(), 1);
+    until(&mut screen, "the end of the other", |screen| !screen.state().is_busy());
+}
+
+#[test]
+fn a_steady_scene_is_modulated_by_one_click() {
+    const OFFER: &str = "Modulate at 200 Hz";
+    let (mut screen, _board, _) = connected(Profile::Native);
+    screen.get_by_label(OFFER).click();
+    screen.run_steps(3);
+    let modulation = screen.state().editor().scene().modulation.clone();
+    assert_eq!((modulation.shape, modulation.frequency), (Envelope::Sine, 200.0));
+    assert!(screen.query_by_label(OFFER).is_none());
+    screen.state_mut().editor_mut().undo();
+    screen.run_steps(3);
+    assert!(screen.query_by_label(OFFER).is_some(), "undone");
+    // A liquid needs steady sound: in the scene, or in view.
+    screen.state_mut().editor_mut().view.quantity = Quantity::Depression;
+    screen.run_steps(3);
+    assert!(screen.query_by_label(OFFER).is_none());
+    screen.state_mut().editor_mut().view.quantity = Quantity::Rms;
+    screen.state_mut().editor_mut().document.scene.liquid.name = Some(LiquidName::Water);
+    screen.run_steps(3);
+    assert!(screen.query_by_label(OFFER).is_none());
 }
 
 #[test]

@@ -3,11 +3,13 @@
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
-/// The liquid. `None` takes the named liquid's value.
+/// The liquid. `None` takes the named liquid's value. A scene that differs from the default is for a liquid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Liquid {
-    pub name: LiquidName,
+    /// Without a name the scene needs no liquid; water is assumed where one is asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub name: Option<LiquidName>,
     /// kg/m³
     #[serde(skip_serializing_if = "Option::is_none")]
     pub density: Option<f64>,
@@ -67,7 +69,7 @@ fn is_default_screen(screen: &f64) -> bool {
 impl Default for Liquid {
     fn default() -> Self {
         Self {
-            name: LiquidName::Water,
+            name: None,
             density: None,
             surface_tension: None,
             viscosity: None,
@@ -85,23 +87,28 @@ impl Liquid {
     /// Default of `screen`.
     pub const SCREEN: f64 = 0.2;
 
+    /// The liquid whose values are taken where the scene gives none.
+    pub fn named(&self) -> LiquidName {
+        self.name.unwrap_or(LiquidName::Water)
+    }
+
     /// kg/m³
     pub fn density(&self) -> f64 {
-        self.density.unwrap_or(self.name.properties().density)
+        self.density.unwrap_or(self.named().properties().density)
     }
 
     /// N/m
     pub fn surface_tension(&self) -> f64 {
-        self.surface_tension.unwrap_or(self.name.properties().surface_tension)
+        self.surface_tension.unwrap_or(self.named().properties().surface_tension)
     }
 
     /// Pa·s
     pub fn viscosity(&self) -> f64 {
-        self.viscosity.unwrap_or(self.name.properties().viscosity)
+        self.viscosity.unwrap_or(self.named().properties().viscosity)
     }
 
     pub fn refractive_index(&self) -> f64 {
-        self.refractive_index.unwrap_or(self.name.properties().refractive_index)
+        self.refractive_index.unwrap_or(self.named().properties().refractive_index)
     }
 
     /// Displacement of light on the screen (m) per unit slope of the surface's depth, for small slopes.
@@ -168,12 +175,13 @@ mod tests {
 
     #[test]
     fn what_the_scene_gives_goes_before_the_name() {
-        let oil = Liquid { name: LiquidName::VegetableOil, density: Some(925.0), ..Liquid::default() };
+        let oil = Liquid { name: Some(LiquidName::VegetableOil), density: Some(925.0), ..Liquid::default() };
         assert_eq!((oil.density(), oil.surface_tension()), (925.0, 0.033));
         let names = <LiquidName as VariantArray>::VARIANTS;
-        let lengths: Vec<_> =
-            names.iter().map(|&name| Liquid { name, ..Liquid::default() }.capillary_length() * 1e3).collect();
+        let of = |&name: &LiquidName| Liquid { name: Some(name), ..Liquid::default() };
+        let lengths: Vec<_> = names.iter().map(|name| of(name).capillary_length() * 1e3).collect();
         let [water, glycerol, silicone, vegetable, ethanol] = lengths[..] else { panic!("{names:?}") };
+        assert_eq!(Liquid::default().capillary_length() * 1e3, water, "water, unless another is named");
         // mm; of water 2.727, and the rest in the order of σ/ρ.
         assert!((water - 2.727).abs() < 1e-3, "{water}");
         assert!(water > glycerol && glycerol > vegetable && vegetable > ethanol && ethanol > silicone);

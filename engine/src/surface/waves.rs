@@ -127,7 +127,7 @@ mod tests {
     fn a_mode_that_is_pressed_at_once_swings_about_its_rest() {
         let tank = Tank::new([40, 1], [0.001, 0.001]);
         for name in [LiquidName::Water, LiquidName::Glycerol] {
-            let liquid = Liquid { name, ..Liquid::default() };
+            let liquid = Liquid { name: Some(name), ..Liquid::default() };
             let q = wavenumber(&tank, 6);
             let Mode { damping, square, .. } = Mode::new(&liquid, q);
             let rest = 3.0 / (liquid.density() * liquid.gravity + liquid.surface_tension() * q * q);
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn every_mode_dies_away_as_lambs_equation_says() {
-        let named = |name| Liquid { name, ..Liquid::default() };
+        let named = |name| Liquid { name: Some(name), ..Liquid::default() };
         let liquids = [LiquidName::Water, LiquidName::SiliconeOil, LiquidName::Glycerol].map(named);
         for liquid in liquids.into_iter().chain([thick_oil()]) {
             let liquid = Liquid { depth: 1.0, ..liquid };
@@ -202,7 +202,7 @@ mod tests {
 
     #[test]
     fn thick_liquids_creep_at_the_known_rates() {
-        let glycerol = Liquid { name: LiquidName::Glycerol, ..Liquid::default() };
+        let glycerol = Liquid { name: Some(LiquidName::Glycerol), ..Liquid::default() };
         // 1/s at q of one and two radians per capillary length, from Lamb's equation.
         for (liquid, rates) in [(glycerol, [21.48, 25.38]), (thick_oil(), [1.436, 1.795])] {
             for (rate, radians) in rates.into_iter().zip([1.0, 2.0]) {
@@ -251,7 +251,7 @@ mod tests {
     fn nothing_blows_up_and_what_is_left_alone_comes_to_rest() {
         let tank = Tank::new([30, 24], [0.0015, 0.0015]);
         for &name in LiquidName::VARIANTS {
-            let liquid = Liquid { name, ..Liquid::default() };
+            let liquid = Liquid { name: Some(name), ..Liquid::default() };
             let pressure: Vec<_> = (0..tank.count()).map(|i| f64::from(u8::from(i == 370))).collect();
             let pressed = rest(&tank, &liquid, &pressure);
             let mut waves = Waves::new(&tank, &liquid, 0.004);

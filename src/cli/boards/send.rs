@@ -17,6 +17,7 @@ use crate::drive::Drive;
 use crate::rounding;
 use crate::scene::{Scene, motion};
 use crate::solver;
+use crate::studio::felt::Offer;
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{Files, mention, note, say, warn};
 
@@ -45,6 +46,9 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let interrupted = interrupt::watch()?;
     let settings = Settings { port: args.port.clone(), profile: args.profile, baud: args.baud };
     note(&args.profile.bandwidth(settings.baud()));
+    if let Some(offer) = Offer::new(&scene, true, args.profile, settings.baud()) {
+        note(&offer.to_string());
+    }
     let link = Link::open(settings.clone(), Box::new(|| {}))?;
     let found = loop {
         match link.event_within(Duration::from_millis(20)) {

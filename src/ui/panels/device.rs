@@ -6,6 +6,7 @@ use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::rounding;
 use crate::scene::motion;
+use crate::studio::felt::Offer;
 use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
 use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading, others};
 use crate::ui::{Command, Editor, Shown, theme};
@@ -229,6 +230,7 @@ fn sending(
         Plays::Focus => "a focus above the centre".to_owned(),
     };
     form(ui, "plays", |ui| fact(ui, ("Playing", "As sent to the board"), what));
+    offer(editor, board, ui);
     if let Some(carrier) = other_carrier(editor, board) {
         let frequency = editor.scene().array.frequency;
         ui.label(
@@ -238,6 +240,22 @@ fn sending(
         if ui.button("Use the board's carrier").clicked() {
             ask(BoardCommand::TakeCarrier);
         }
+    }
+}
+
+/// A modulation for a scene that is hardly felt, unless a liquid is in view.
+fn offer(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
+    let profile = editor.board.profile;
+    let baud = editor.board.baud().unwrap_or(profile.baud());
+    let offer = Offer::new(editor.scene(), board.plays == Plays::Motion, profile, baud);
+    let Some(offer) = offer.filter(|_| !editor.view.quantity.declaration().of_liquid) else { return };
+    ui.label(RichText::new("Steady sound is hardly felt by a hand.").color(theme::warning(ui.visuals())));
+    if let Some(limit) = offer.limit() {
+        ui.label(RichText::new(limit).weak());
+    }
+    let tip = "Sets the modulation of the scene: a sine, down to silence";
+    if ui.button(format!("Modulate at {} Hz", offer.frequency)).on_hover_text(tip).clicked() {
+        editor.document.scene.modulation = offer.of(&editor.scene().modulation);
     }
 }
 

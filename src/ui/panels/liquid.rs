@@ -15,8 +15,10 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     heading(ui, "Liquid");
     let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
     form(ui, "liquid", |ui| {
-        let names = variants::<LiquidName>(Into::into);
-        choice(ui, ("Liquid", "At 20 °C"), &mut liquid.name, &names);
+        let known = variants::<LiquidName>(Into::into).into_iter().map(|(name, text)| (Some(name), text));
+        let names: Vec<_> = [(None, "none")].into_iter().chain(known).collect();
+        let tip = "At 20 °C; with none, a depression is shown as of water";
+        choice(ui, ("Liquid", tip), &mut liquid.name, &names);
         let density = Unit { per: 1.0, suffix: " kg/m³", decimals: 1, speed: 1.0 };
         let tip = "With gravity, the restoring force of wide depressions";
         given(ui, ("Density", tip), &mut liquid.density, named.density(), density, 1.0..=1e5);

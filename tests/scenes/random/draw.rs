@@ -213,7 +213,7 @@ fn liquid(dice: &mut Dice, size: DVec2, wavelength: f64) -> Liquid {
     };
     for _ in 0..30 {
         let named = Liquid {
-            name: dice.one_of(LiquidName::VARIANTS),
+            name: Some(dice.one_of(LiquidName::VARIANTS)),
             gravity: dice.between(1.0, 20.0),
             depth: dice.magnitude(1e-3, 1.0),
             ..Liquid::default()

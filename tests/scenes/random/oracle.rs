@@ -272,7 +272,7 @@ fn images(own: &[Source], at: DVec3, normal: DVec3, mirror: &Reflector, reflecti
 
 /// Density (kg/m³) and surface tension (N/m) of a liquid, by the table of the scene file's reference.
 pub fn density_and_tension(liquid: &Liquid) -> (f64, f64) {
-    let (density, tension) = match liquid.name {
+    let (density, tension) = match liquid.named() {
         LiquidName::Water => (998.2, 0.0728),
         LiquidName::Glycerol => (1261.0, 0.0634),
         LiquidName::SiliconeOil => (960.0, 0.0208),

@@ -197,7 +197,8 @@ fn creep(mode: Mode) -> f64 {
 fn a_thick_liquid_levels_over_a_floor_as_orchard_says() {
     let q = 300.0f64;
     for depth in [1e-6, 1.66e-5, 1.67e-5, 1e-3, 3e-3, 1e-2, 0.1] {
-        let liquid = Liquid { name: LiquidName::Glycerol, viscosity: Some(1e4), depth, ..Liquid::default() };
+        let liquid =
+            Liquid { name: Some(LiquidName::Glycerol), viscosity: Some(1e4), depth, ..Liquid::default() };
         let restoring = liquid.density() * liquid.gravity + liquid.surface_tension() * q * q;
         let twice = 2.0 * q * depth;
         let orchard = (twice.sinh() - twice) / (twice.cosh() + 1.0 + twice * twice / 2.0);
@@ -249,7 +250,7 @@ fn distance(liquid: &Liquid, q: f64, s: Complex64) -> f64 {
 
 #[test]
 fn modes_over_any_floor_are_roots_of_the_boundary_conditions() {
-    let named = |&name: &LiquidName| Liquid { name, ..Liquid::default() };
+    let named = |&name: &LiquidName| Liquid { name: Some(name), ..Liquid::default() };
     let oil = Liquid {
         density: Some(975.0),
         surface_tension: Some(0.0205),
