@@ -7,4 +7,4 @@ fn put(pixel: u32, sound: Sound) -> f32 {
     return 0.0;
 }
 
-fn finish(largest: f32) {}
+fn finish(largest: f32, whose: u32) {}

@@ -17,8 +17,9 @@ struct FormParams {
 
 @group(0) @binding(3) var<uniform> c: FormParams;
 @group(0) @binding(4) var<storage, read_write> values: array<f32>;
-// Bits of a non-negative float: they are ordered like the float.
-@group(0) @binding(5) var<storage, read_write> peak: atomic<u32>;
+// Bits of non-negative floats, which are ordered like the floats: the largest extent of the pixels that count for the
+// peak, and of the others.
+@group(0) @binding(5) var<storage, read_write> peak: array<atomic<u32>, 2>;
 
 // The extent of the stored value.
 fn put(pixel: u32, sound: Sound) -> f32 {
@@ -28,10 +29,10 @@ fn put(pixel: u32, sound: Sound) -> f32 {
     return extent(sound, value);
 }
 
-fn finish(largest: f32) {
+fn finish(largest: f32, whose: u32) {
     let bits = bitcast<u32>(largest);
     // Reading is cheap, while writes of all invocations serialise.
-    if bits > atomicLoad(&peak) {
-        atomicMax(&peak, bits);
+    if bits > atomicLoad(&peak[whose]) {
+        atomicMax(&peak[whose], bits);
     }
 }

@@ -1,4 +1,4 @@
-// The results of a map for panels: the parts of the sound at the probes in sequence, and the peak at the end.
+// The results of a map for panels: the parts of the sound at the probes in sequence, and the largest extents at the end.
 
 struct GatherParams {
     // Probes computed here, and those of the whole map.
@@ -17,14 +17,14 @@ struct GatherParams {
 @group(0) @binding(1) var<storage, read> samples: array<vec2f>;
 // For every probe its index, its first sample, and the bits of its weights, of values and of slopes.
 @group(0) @binding(2) var<storage, read> probes: array<u32>;
-// Bits of a float.
-@group(0) @binding(3) var<storage, read> peak: u32;
+// Bits of floats: the peak, and the largest of the pixels that do not count for it.
+@group(0) @binding(3) var<storage, read> peak: vec2u;
 @group(0) @binding(4) var<storage, read_write> gathered: array<vec2f>;
 
 @compute @workgroup_size(WORKGROUP)
 fn gather_main(@builtin(global_invocation_id) id: vec3u) {
     if id.x == 0u {
-        gathered[params.parts * params.all] = vec2f(bitcast<f32>(peak), 0.0);
+        gathered[params.parts * params.all] = bitcast<vec2f>(peak);
     }
     if id.x >= params.parts * params.probes {
         return;

@@ -148,7 +148,8 @@ fn put_block(pixel: u32, line: u32, p: Sums, x: Sums, y: Sums, n: Sums) {
         largest = max(largest, put_four(pixel + 8u, line, p.four2, x.four2, y.four2, n.four2));
         largest = max(largest, put_four(pixel + 12u, line, p.four3, x.four3, y.four3, n.four3));
     }
-    finish(largest);
+    // Interpolated pixels are farther than a wavelength from all elements.
+    finish(largest, 0u);
 }
 
 fn put_four(pixel: u32, line: u32, p: Four, x: Four, y: Four, n: Four) -> f32 {

@@ -88,15 +88,18 @@ pub struct Map {
     plane: Plane,
     peak: f32,
     error: f64,
+    /// Its range in words.
+    summary: String,
     how: String,
 }
 
 impl Map {
     /// The values, without a copy.
     pub fn new(py: Python<'_>, quantity: Quantity, plane: Plane, made: field::Map) -> PyResult<Self> {
+        let summary = map::summary(quantity, &made);
         let field::Map { width, height, values, peak, error, how, .. } = made;
         let values = array(py, [height, width], values)?.unbind();
-        Ok(Self { values, quantity, plane, peak, error, how })
+        Ok(Self { values, quantity, plane, peak, error, summary, how })
     }
 
     pub fn into_values(self, py: Python<'_>) -> PyResult<Bound<'_, PyArray2<f32>>> {
@@ -124,7 +127,8 @@ impl Map {
         self.quantity.declaration().unit.symbol()
     }
 
-    /// The largest value, in `unit`; of a phase the largest |p|, Pa (peak). The error is relative to it.
+    /// The largest value a wavelength or more from every element, in `unit`; of a phase the largest |p|, Pa (peak); 0 if all
+    /// values are below rounding. The error is relative to it, or to a larger value nearer to elements.
     #[getter]
     fn peak(&self) -> f32 {
         self.peak
@@ -190,7 +194,7 @@ impl Map {
             self.quantity.declaration().words,
             shape[1],
             shape[0],
-            map::extent(self.quantity, self.peak.into()),
+            self.summary,
             self.error,
         ))
     }

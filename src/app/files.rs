@@ -482,8 +482,9 @@ impl Window {
         let request = Request::new(scene, solution.drives(), Quantity::Rms, (width, height));
         let drawn = map::draw(&request, colours, &mut Stages::new(Evaluator::Cpu), false)?;
         let name = self.editor.document.name();
-        let page =
-            sheet::sheet(scene, solution, &name, &drawn.picture, (colours, drawn.map.peak.into()), page)?;
+        let remark = map::remark(Quantity::Rms, &drawn.map);
+        let legend = sheet::Legend { colours, peak: drawn.map.peak.into(), remark };
+        let page = sheet::sheet(scene, solution, &name, &drawn.picture, legend, page)?;
         Ok(export::png(&page)?)
     }
 }

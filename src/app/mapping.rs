@@ -17,6 +17,7 @@ use crate::field::{
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
+use crate::studio::map::remark;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Cut, Lens, View};
 use crate::ui::{Map, Sound, Texture};
@@ -327,6 +328,7 @@ impl Mapping {
             phase: request.moment,
             // Those of the previous map until the GPU's results arrive.
             largest: known.0,
+            remark: None,
             error: known.1,
             how: known.2,
             width: request.size.0,
@@ -350,6 +352,7 @@ impl Mapping {
         if drawn.lacks_figures
             && let Some((figures, seconds)) = stages.figures(request)?
         {
+            map.remark = remark(request.quantity, &figures);
             (map.largest, map.error, map.how) = (figures.peak.into(), figures.error, figures.how);
             done.on_gpu = Some(seconds.map(|seconds| seconds * 1e3));
             // If one pressure determines the value, panels derive it from the sound.

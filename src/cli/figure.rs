@@ -159,6 +159,6 @@ pub(in crate::cli) fn write(
         crate::echo::path(output),
         drawn.map.width,
         drawn.map.height,
-        map::extent(quantity, drawn.map.peak.into())
+        map::summary(quantity, &drawn.map)
     )
 }

@@ -50,6 +50,7 @@ impl Maps {
             "unit": quantity.declaration().unit.symbol(),
             "size": [map.width, map.height],
             "peak": map.peak,
+            "loudest": map.loudest,
             "error": map.error,
             "plane": scene.plane,
             "change": report.generation,

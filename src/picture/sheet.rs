@@ -44,7 +44,17 @@ pub fn map_size(plane: &Plane, width: usize, height: usize) -> (usize, usize) {
     (columns as usize, rows as usize)
 }
 
-/// Draws the whole sheet; `map` is the RMS pressure in these colours up to `peak_rms` (Pa), of the size [`map_size`].
+/// The legend of the map on a sheet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Legend {
+    pub colours: ColourMap,
+    /// Pa RMS, of the last colour.
+    pub peak: f64,
+    /// On what the colours do not show.
+    pub remark: Option<String>,
+}
+
+/// Draws the whole sheet; `map` is the RMS pressure, of the size [`map_size`].
 ///
 /// # Errors
 /// The page is too small for its axes.
@@ -53,7 +63,7 @@ pub fn sheet(
     solution: &Solution,
     title: &str,
     map: &Picture,
-    (colours, peak_rms): (ColourMap, f64),
+    legend: Legend,
     (width, height): (usize, usize),
 ) -> Result<Picture, PictureError> {
     let page = Page::new(PAGE, width, height);
@@ -62,7 +72,7 @@ pub fn sheet(
         panels.wanted_points((0, 0))?;
         panels.phases((1, 0))?;
         panels.amplitudes((0, 1))?;
-        panels.map((1, 1), map, (colours, peak_rms))
+        panels.map((1, 1), map, &legend)
     })
 }
 
@@ -342,22 +352,22 @@ impl Panels<'_, '_> {
         Ok(plot)
     }
 
-    fn map(
-        &self,
-        cell: (usize, usize),
-        map: &Picture,
-        (colours, peak_rms): (ColourMap, f64),
-    ) -> Result<(), PictureError> {
+    fn map(&self, cell: (usize, usize), map: &Picture, legend: &Legend) -> Result<(), PictureError> {
+        let Legend { colours, peak, remark } = legend;
         let Self { page, root, scene, .. } = self;
         let plane = &scene.plane;
         let plot = page.plot(cell, plane.size);
         let (low, high) = ranges(plane);
-        page.chart(root, plot, "RMS pressure", (low, high), labels(plane))?;
+        let title = match remark {
+            Some(remark) => format!("RMS pressure, {remark}"),
+            None => "RMS pressure".to_owned(),
+        };
+        page.chart(root, plot, &title, (low, high), labels(plane))?;
         let rgb = map.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
         root.draw(&bitmap(plot.corner, (map.width, map.height), rgb)?)?;
         frame(root, plot.corner, plot.size)?;
-        let (unit, divisor) = if peak_rms >= 1000.0 { ("kPa", 1000.0) } else { ("Pa", 1.0) };
-        let full = (peak_rms / divisor).max(1e-9);
+        let (unit, divisor) = if *peak >= 1000.0 { ("kPa", 1000.0) } else { ("Pa", 1.0) };
+        let full = (peak / divisor).max(1e-9);
         let decimals = if full >= 100.0 {
             0
         } else if full >= 10.0 {
@@ -369,7 +379,7 @@ impl Panels<'_, '_> {
             let unit = if part == 1.0 { format!(" {unit}") } else { String::new() };
             (part * full, format!("{:.decimals$}{unit}", part * full))
         };
-        page.legend(root, plot, colours, (0.0, full), &[0.0, 0.25, 0.5, 0.75, 1.0].map(tick))
+        page.legend(root, plot, *colours, (0.0, full), &[0.0, 0.25, 0.5, 0.75, 1.0].map(tick))
     }
 }
 

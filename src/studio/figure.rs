@@ -146,9 +146,15 @@ pub fn draw(
     let (map, slope) = or_by_cpu(stages, gpu_is_asked_for, |stages| mapped(&request, stages))?;
     let law = Law::new(quantity, wish, f64::from(map.peak));
     let table = table(quantity, wish);
-    let colours: Vec<u8> = map.values.iter().flat_map(|&value| table[law.place(f64::from(value))]).collect();
+    let has_phases = quantity.declaration().range == Range::Cyclic;
+    let colour = |&value: &f32| {
+        // Silence has no phase.
+        let value = if has_phases && map.peak == 0.0 { 0.0 } else { value };
+        table[law.place(f64::from(value))]
+    };
+    let colours: Vec<u8> = map.values.iter().flat_map(colour).collect();
     let mut picture = Picture::from_field_order(width, height, &colours);
-    if wish.fades && quantity.declaration().range == Range::Cyclic {
+    if wish.fades && has_phases {
         let request = Request { quantity: Quantity::Rms, ..request };
         let colouring = Colouring::new(Quantity::Rms, colour::veil(wish.is_light));
         let veil = or_by_cpu(stages, gpu_is_asked_for, |stages| {
@@ -159,6 +165,7 @@ pub fn draw(
     if let Some(bar) = &mut content.bar {
         *bar = law.bar(table);
     }
+    content.remark = map::remark(quantity, &map).filter(|_| wish.full.is_none() && wish.range.is_none());
     if map.peak > 0.0 {
         for level in &wish.contours {
             let level = f64::from(map.peak) * 10f64.powf(level / quantity.declaration().decibels);
@@ -270,6 +277,7 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
         axes: [axis(low.x, high.x, x), axis(low.y, high.y, y)],
         bar: wish.has_colour_bar.then(bar),
         has_scale_bar: wish.has_scale_bar,
+        remark: None,
         contours: Vec::new(),
         outlines,
         foci: rings,

@@ -3,12 +3,12 @@
 use glam::DVec2;
 
 use crate::echo;
-use crate::field::{Depression, Pressed, Quantity};
+use crate::field::{Depression, Map, Pressed, Quantity};
 use crate::picture::relief::{self, Relief, Words};
 use crate::picture::{Picture, PictureError};
-use crate::rounding::{at_most, digits, milliseconds, pascals_at_most, percent_at_least};
+use crate::rounding::{at_most, digits, milliseconds, percent_at_least};
 use crate::scene::{self, Envelope, Law, Liquid, Modulation, Plane, Scene};
-use crate::studio::map::{DrawnMap, SILENT, extent};
+use crate::studio::map::{DrawnMap, SILENT, extent, summary};
 use crate::studio::output::warn;
 use crate::surface::Light;
 use crate::surface::dent::{STEEPEST, largest_drive};
@@ -22,20 +22,15 @@ pub fn points(plane: &Plane) -> (usize, usize) {
     (COLUMNS, rows.clamp(2.0, 10.0 * COLUMNS as f64) as usize)
 }
 
-/// The figures of a surface with a largest radiation pressure (Pa) or depth (m) of `largest`.
-pub fn describe(scene: &Scene, pressed: &Pressed, largest: f64) -> String {
+/// The figures of a map of radiation pressure or its effects.
+pub fn describe(scene: &Scene, pressed: &Pressed, (quantity, map): (Quantity, &Map)) -> String {
     let mut words = match pressed.depression {
-        None if largest == 0.0 => SILENT.to_owned(),
-        None => format!(
-            "radiation pressure up to {}, {} on {}",
-            pascals_at_most(largest),
-            newtons(pressed.force),
-            area(pressed.size)
-        ),
+        None | Some(_) if map.peak == 0.0 => summary(quantity, map),
+        None => format!("{}, {} on {}", summary(quantity, map), newtons(pressed.force), area(pressed.size)),
         Some(depression) => {
             let surface = format!("{}: {}", liquid(scene), figures(pressed, depression));
             match pressed.light {
-                Some(light) => format!("{}\n  {surface}", caustic(scene, light, largest)),
+                Some(light) => format!("{}\n  {surface}", caustic(scene, light, map.peak.into())),
                 None => surface,
             }
         }

@@ -11,6 +11,8 @@ use crate::studio::evaluator::or_by_cpu;
 
 /// Text for a silent map, in place of zeros.
 pub const SILENT: &str = "no sound reaches the plane";
+/// Remark on values that exceed the range.
+pub const LARGER: &str = "larger within a wavelength of elements";
 
 /// A map as drawn.
 #[derive(Debug)]
@@ -40,6 +42,32 @@ pub fn extent(quantity: Quantity, peak: f64) -> String {
         Norm::Value | Norm::Difference | Norm::Energy => {
             format!("{} up to {}", declaration.words, quantity.at_most(peak))
         }
+    }
+}
+
+/// The remark beside a picture whose colours need one: on a silent map, or on places beyond its range.
+pub fn remark(quantity: Quantity, map: &Map) -> Option<String> {
+    let declaration = quantity.declaration();
+    if map.rounding > 0.0 && map.peak == 0.0 {
+        // What is summed: phases and depressions follow from it.
+        let summed = match (declaration.norm, declaration.of_liquid) {
+            (Norm::Pressure, _) => Quantity::Rms.declaration(),
+            (Norm::Value | Norm::Difference | Norm::Energy, true) => Quantity::Radiation.declaration(),
+            (Norm::Value | Norm::Difference | Norm::Energy, false) => declaration,
+        };
+        let (words, unit) = (summed.words, summed.unit.symbol());
+        return Some(format!("silent: {words} below its rounding, {:.0e} {unit}", map.rounding));
+    }
+    map.has_larger().then(|| LARGER.to_owned())
+}
+
+/// The range of a map's values, as text, with its remark.
+pub fn summary(quantity: Quantity, map: &Map) -> String {
+    let remark = remark(quantity, map);
+    match (remark, map.peak == 0.0) {
+        (Some(silent), true) => silent,
+        (Some(larger), false) => format!("{}, {larger}", extent(quantity, map.peak.into())),
+        (None, _) => extent(quantity, map.peak.into()),
     }
 }
 
@@ -84,13 +112,25 @@ fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String
     let time = milliseconds(start.elapsed().as_secs_f64(), 1);
     let whose = if quantity.declaration().of_light { "the radiation pressure's peak" } else { "the peak" };
     let error = match map.peak {
+        0.0 if map.rounding > 0.0 => "silent: no value exceeds the rounding of its sum in f64".to_owned(),
         0.0 => "silent: every pressure underflows when squared in f32".to_owned(),
         _ => format!(
             "error up to {:.1e} of {whose}, estimated from places that were compared with f64",
             map.error
         ),
     };
-    format!("{who} took {time} for the map and its colours\n  {}\n  {error}", map.how)
+    let mut how = format!("{who} took {time} for the map and its colours\n  {}\n  {error}", map.how);
+    if map.has_larger() {
+        let values = match quantity.declaration().norm {
+            Norm::Pressure => format!("{} peak", Quantity::Rms.at_most(map.loudest.into())),
+            Norm::Value | Norm::Difference | Norm::Energy => quantity.at_most(map.loudest.into()),
+        };
+        how.push_str(&format!(
+            "\n  the range leaves out {} pixels within a wavelength of elements, with values up to {values}",
+            map.near
+        ));
+    }
+    how
 }
 
 #[cfg(test)]

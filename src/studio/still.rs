@@ -264,15 +264,25 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     }
     let peak = f64::from(drawn.map.peak);
     let what = match &drawn.pressed {
-        None => format!(", {}", map::extent(quantity, peak)),
-        Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, peak)),
+        None => format!(", {}", map::summary(quantity, &drawn.map)),
+        Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, (quantity, &drawn.map))),
     };
     let picture = match look.diagram {
-        Diagram::Sheet => sheet::sheet(scene, solution, name, &drawn.picture, (look.colours, peak), page)?,
+        Diagram::Sheet => {
+            let remark = map::remark(quantity, &drawn.map);
+            let legend = sheet::Legend { colours: look.colours, peak, remark };
+            sheet::sheet(scene, solution, name, &drawn.picture, legend, page)?
+        }
         Diagram::Map(_) if quantity.declaration().of_liquid => {
             liquid::picture(name, scene, &drawn, look.is_shaded().then_some((width, page)))?
         }
-        Diagram::Map(_) | Diagram::Drive => drawn.picture,
+        Diagram::Map(_) | Diagram::Drive => {
+            let mut picture = drawn.picture;
+            if let Some(remark) = map::remark(quantity, &drawn.map) {
+                relief::label(&mut picture, &remark)?;
+            }
+            picture
+        }
     };
     Ok(Rendered {
         picture,

@@ -17,6 +17,7 @@ use crate::picture::Picture;
 use crate::picture::space::{Bar, Words};
 use crate::rounding::milliseconds;
 use crate::studio::evaluator::Backend;
+use crate::studio::map;
 use crate::studio::output::note;
 use crate::studio::space::block_of;
 use crate::studio::space::{self, Look};
@@ -151,7 +152,8 @@ pub fn describe(body: Body, volume: &Volume) -> String {
         return "no sound in the box".to_owned();
     }
     let words = |value: f64| format!("{} RMS", Quantity::Rms.with_unit(value));
-    match body {
+    let remark = if volume.loudest > volume.peak { format!(", {}", map::LARGER) } else { String::new() };
+    let text = match body {
         Body::Surface(part) => format!(
             "Surface at −{:.1} dB of the peak: {}; peak {}",
             -Quantity::Rms.decibels(part.into()),
@@ -160,7 +162,8 @@ pub fn describe(body: Body, volume: &Volume) -> String {
         ),
         Body::Projection => format!("Largest RMS pressure along every line of sight; peak {}", words(peak)),
         Body::Hidden => format!("RMS pressure; peak {}", words(peak)),
-    }
+    };
+    format!("{text}{remark}")
 }
 
 /// The colours of slices and projections.

@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use glam::{DVec3, UVec3};
 
 use crate::field::volume::{Block, Lattice, MOST_POINTS, MOST_POINTS_ALONG};
-use crate::field::{Quantity, Request, Stages, missed};
+use crate::field::{Map, Quantity, Request, Stages, missed};
 use crate::picture::numbers::Numbers;
 use crate::picture::vti::ImageData;
 use crate::rounding::millimetres;
@@ -99,12 +99,11 @@ pub fn write(solved: &Solved, stages: &mut Stages, look: &Look, wish: &Wish<'_>)
     let lattice = Lattice::of_cells(&block, counts);
     let gauge = (look.begin)("the volume");
     let gpu_is_asked_for = look.backend == Backend::Gpu;
-    let (mut peak, mut off) = (0.0f64, 0.0f64);
+    let mut layers = Vec::new();
     let mut layer = |z: u32| {
         request.plane = lattice.layer(z, scene.plane.tolerance);
         let map = or_by_cpu(stages, gpu_is_asked_for, |stages| stages.map(&request).cloned())?;
-        peak = peak.max(map.peak.into());
-        off = off.max(map.error * f64::from(map.peak));
+        layers.push(map.without_values());
         gauge.tell(z as usize + 1, counts.z as usize);
         anyhow::Ok(map.values)
     };
@@ -125,7 +124,8 @@ pub fn write(solved: &Solved, stages: &mut Stages, look: &Look, wish: &Wish<'_>)
         Ok(())
     })
     .with_context(|| solved.name.clone())?;
-    let missed = if peak > 0.0 { missed(off / peak, scene.plane.tolerance) } else { None };
+    let Whole { peak, loudest, error } = Whole::of(&layers);
+    let missed = missed(error, scene.plane.tolerance);
     let mm = |v: DVec3| v.to_array().map(|length| millimetres(length, 1)).join(", ");
     let line = format!(
         "{}: {} x {} x {} points from ({}) mm, ({}) mm apart, {}",
@@ -135,7 +135,33 @@ pub fn write(solved: &Solved, stages: &mut Stages, look: &Look, wish: &Wish<'_>)
         counts.z,
         mm(lattice.first),
         mm(lattice.step),
-        if peak == 0.0 { "no sound reaches the box".to_owned() } else { map::extent(quantity, peak) }
+        match peak {
+            0.0 => "no sound reaches the box".to_owned(),
+            _ if loudest > peak => format!("{}, {}", map::extent(quantity, peak), map::LARGER),
+            _ => map::extent(quantity, peak),
+        }
     );
     Ok(Written { line, missed })
+}
+
+/// The figures of all layers, as those of a [`Map`].
+struct Whole {
+    peak: f64,
+    loudest: f64,
+    /// Relative to the peak or to a larger value itself.
+    error: f64,
+}
+
+impl Whole {
+    fn of(layers: &[Map]) -> Self {
+        // Where all pixels of a layer are near elements, its peak is of them.
+        let is_clear = |layer: &&Map| layer.near < layer.width * layer.height;
+        let has_clear = layers.iter().any(|layer| is_clear(&layer));
+        let counted = layers.iter().filter(|layer| is_clear(layer) || !has_clear);
+        let peak = counted.map(|layer| f64::from(layer.peak)).fold(0.0, f64::max);
+        let loudest = layers.iter().map(|layer| f64::from(layer.loudest)).fold(0.0, f64::max);
+        let part = |layer: &Map| if peak > 0.0 { (f64::from(layer.peak) / peak).min(1.0) } else { 0.0 };
+        let error = layers.iter().map(|layer| layer.error * part(layer)).fold(0.0, f64::max);
+        Self { peak, loudest, error }
+    }
 }

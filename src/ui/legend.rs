@@ -29,6 +29,8 @@ const CONTOURS: RangeInclusive<f64> = -60.0..=-0.1;
 const STEPS: f64 = 6.0;
 const WIDTH: f32 = 16.0;
 const GAP: f32 = 14.0;
+/// Width of a remark below the bar.
+const ROOM: f32 = 84.0;
 
 /// Position of the bar beside a plot.
 fn place(plot: Rect) -> Rect {
@@ -79,6 +81,13 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
         let at = pos2(bar.right(), y(part));
         painter.line_segment([at, at + vec2(4.0, 0.0)], edge);
         painter.text(at + vec2(7.0, 0.0), Align2::LEFT_CENTER, label, FontId::proportional(12.0), ink);
+    }
+    // A given range shows what it was given for.
+    if let Some(remark) = map.remark.as_ref().filter(|_| map.full.is_none()) {
+        let font = FontId::proportional(11.0);
+        let weak = ui.visuals().weak_text_color();
+        let galley = painter.layout(remark.clone(), font, weak, ROOM);
+        painter.galley(bar.left_bottom() + vec2(0.0, 6.0), galley, weak);
     }
     if let Some(contour) = editor.view.contour_part() {
         let part = law.place(contour * map.largest * factor / full, map.quantity);

@@ -26,7 +26,9 @@ pub struct Map {
     pub low: Option<f64>,
     /// The largest value, as [`crate::field::Map::peak`] has it.
     pub largest: f64,
-    /// Relative to it.
+    /// On what the colours do not show.
+    pub remark: Option<String>,
+    /// Relative to the largest value.
     pub error: f64,
     pub how: String,
     pub width: usize,

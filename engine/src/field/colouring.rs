@@ -100,6 +100,17 @@ impl Colouring {
 
     fn law(&self, peak: f32) -> Law {
         let Line { zero, spread, full } = self.line();
+        // Of a silent map every value is 0, but for rounding.
+        let is_silent = match self.range {
+            Range::Amount | Range::Signed => self.full.unwrap_or(peak) <= 0.0,
+            Range::Cyclic => peak <= 0.0,
+        };
+        if is_silent {
+            return Law::Linear {
+                of_zero: if self.scale() == Scale::Linear { zero } else { 0.0 },
+                per_unit: 0.0,
+            };
+        }
         let full = full.unwrap_or(peak).max(SMALLEST);
         match self.scale() {
             Scale::Linear => Law::Linear { of_zero: zero, per_unit: spread / full },

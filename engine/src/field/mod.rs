@@ -24,6 +24,7 @@ pub mod stages;
 pub mod summit;
 pub mod transfer;
 mod unit;
+mod vicinity;
 pub mod volume;
 
 use std::borrow::Cow;

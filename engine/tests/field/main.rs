@@ -12,6 +12,7 @@ mod evaluators;
 mod force;
 mod growth;
 mod model;
+mod peak;
 mod plan;
 mod quantities;
 mod reference;

@@ -225,7 +225,7 @@ fn drive(class: Class, scene: &Scene, dice: &mut Dice) -> Drive {
     Drive { amplitudes, phases }
 }
 
-/// The errors of one map by one evaluator, relative to the largest of all pixels.
+/// The errors of one map by one evaluator, relative to its peak or to a larger pixel itself.
 struct Reached {
     wanted: f64,
     truly: f64,
@@ -250,20 +250,24 @@ fn reached(stages: &mut Stages, case: &Case, expected: &(Vec<(f64, f64)>, f64), 
     let mut request = case.request.clone();
     request.plane.tolerance = tolerance;
     let map = stages.map(&request).unwrap();
+    let (pixels, peak) = expected;
+    // Pixels next to elements do not count for the peak, and their errors are relative to themselves.
+    let peak = if map.near > 0 { f64::from(map.peak) } else { *peak };
+    let is_of_pressure = request.quantity.declaration().norm == Norm::Pressure;
     let off = |(&got, &(value, modulus)): (&f32, &(f64, f64))| {
         let got = f64::from(got);
+        let own = if is_of_pressure { modulus } else { value.abs() };
         let off = if request.quantity == Quantity::Phase {
             modulus * (Complex64::cis(got) - Complex64::cis(value)).norm()
         } else {
             (got - value).abs()
         };
         // `max` ignores NaN.
-        if off.is_nan() { f64::INFINITY } else { off }
+        if off.is_nan() { f64::INFINITY } else { off * (peak / own).min(1.0) }
     };
-    let (pixels, peak) = expected;
     let off = map.values.iter().zip(pixels).map(off).fold(0.0, f64::max);
     // f32 has no smaller squares.
-    let truly = if *peak < FAINTEST { 0.0 } else { off / peak };
+    let truly = if peak < FAINTEST { 0.0 } else { off / peak };
     let wanted = if tolerance == 0.0 { EXACT } else { tolerance } + judge(&request, pixels) / peak;
     Reached { wanted, truly, said: map.error, by: format!("{:?}", map.by) }
 }

@@ -86,6 +86,8 @@ pub struct Content {
     /// To the right and upwards.
     pub axes: [Axis; 2],
     pub bar: Option<Bar>,
+    /// On what the colours do not show, in the map's upper left corner.
+    pub remark: Option<String>,
     /// A scale bar in the map's lower left corner.
     pub has_scale_bar: bool,
     /// Lines of equal value in pixels of the map, as [`crate::field::contour`] has them.
@@ -291,6 +293,11 @@ impl Marks<'_> {
         }
         for (ends, text) in &content.lengths {
             self.length(ends.map(place), text, ink, room);
+        }
+        if let Some(remark) = &content.remark {
+            let (at, text) = ([left + GAP, top + GAP + NUMBER * CAPITAL], remark.clone());
+            let anchor = Anchor::Start;
+            self.list.push(Mark::Text { at, height: NUMBER, anchor, is_turned: false, ink, text });
         }
         if content.has_scale_bar {
             let span = x.ends[1] - x.ends[0];

@@ -105,6 +105,8 @@ pub enum Look {
 struct Extent {
     /// The smallest and the largest value, including 0.
     range: [f32; 2],
+    /// Whether values near elements exceed it.
+    has_larger: bool,
     /// The values of the frame with the largest magnitude, for a palette.
     farthest: Option<Vec<f32>>,
 }
@@ -223,7 +225,7 @@ impl<'a> Film<'a> {
             Some(_) => format!("it takes {:.3} s", count as f64 / frames_per_second),
         };
         let is_chosen = self.rate.is_some();
-        Ok(Shot { frames: count, pace, is_chosen, range: self.in_words(extent.range), what })
+        Ok(Shot { frames: count, pace, is_chosen, range: self.in_words(&extent), what })
     }
 
     /// Of the motion; a scene at rest shows its single frame for a second.
@@ -255,7 +257,8 @@ impl<'a> Film<'a> {
         Ok(extent)
     }
 
-    fn in_words(&self, [low, high]: [f32; 2]) -> String {
+    fn in_words(&self, extent: &Extent) -> String {
+        let [low, high] = extent.range;
         let quantity = self.request.quantity;
         let declaration = quantity.declaration();
         match (self.schedule, declaration.range) {
@@ -265,7 +268,8 @@ impl<'a> Film<'a> {
             }
             (None, Range::Cyclic) => String::new(),
             (None, Range::Amount | Range::Signed) => {
-                format!(", {}", map::extent(quantity, high.into()))
+                let remark = if extent.has_larger { format!(", {}", map::LARGER) } else { String::new() };
+                format!(", {}{remark}", map::extent(quantity, high.into()))
             }
         }
     }
@@ -314,6 +318,7 @@ impl<'a> Film<'a> {
             Some(_) => map.values.iter().fold([0.0; 2], |[low, high], &h| [h.min(low), h.max(high)]),
             None => [0.0, map.peak],
         };
+        extent.has_larger |= map.has_larger();
         let before = extent.deepest();
         extent.range = [extent.range[0].min(low), extent.range[1].max(high)];
         let is_farthest = extent.farthest.is_none() || extent.deepest() > before;

@@ -21,6 +21,7 @@ use crate::field::gpu::{Gpu, Step};
 use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, PRESSURE, Part, Quantity};
 use crate::field::slope::{shifted, stencil};
+use crate::field::vicinity::LeftOut;
 use crate::field::{GpuError, Samples, Sources, Wave, sources};
 
 /// Concurrent read-backs of figures: one arrives while the next is produced.
@@ -37,6 +38,8 @@ pub struct Shape<'a> {
     pub interpolated: Option<Interpolated<'a>>,
     /// Rows evaluated pixel by pixel: first row and samples.
     pub direct: Vec<(usize, Samples)>,
+    /// The pixels that do not count for the peak.
+    pub left_out: &'a LeftOut,
     /// Of the plane.
     pub normal: DVec3,
     /// Pixels to compare with the reference.
@@ -157,7 +160,8 @@ impl Chain {
             making.add(places, &all, &sums, 1.0)?;
             making.sums.push(sums.clone());
             let first = row * width;
-            forming.take(gpu, &sums, [width, places.rows.len()], first);
+            let left_out = shape.left_out.bits(first..first + places.len());
+            forming.take(gpu, &sums, [width, places.rows.len()], first, &left_out);
             let probe = |(number, &place): (usize, &usize)| {
                 let first = place.checked_sub(first).filter(|&place| place < places.len())?;
                 Some(Probe { number, first, weights: [&[1.0]; 2] })

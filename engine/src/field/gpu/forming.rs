@@ -2,7 +2,7 @@
 
 use bytemuck::Zeroable;
 use num_complex::Complex32;
-use wgpu::BindingResource;
+use wgpu::{BindingResource, BufferUsages};
 
 use crate::field::GpuError;
 use crate::field::gpu::program::{DirectParams, FormParams, Program};
@@ -11,6 +11,7 @@ use crate::field::gpu::tuning::WORKGROUP;
 use crate::field::gpu::{Gpu, Reading, Step};
 use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, Part, Quantity, Sound};
+use crate::field::vicinity::LeftOut;
 
 /// The passes that form values, with their constants.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ pub(super) struct Forming {
     params: FormParams,
     buffer: wgpu::Buffer,
     pub(super) values: wgpu::Buffer,
-    /// The largest extent, as the bits of a float.
+    /// The largest extents of the pixels that count and of the others, as the bits of floats.
     pub(super) peak: wgpu::Buffer,
 }
 
@@ -34,7 +35,7 @@ impl Forming {
             buffer: gpu.params(bytemuck::bytes_of(&FormParams::zeroed())),
             // Reads are in units of eight bytes.
             values: gpu.storage("values", (pixels.div_ceil(2) * 8) as u64),
-            peak: gpu.storage("peak", 4),
+            peak: gpu.storage("peak", 8),
         }
     }
 
@@ -60,13 +61,15 @@ impl Forming {
         self.steps.push(step);
     }
 
-    /// Adds pixels with known parts of the sound, in rows of `columns`.
+    /// Adds pixels with known parts of the sound, in rows of `columns`; a bit of `left_out` is set for each that does
+    /// not count for the peak.
     pub(super) fn take(
         &mut self,
         gpu: &Gpu,
         parts: &wgpu::Buffer,
         [columns, rows]: [usize; 2],
         first_pixel: usize,
+        left_out: &[u32],
     ) {
         let params = DirectParams {
             columns: columns as u32,
@@ -74,7 +77,12 @@ impl Forming {
             first_pixel: first_pixel as u32,
         };
         let params = gpu.params(bytemuck::bytes_of(&params));
-        let mut bindings = vec![(0, params.as_entire_binding()), (1, parts.as_entire_binding())];
+        let left_out = gpu.filled("left out", bytemuck::cast_slice(left_out), BufferUsages::STORAGE);
+        let mut bindings = vec![
+            (0, params.as_entire_binding()),
+            (1, parts.as_entire_binding()),
+            (2, left_out.as_entire_binding()),
+        ];
         bindings.extend(self.made());
         let groups = ((columns as u32).div_ceil(WORKGROUP), rows as u32);
         self.steps.push(gpu.step(Program::FormDirect(self.quantity), &bindings, groups));
@@ -107,9 +115,9 @@ pub(super) fn form(
     let parts: Vec<Complex32> = Part::of(quantity.declaration().parts)
         .flat_map(|part| sounds.iter().copied().map(move |mut sound| *sound.part_mut(part)))
         .collect();
-    let sound = gpu.filled("sound", bytemuck::cast_slice(&parts), wgpu::BufferUsages::STORAGE);
+    let sound = gpu.filled("sound", bytemuck::cast_slice(&parts), BufferUsages::STORAGE);
     let mut forming = Forming::new(gpu, quantity, sounds.len());
-    forming.take(gpu, &sound, [sounds.len(), 1], 0);
+    forming.take(gpu, &sound, [sounds.len(), 1], 0, &LeftOut::default().bits(0..sounds.len()));
     forming.set(gpu, constants, 1.0);
     let mut encoder = gpu.encoder();
     for step in &forming.steps {

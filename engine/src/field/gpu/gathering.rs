@@ -11,8 +11,8 @@ use crate::field::quantity::{Part, Sound};
 /// The results of a map for panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gathered {
-    /// See [`crate::field::Map::peak`].
-    pub peak: f32,
+    /// The largest extents: the peak, see [`crate::field::Map::peak`], and that of the pixels that do not count for it.
+    pub largest: [f32; 2],
     /// At the probes.
     pub sounds: Vec<Sound>,
     /// GPU time (s), if it can be measured.
@@ -33,7 +33,7 @@ pub(super) struct Probe<'a> {
 #[derive(Debug)]
 pub(super) struct Gathering {
     pub(super) steps: Vec<Step>,
-    /// The parts of the sound at the probes in sequence, the peak, and the begin and end times of a map's passes.
+    /// The parts of the sound at the probes in sequence, the largest extents, and the begin and end times of a map's passes.
     pub(super) buffer: wgpu::Buffer,
     parts: u8,
     probes: usize,
@@ -100,7 +100,7 @@ impl Gathering {
         };
         let times: &[u64] = bytemuck::cast_slice(&numbers[count * self.probes + 1..]);
         Gathered {
-            peak: numbers[count * self.probes].re,
+            largest: [numbers[count * self.probes].re, numbers[count * self.probes].im],
             sounds: (0..self.probes).map(sound).collect(),
             seconds: gpu.tick.map(|tick| times[1].saturating_sub(times[0]) as f64 * f64::from(tick) * 1e-9),
         }

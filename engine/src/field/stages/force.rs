@@ -6,13 +6,15 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use crate::field::Samples;
 use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, interpolate};
 use crate::field::plan::{Costs, Plan, promised};
 use crate::field::stages::kept::Kept;
-use crate::field::stages::probes::{MARGIN, corners, spread};
+use crate::field::stages::probes::{MARGIN, corners, farthest, largest_sum, rounding_of_terms, spread};
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
 use crate::field::stages::work::Work;
+use crate::field::vicinity::{LeftOut, Vicinity};
 use crate::force::Levitation;
 use crate::gauge::Gauge;
 use crate::scene::Plane;
@@ -174,10 +176,10 @@ impl Scenery<'_> {
             cells.counts[1],
             near.len()
         );
-        let peak = values.iter().fold(0.0f32, |most, value| most.max(*value));
-        let error = self.error(&values, peak);
         let evaluated = cells.count() + near.len();
-        Map { width, height, values, peak, error, evaluated, by: By::CpuInF64, how }
+        let map = Map { width, height, values, evaluated, by: By::CpuInF64, how, ..Map::default() };
+        let map = self.measured(map);
+        Map { error: if map.peak > 0.0 { self.error(&map.values, map.peak) } else { 0.0 }, ..map }
     }
 
     fn direct(&self, progress: &Gauge) -> Map {
@@ -185,22 +187,50 @@ impl Scenery<'_> {
         let points: Vec<_> = (0..width * height).map(|pixel| self.pixel(pixel)).collect();
         let length = |force: &DVec3| (self.request.part * force.length()) as f32;
         let values: Vec<_> = self.forces(&points, progress).iter().map(length).collect();
-        let peak = values.iter().fold(0.0f32, |most, value| most.max(*value));
         let how = "forces in f64 at every pixel".to_owned();
-        Map { width, height, evaluated: values.len(), values, peak, error: 0.0, by: By::Reference, how }
+        let (evaluated, by) = (values.len(), By::Reference);
+        self.measured(Map { width, height, values, evaluated, by, how, ..Map::default() })
     }
 
-    /// An estimate of the largest deviation of all pixels, relative to the peak.
+    /// The map with the largest of its values.
+    fn measured(&self, map: Map) -> Map {
+        let Request { aperture, plane, size: (width, height), .. } = self.request;
+        let pixels = Samples::on_plane(plane, *width, *height);
+        let left_out = pixels.map(|pixels| Vicinity::new(aperture).of(&pixels)).unwrap_or_default();
+        let [peak, others] = left_out.largest(&map.values);
+        let (loudest, near, rounding) = (peak.max(others), left_out.near, self.rounding(&left_out));
+        if f64::from(peak) <= rounding {
+            return Map { peak: 0.0, loudest, near, rounding, ..map };
+        }
+        Map { peak, loudest, near, ..map }
+    }
+
+    /// A bound of the rounding of forces whose terms may cancel.
+    fn rounding(&self, left_out: &LeftOut) -> f64 {
+        let Request { aperture, plane, drives, size, part, .. } = self.request;
+        let probed = spread(size.0 * size.1).chain(corners(*size)).filter(|&pixel| !left_out.contains(pixel));
+        let transfer = aperture.transfer(&probed.map(|pixel| self.pixel(pixel)).collect::<Vec<_>>());
+        let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
+        let loudest = largest_sum(transfer.rows(), &excitations);
+        let k = aperture.element.wavenumber;
+        let [of_slope, of_curvature] = self.levitation.sphere.coupling().map(|factor| factor.norm());
+        let largest = (of_slope * k + 3.0 * of_curvature * k.powi(3)) * loudest * loudest;
+        2.0 * part * rounding_of_terms(k * farthest(aperture, plane)) * largest
+    }
+
+    /// An estimate of the largest deviation of all pixels, relative to the peak or to a larger value itself.
     fn error(&self, values: &[f32], peak: f32) -> f64 {
         let pixels: Vec<_> = spread(values.len()).chain(corners(self.request.size)).collect();
         let points: Vec<_> = pixels.iter().map(|&pixel| self.pixel(pixel)).collect();
         let forces = self.forces(&points, &Gauge::default());
-        let off = pixels
-            .iter()
-            .zip(forces)
-            .map(|(&pixel, force)| (self.request.part * force.length() - f64::from(values[pixel])).abs());
-        let most = off.fold(0.0, f64::max);
-        if most == 0.0 { 0.0 } else { MARGIN * most / f64::from(peak) }
+        let off = pixels.iter().zip(forces).map(|(&pixel, force)| {
+            let expected = self.request.part * force.length();
+            match (expected - f64::from(values[pixel])).abs() {
+                0.0 => 0.0,
+                off => off / f64::from(peak).max(if peak > 0.0 { expected } else { 0.0 }),
+            }
+        });
+        MARGIN * off.fold(0.0, f64::max)
     }
 
     fn forces(&self, points: &[DVec3], progress: &Gauge) -> Vec<DVec3> {
@@ -221,7 +251,7 @@ mod tests {
     use super::*;
     use crate::acoustics::Aperture;
     use crate::drive::Drive;
-    use crate::field::{Quantity, Samples};
+    use crate::field::Quantity;
     use crate::scene::{Array, Scene};
 
     #[test]

@@ -26,6 +26,7 @@ use crate::drive::Drive;
 use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
 use crate::field::plan::{Costs, promised};
+use crate::field::vicinity::LeftOut;
 use crate::field::{Colouring, Evaluator, Gpu};
 use crate::gauge::Gauge;
 use crate::surface::{Dent, Tank};
@@ -54,6 +55,8 @@ struct Job<'a> {
     key: &'a SiteKey,
     site: &'a Site,
     frame: &'a Frame,
+    /// The pixels that do not count for the peak.
+    left_out: &'a LeftOut,
     probes: &'a Probes,
     /// Of the drives that count, of every element.
     excitations: &'a Arc<Vec<Vec<Complex64>>>,
@@ -85,7 +88,7 @@ struct Ground {
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
     /// The request of the last refinement, so that maps do not depend on history.
     refined: Option<Request>,
-    frame: Kept<FrameKey, Option<(Frame, Probes)>>,
+    frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes)>>,
     /// Of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
     work: Work,
@@ -126,13 +129,16 @@ impl Ground {
         let (key, site) = site.as_ref().ok_or(FieldError::NoPlane)?;
         let wanted = FrameKey { site: key.clone(), size: request.size, of_liquid };
         let frame = frame.update(&wanted, |made| {
-            let probes = Probes::new(key, site, request.size, of_liquid);
-            *made = Frame::new(key, site, request.size).map(|frame| (frame, probes));
+            *made = Frame::new(key, site, request.size).map(|frame| {
+                let left_out = frame.left_out(&key.setting.aperture);
+                let probes = Probes::new(key, site, (request.size, &left_out), of_liquid);
+                (frame, left_out, probes)
+            });
         });
-        let (frame, probes) = frame.as_ref().ok_or(FieldError::NoPlane)?;
+        let (frame, left_out, probes) = frame.as_ref().ok_or(FieldError::NoPlane)?;
         let sounding = (request.counted(), request.aperture.driven.clone());
         let excitations = excitations.update(&sounding, |made| *made = request.excitations());
-        Ok(Job { request, key, site, frame, probes, excitations })
+        Ok(Job { request, key, site, frame, left_out, probes, excitations })
     }
 }
 
@@ -353,7 +359,10 @@ impl Stages {
         Ok(contours.update(&key, |lines| {
             work.contours += 1;
             let Map { values, width, peak, .. } = &map.value;
-            *lines = contour::lines(values, *width, part * peak, |value| *value);
+            lines.clear();
+            if *peak > 0.0 {
+                *lines = contour::lines(values, *width, part * peak, |value| *value);
+            }
         }))
     }
 
@@ -405,12 +414,21 @@ impl Job<'_> {
     /// On the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
     fn by_cpu(&self, cpu: &mut OnCpu, exact: bool, mut values: Vec<f32>) -> Result<Map, FieldError> {
         let mut make = |job: &Job<'_>, by: By, values: &mut Vec<f32>| {
-            let made = cpu.values(job, is_double(by), values);
-            (job.probes.error((job.request, job.excitations), &made.at_probes, made.relative_to), made, by)
+            let mut made = cpu.values(job, is_double(by), values);
+            let sounding = (job.request, &job.excitations[..]);
+            let rounding = if is_double(by) { job.probes.rounding(sounding) } else { 0.0 };
+            if rounding > 0.0 && f64::from(made.relative_to) <= rounding {
+                // Light on a level surface is undisturbed.
+                let is_light = job.request.quantity.declaration().of_light;
+                let (peak, left_out) = (if is_light { made.peak } else { 0.0 }, made.peak.max(made.left_out));
+                made = Made { peak, left_out, rounding, ..made };
+                return (0.0, made, by);
+            }
+            (job.probes.error(sounding, &made.at_probes, made.relative_to), made, by)
         };
-        let all_of_it = |job: &Job<'_>, made: (f64, Made, By), values| {
-            let (error, Made { peak, .. }, by) = made;
-            job.described(values, peak, error, by)
+        let all_of_it = |job: &Job<'_>, (error, made, by): (f64, Made, By), values| {
+            let Made { peak, left_out, rounding, .. } = made;
+            Map { rounding, ..job.described(values, [peak, left_out], error, by) }
         };
         let made = if exact {
             make(self, By::Reference, &mut values)
@@ -451,7 +469,8 @@ impl Job<'_> {
         error > promised(self.request.plane.tolerance)
     }
 
-    fn described(&self, values: Vec<f32>, peak: f32, error: f64, by: By) -> Map {
+    /// With the largest magnitudes of the pixels that count for the peak, and of the others.
+    fn described(&self, values: Vec<f32>, [peak, left_out]: [f32; 2], error: f64, by: By) -> Map {
         let (width, height) = self.request.size;
         let plan = &self.site.plan;
         let (evaluated, how) = match (self.frame, &self.site.cells) {
@@ -465,7 +484,8 @@ impl Job<'_> {
                 (sampled, format!("{}{cells}", plan.reason))
             }
         };
-        Map { width, height, values, peak, error, evaluated, by, how }
+        let (near, loudest) = (self.left_out.near, peak.max(left_out));
+        Map { width, height, values, peak, loudest, near, rounding: 0.0, error, evaluated, by, how }
     }
 }
 

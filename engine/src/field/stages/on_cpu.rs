@@ -80,6 +80,10 @@ struct FormedKey {
 /// The results, and those for comparison with the reference.
 pub(super) struct Made {
     pub(super) peak: f32,
+    /// The largest magnitude of the pixels that do not count for the peak.
+    pub(super) left_out: f32,
+    /// The bound of rounding that all values stay below, of a silent map.
+    pub(super) rounding: f64,
     pub(super) at_probes: AtProbes,
     /// Reference of the relative error.
     pub(super) relative_to: f32,
@@ -152,7 +156,8 @@ impl OnCpu {
         let factor = request.part as f32 / drives.len() as f32;
         let rows_together = (BAND / raster.width).max(1);
         let mut sounds = vec![Sound::default(); job.probes.places.len()];
-        let (mut loudest, mut largest) = (0.0f32, 0.0f32);
+        let is_of_pressure = declaration.norm == Norm::Pressure;
+        let (mut loudest, mut largest) = ([0.0f32; 2], 0.0f32);
         if drives.len() > 1 {
             values.fill(0.0);
         }
@@ -193,8 +198,12 @@ impl OnCpu {
                         *sound = lattice.sound(parts, place - pixels.start);
                     }
                 }
-                if declaration.norm == Norm::Pressure {
-                    loudest = loudest.max(field::peak(&lattice.0[0]));
+                if is_of_pressure {
+                    for (run, is_near) in job.left_out.split(pixels.clone()) {
+                        let run = run.start - pixels.start..run.end - pixels.start;
+                        let most = &mut loudest[usize::from(is_near)];
+                        *most = most.max(field::peak(&lattice.0[0][run]));
+                    }
                 }
             }
         }
@@ -203,10 +212,16 @@ impl OnCpu {
             largest = runs.map(|values| finish(values, factor, declaration.is_root)).reduce(|| 0.0, f32::max);
         }
         self.progress.tell(1, 1);
-        let peak = if declaration.norm == Norm::Pressure { loudest } else { largest };
+        let [peak, left_out] = match (is_of_pressure, job.left_out.is_empty()) {
+            (true, _) => loudest,
+            (false, true) => [largest, 0.0],
+            (false, false) => job.left_out.largest(values),
+        };
         let sounds = (drives.len() == 1).then_some(sounds);
         Made {
             peak,
+            left_out,
+            rounding: 0.0,
             at_probes: AtProbes { values: at(values, &job.probes.places), sounds },
             relative_to: peak,
         }
@@ -304,7 +319,9 @@ impl OnCpu {
         } else {
             (at(values, places), peak)
         };
-        Made { peak, at_probes: AtProbes { values, sounds: None }, relative_to }
+        // Cells are farther than a wavelength from all elements.
+        let at_probes = AtProbes { values, sounds: None };
+        Made { peak, left_out: 0.0, rounding: 0.0, at_probes, relative_to }
     }
 
     /// The mean of the formula over the drives, at every cell.
@@ -401,9 +418,9 @@ fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32]) -> Made {
             *value = quantity.exact_value(job.request.part * mean) as f32;
         }
     });
-    let peak = values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
+    let [peak, left_out] = job.left_out.largest(values);
     let at_probes = AtProbes { values: at(values, &job.probes.places), sounds: None };
-    Made { peak, at_probes, relative_to: peak }
+    Made { peak, left_out, rounding: 0.0, at_probes, relative_to: peak }
 }
 
 impl FormedKey {

@@ -90,6 +90,7 @@ impl OnGpu {
                 size: request.size,
                 interpolated,
                 direct: direct.collect(),
+                left_out: job.left_out,
                 normal: job.site.axes[2],
                 probes: &job.probes.places,
             };
@@ -128,7 +129,7 @@ impl OnGpu {
         if job.is_too_far_off(error) {
             return Ok(Progress::Declined);
         }
-        Ok(Progress::Made(job.described(values, figures.peak, error, By::Gpu)))
+        Ok(Progress::Made(job.described(values, figures.largest, error, By::Gpu)))
     }
 
     /// The map in colours on the GPU; `None` if it declines.
@@ -158,7 +159,7 @@ impl OnGpu {
         let Self { gpu, chain, .. } = self;
         let Some(chain) = &mut chain.value else { return Ok(None) };
         let Some(figures) = chain.figures(gpu)? else { return Ok(None) };
-        let map = job.described(Vec::new(), figures.peak, error(job, &figures), By::Gpu);
+        let map = job.described(Vec::new(), figures.largest, error(job, &figures), By::Gpu);
         Ok(Some((map, figures.seconds)))
     }
 }
@@ -172,7 +173,7 @@ fn error(job: &Job<'_>, figures: &Gathered) -> f64 {
     };
     let values = figures.sounds.iter().map(|&sound| value(sound)).collect();
     let at_probes = AtProbes { values, sounds: Some(figures.sounds.clone()) };
-    job.probes.error((job.request, job.excitations), &at_probes, figures.peak)
+    job.probes.error((job.request, job.excitations), &at_probes, figures.largest[0])
 }
 
 #[cfg(test)]

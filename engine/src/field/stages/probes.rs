@@ -3,11 +3,13 @@
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::Transfer;
-use crate::field::quantity::{Norm, Sound};
+use crate::acoustics::{Aperture, Transfer};
+use crate::field::quantity::{Norm, PRESSURE, Sound};
 use crate::field::slope::Around;
 use crate::field::stages::request::Request;
 use crate::field::stages::site::{Site, SiteKey};
+use crate::field::vicinity::LeftOut;
+use crate::scene::Plane;
 
 /// Number of scattered probes.
 const SPREAD: usize = 48;
@@ -23,12 +25,18 @@ const FAINT: f64 = 0.01;
 pub(super) const MARGIN: f64 = 3.0;
 /// Sums in f32 are off by this part of the peak where the map is loudest, which may lie between the probes.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
+/// Rounding of a slope in f64, a difference over 1e-4 wavelengths, over that of the pressure.
+const OF_SLOPES: f64 = 1.6e3;
 
 /// Pixels, or cells of a liquid, with their f64 transfer from every element.
 #[derive(Debug)]
 pub(super) struct Probes {
     /// Their numbers, row by row.
     pub(super) places: Vec<usize>,
+    /// Of each, whether it counts for the peak.
+    counts: Vec<bool>,
+    /// m; the longest path to any of them.
+    farthest: f64,
     around: Around,
     /// To each probe, and to its neighbours for slopes.
     transfer: Transfer,
@@ -45,7 +53,12 @@ pub(super) struct AtProbes {
 
 impl Probes {
     /// Scattered over the pixels, or over the cells of a liquid on the plane.
-    pub(super) fn new(key: &SiteKey, site: &Site, (width, height): (usize, usize), of_liquid: bool) -> Self {
+    pub(super) fn new(
+        key: &SiteKey,
+        site: &Site,
+        ((width, height), left_out): ((usize, usize), &LeftOut),
+        of_liquid: bool,
+    ) -> Self {
         let plane = &key.setting.plane;
         let (mut places, mut points) = (Vec::new(), Vec::new());
         let mut add = |place: usize, x: f64, y: f64| {
@@ -79,20 +92,22 @@ impl Probes {
                 }
             }
         }
-        let around = Around::new(key.parts, site.axes, &key.setting.aperture);
-        let transfer = key.setting.aperture.transfer(&around.points(&points));
-        Self { places, around, transfer }
+        let aperture = &key.setting.aperture;
+        let around = Around::new(key.parts, site.axes, aperture);
+        let transfer = aperture.transfer(&around.points(&points));
+        let counts = places.iter().map(|&place| !left_out.contains(place)).collect();
+        Self { places, counts, farthest: farthest(aperture, plane), around, transfer }
     }
 
-    /// An estimate of the largest deviation of all pixels, relative to `peak`: of the values, or of the quantity's
-    /// norm.
+    /// An estimate of the largest deviation of all pixels, relative to `peak` or to a louder pixel itself: of the
+    /// values, or of the quantity's norm.
     pub(super) fn error(
         &self,
         (request, excitations): (&Request, &[Vec<Complex64>]),
         got: &AtProbes,
         peak: f32,
     ) -> f64 {
-        let off = self.off((request, excitations), got);
+        let off = self.off((request, excitations), got, f64::from(peak));
         match peak {
             0.0 if off < FAINTEST => 0.0,
             0.0 => f64::INFINITY,
@@ -100,19 +115,49 @@ impl Probes {
         }
     }
 
+    /// A bound of the rounding in f64 of the values that count for the peak, for sums whose terms may cancel.
+    pub(super) fn rounding(&self, (request, excitations): (&Request, &[Vec<Complex64>])) -> f64 {
+        let (quantity, constants) = (request.quantity, request.constants());
+        let declaration = quantity.declaration();
+        let wavenumber = request.aperture.element.wavenumber;
+        let around = self.transfer.points / self.places.len();
+        let rows = self.transfer.rows().enumerate().filter(|(row, _)| self.counts[row / around]);
+        let loudest = largest_sum(rows.map(|(_, row)| row), excitations);
+        let lost = if declaration.parts == PRESSURE { 1.0 } else { OF_SLOPES };
+        let relative = lost * rounding_of_terms(wavenumber * self.farthest);
+        let p = Complex64::from(loudest);
+        let slope = Complex64::new(0.0, -wavenumber * loudest);
+        let all = Sound { p, x: slope, y: slope, n: slope };
+        let exact = |sound| (declaration.exact)(sound, &constants).abs();
+        match declaration.norm {
+            Norm::Pressure => relative * loudest,
+            Norm::Value => relative * quantity.exact_value(exact(all)),
+            // A square doubles the relative error, and its terms may cancel, too.
+            Norm::Difference | Norm::Energy => {
+                let own = Sound { p, ..Sound::default() };
+                let slopes = Sound { p: Complex64::ZERO, ..all };
+                2.0 * relative * request.part * (exact(all) + exact(own) + exact(slopes))
+            }
+        }
+    }
+
     /// The largest deviation of the probes.
-    fn off(&self, (request, excitations): (&Request, &[Vec<Complex64>]), got: &AtProbes) -> f64 {
+    fn off(&self, (request, excitations): (&Request, &[Vec<Complex64>]), got: &AtProbes, peak: f64) -> f64 {
+        let part_of = |off: f64, own: f64| if own > peak && peak > 0.0 { off * peak / own } else { off };
         let (quantity, constants) = (request.quantity, request.constants());
         let declaration = quantity.declaration();
         if let ([excitation], Some(sounds)) = (excitations, &got.sounds) {
             let expected = self.sounds(excitation);
-            let off = expected.iter().zip(sounds).map(|(expected, got)| expected.less(got));
-            let norm = |off: Sound<f64>| match declaration.norm {
-                Norm::Value => Some(quantity.exact_value((declaration.exact)(off, &constants))),
-                Norm::Pressure => Some(off.p.norm()),
+            let norm = |sound: Sound<f64>| match declaration.norm {
+                Norm::Value => Some(quantity.exact_value((declaration.exact)(sound, &constants))),
+                Norm::Pressure => Some(sound.p.norm()),
                 Norm::Difference | Norm::Energy => None,
             };
-            if let Some(norms) = off.map(norm).collect::<Option<Vec<_>>>() {
+            let off = expected
+                .iter()
+                .zip(sounds)
+                .map(|(expected, got)| Some(part_of(norm(expected.less(got))?, norm(*expected)?)));
+            if let Some(norms) = off.collect::<Option<Vec<_>>>() {
                 return norms.into_iter().fold(0.0, f64::max);
             }
         }
@@ -129,12 +174,14 @@ impl Probes {
             }
         }
         let part = if declaration.of_liquid { 1.0 } else { request.part };
-        let loudest = means.iter().fold(f64::MIN_POSITIVE, |most, mean| most.max(mean.square));
+        let counted = means.iter().zip(&self.counts).filter(|(_, counts)| **counts);
+        let loudest = counted.fold(f64::MIN_POSITIVE, |most, (mean, _)| most.max(mean.square));
         let off = |(mean, &got): (Mean, &f32)| {
-            let off = (quantity.exact_value(part * mean.value) - f64::from(got)).abs();
+            let value = quantity.exact_value(part * mean.value);
+            let off = part_of((value - f64::from(got)).abs(), value.abs());
             match declaration.norm {
                 // The error of a pressure is weighted by the pressure itself.
-                Norm::Difference | Norm::Energy => off / (mean.square / loudest).max(FAINT).sqrt(),
+                Norm::Difference | Norm::Energy => off / (mean.square / loudest).clamp(FAINT, 1.0).sqrt(),
                 Norm::Value | Norm::Pressure => off,
             }
         };
@@ -154,6 +201,34 @@ struct Mean {
     value: f64,
     /// Of |P|²/(ρc²), Pa; of a potential with |∇P|²/(ρω²).
     square: f64,
+}
+
+/// m; a bound of the paths to a plane.
+pub(super) fn farthest(aperture: &Aperture, plane: &Plane) -> f64 {
+    let positions = aperture.faces.iter().flat_map(|face| {
+        face.layout.positions.iter().map(move |&at| face.pose.world(at).distance(plane.centre))
+    });
+    positions.fold(0.0, f64::max) + plane.size.length()
+}
+
+/// The largest sum of the magnitudes of H u at some points, without cancellation, of all drives.
+pub(super) fn largest_sum<Row: Iterator<Item = Complex64> + Clone>(
+    rows: impl Iterator<Item = Row>,
+    excitations: &[Vec<Complex64>],
+) -> f64 {
+    rows.fold(0.0, |largest: f64, row| {
+        let sum = |excitation: &Vec<Complex64>| -> f64 {
+            row.clone().zip(excitation).map(|(h, u)| h.norm() * u.norm()).sum()
+        };
+        excitations.iter().map(sum).fold(largest, f64::max)
+    })
+}
+
+/// The rounding in f64, relative to that sum, of waves with phases up to this one (rad).
+pub(super) fn rounding_of_terms(phase: f64) -> f64 {
+    /// Roundings of a term besides that of its phase.
+    const OTHERS: f64 = 16.0;
+    f64::EPSILON * (OTHERS + phase)
 }
 
 /// The farthest ways.
@@ -205,7 +280,7 @@ mod tests {
     use crate::drive::Drive;
     use crate::field::Quantity;
     use crate::field::plan::Costs;
-    use crate::scene::{Array, Plane, Scene};
+    use crate::scene::{Array, Scene};
 
     const AROUND: usize = 16;
 
@@ -266,7 +341,7 @@ mod tests {
         let request = Request::new(&scene, vec![drive], Quantity::Depression, (20, 20));
         let key = SiteKey::new(&request, false);
         let site = Site::new(&key, Costs::CPU).unwrap();
-        let probes = Probes::new(&key, &site, request.size, true);
+        let probes = Probes::new(&key, &site, (request.size, &LeftOut::default()), true);
         assert_eq!(probes.places.len(), SPREAD);
         let cells = &site.cells.as_ref().unwrap().cells;
         let along = [0, 1].map(|axis| cells.places(axis).collect::<Vec<_>>());

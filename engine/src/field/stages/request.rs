@@ -150,11 +150,19 @@ pub struct Map {
     pub height: usize,
     /// Of every pixel, row by row, row 0 at the smallest y, in the quantity's unit.
     pub values: Vec<f32>,
-    /// The largest magnitude of a value; of phases and instantaneous pressures the largest |P| (Pa, peak).
+    /// The largest magnitude of a value; of phases and instantaneous pressures the largest |P| (Pa, peak). Pixels
+    /// within a wavelength of an element do not count, unless all of them are. 0 of a silent map.
     pub peak: f32,
-    /// An estimate of the largest deviation of any pixel from the f64 reference, relative to the peak: three times
-    /// that of 48 pixels and more, including those with the worst rounding; for a depression and its caustic, the
-    /// error of the radiation pressure. 0 for a silent map.
+    /// The same over all pixels.
+    pub loudest: f32,
+    /// Number of pixels within a wavelength of an element, in front of it.
+    pub near: usize,
+    /// Of a silent map with other values than 0: a bound of the rounding of the sums behind them, which they stay
+    /// below.
+    pub rounding: f64,
+    /// An estimate of the largest deviation of any pixel from the f64 reference, relative to the peak or to a louder
+    /// pixel itself: three times that of 48 pixels and more, including those with the worst rounding; for a
+    /// depression and its caustic, the error of the radiation pressure. 0 for a silent map.
     pub error: f64,
     /// Number of points with a sum over the elements.
     pub evaluated: usize,
@@ -165,9 +173,15 @@ pub struct Map {
 
 impl Map {
     /// The same without its values.
-    pub(super) fn without_values(&self) -> Self {
-        let Self { width, height, peak, error, evaluated, by, ref how, .. } = *self;
-        Self { width, height, values: Vec::new(), peak, error, evaluated, by, how: how.clone() }
+    pub fn without_values(&self) -> Self {
+        let Self { width, height, peak, loudest, near, rounding, error, evaluated, by, ref how, .. } = *self;
+        let (values, how) = (Vec::new(), how.clone());
+        Self { width, height, values, peak, loudest, near, rounding, error, evaluated, by, how }
+    }
+
+    /// Whether values within a wavelength of an element exceed the peak.
+    pub fn has_larger(&self) -> bool {
+        self.peak > 0.0 && self.loudest > self.peak
     }
 }
 

@@ -2,12 +2,14 @@
 
 use glam::DVec3;
 
+use crate::acoustics::Aperture;
 use crate::field::cells::Cells;
 use crate::field::interpolation::Resampling;
 use crate::field::plan::{Costs, Grid};
 use crate::field::quantity::{ALONG, NORMAL, Norm, PRESSURE, Part};
 use crate::field::slope::FINEST_IN_F32;
 use crate::field::stages::request::{FieldError, Request, Setting};
+use crate::field::vicinity::{LeftOut, Vicinity};
 use crate::field::{Plan, Raster};
 use crate::scene::Plane;
 
@@ -211,6 +213,14 @@ impl Frame {
         let weights =
             grid.map(|grid| Weights::new(grid, key.parts, [&mut (0..width).map(column), &mut rows.map(row)]));
         Some(Self::Pixels { raster, weights })
+    }
+
+    /// The pixels that do not count for the peak; cells are farther than a wavelength from all elements.
+    pub(super) fn left_out(&self, aperture: &Aperture) -> LeftOut {
+        match self {
+            Self::Pixels { raster, .. } => Vicinity::new(aperture).of(&raster.pixels()),
+            Self::Cells { .. } => LeftOut::default(),
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use crate::acoustics::{Aperture, Face};
 use crate::drive::Drive;
 use crate::field::plan::Shared;
 use crate::field::transfer::{Layout, Transfer};
+use crate::field::vicinity::Vicinity;
 use crate::field::volume::{Block, Lattice};
 use crate::field::{Evaluator, Samples, Sources, Wave, cpu};
 
@@ -46,8 +47,9 @@ pub struct Volume {
     pub lattice: Lattice,
     /// RMS pressure, Pa.
     pub values: Vec<f32>,
-    /// The largest of them.
+    /// The largest of them a wavelength or more from every element, if any is; and of all.
     pub peak: f32,
+    pub loudest: f32,
     /// The largest value of every brick of [`BRICK`]³ cells.
     pub bricks: Vec<f32>,
 }
@@ -58,14 +60,16 @@ impl Volume {
         let lattice = lattice(aperture, drives.len(), block, fineness);
         let excitations: Vec<_> = drives.iter().map(|drive| excitation(aperture, drive)).collect();
         let values = values(aperture, drives, &excitations, &lattice);
-        Self::of(lattice, values)
+        let peak = peak(aperture, &lattice, &values);
+        let volume = Self::of(lattice, values);
+        Self { peak: peak.unwrap_or(volume.peak), ..volume }
     }
 
     /// Of values that are there.
     pub fn of(lattice: Lattice, values: Vec<f32>) -> Self {
         let bricks = bricks(&lattice, &values);
         let peak = bricks.iter().copied().fold(0.0, f32::max);
-        Self { lattice, values, peak, bricks }
+        Self { lattice, values, peak, loudest: peak, bricks }
     }
 
     /// Bricks along the axes.
@@ -262,6 +266,17 @@ impl Heard<'_> {
             }
         }
     }
+}
+
+/// The largest value a wavelength or more from every element; `None` if all are nearer.
+fn peak(aperture: &Aperture, lattice: &Lattice, values: &[f32]) -> Option<f32> {
+    let vicinity = Vicinity::new(aperture);
+    let of_layer = lattice.counts.x as usize * lattice.counts.y as usize;
+    let layers = values.par_chunks(of_layer).enumerate().filter_map(|(z, values)| {
+        let left_out = vicinity.of(&layer(lattice, z));
+        (left_out.near < values.len()).then(|| left_out.largest(values)[0])
+    });
+    layers.reduce_with(f32::max)
 }
 
 fn brick_counts(lattice: &Lattice) -> UVec3 {
