@@ -63,8 +63,8 @@ impl Drive {
         Self::of(elements, driven, &scaled)
     }
 
-    /// Reads CSV with the column `phase` (rad) and optionally `amplitude` (0 to 1, default 1) and `element` (from 0,
-    /// default in order); one row per element.
+    /// Reads CSV with the column `phase` (rad) and optionally `amplitude` (0 to 1; without the column 1) and
+    /// `element` (from 0; without the column in order); one row per element.
     ///
     /// # Errors
     /// An invalid row, or duplicate or missing elements.
@@ -251,6 +251,7 @@ mod tests {
             ("phase,element\n0,0.5\n", "2: element = 0.5: the scene's"),
             ("phase,element\n0,1\n0,1\n", "3: element 1 is given twice"),
             ("phase,amplitude\n0,1.5\n", "2: amplitude = 1.5: must be"),
+            ("phase,amplitude\n0,0.5\n0,\n", "3: amplitude is empty"),
         ] {
             let refused = Drive::read(text.as_bytes(), 2).unwrap_err().to_string();
             assert!(refused.starts_with(error), "{text:?}: {refused}");

@@ -30,7 +30,7 @@ pub struct Table<R, const N: usize, const M: usize> {
     optional: [(&'static str, Option<usize>); M],
 }
 
-/// The finite numbers of a row, in the requested order.
+/// The finite numbers of a row, in the requested order; `None` of columns that do not exist.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row<const N: usize, const M: usize> {
     pub required: [f64; N],
@@ -91,7 +91,7 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
     /// The next row; `None` at the end.
     ///
     /// # Errors
-    /// A row of another length than the first, a missing required value, or a value that is not a finite number.
+    /// A row of another length than the first, an empty value, or one that is not a finite number.
     pub fn next_row(&mut self) -> Result<Option<Row<N, M>>, TableError> {
         if !self.read_record()? {
             return Ok(None);
@@ -102,11 +102,10 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         }
         let mut row = Row { required: [0.0; N], optional: [None; M] };
         for (value, (name, place)) in row.required.iter_mut().zip(self.required) {
-            let missing = || self.refusal(format!("{name} is missing"));
-            *value = self.number(name, place)?.ok_or_else(missing)?;
+            *value = self.number(name, place)?;
         }
         for (value, (name, place)) in row.optional.iter_mut().zip(self.optional) {
-            *value = place.map_or(Ok(None), |place| self.number(name, place))?;
+            *value = place.map(|place| self.number(name, place)).transpose()?;
         }
         Ok(Some(row))
     }
@@ -121,11 +120,11 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         TableError { line: self.line, reason: reason.into() }
     }
 
-    fn number(&self, name: &str, place: usize) -> Result<Option<f64>, TableError> {
+    fn number(&self, name: &str, place: usize) -> Result<f64, TableError> {
         match &self.record[place] {
-            "" => Ok(None),
+            "" => Err(self.refusal(format!("{name} is empty: must be a number in every row"))),
             text => match text.parse::<f64>() {
-                Ok(number) if number.is_finite() => Ok(Some(number)),
+                Ok(number) if number.is_finite() => Ok(number),
                 _ => Err(self.refusal(format!("{name} = `{}`: not a finite number", echo::value(text)))),
             },
         }
@@ -172,8 +171,8 @@ mod tests {
     #[test]
     fn columns_are_found_by_name_in_any_order_and_beside_others() {
         assert_eq!(rows("y, x\n1,2\n3 , 4"), Ok(vec![row(2.0, 1.0, None), row(4.0, 3.0, None)]));
-        let text = "\u{feff}# by hand\r\n\r\n\"x\",remark,gain,y\r\n1,left,0.5,2\r\n\r\n-0.0,,,1e-3\r\n";
-        assert_eq!(rows(text), Ok(vec![row(1.0, 2.0, Some(0.5)), row(-0.0, 1e-3, None)]));
+        let text = "\u{feff}# by hand\r\n\r\n\"x\",remark,gain,y\r\n1,left,0.5,2\r\n\r\n-0.0,,1,1e-3\r\n";
+        assert_eq!(rows(text), Ok(vec![row(1.0, 2.0, Some(0.5)), row(-0.0, 1e-3, Some(1.0))]));
         assert_eq!(rows("x,y\n"), Ok(vec![]));
     }
 
@@ -188,7 +187,8 @@ mod tests {
             ("x,y\n1,2,3\n", "2: the row has 3 values, and the columns are 2"),
             ("x,y\n\n# of\n\n1,zero", "5: y = `zero`: not a finite number"),
             ("x,y\r\n1,2\r\n\r\n1,nan\r\n", "4: y = `nan`: not a finite number"),
-            ("x,y\r\n,2\r\n", "2: x is missing"),
+            ("x,y\r\n,2\r\n", "2: x is empty: must be a number in every row"),
+            ("x,y,gain\n1,2,0\n1,2,\n", "3: gain is empty: must be a number in every row"),
             ("x,y\n1,\"a\nb\"\n", "3: y = `a\\nb`: not a finite number"),
         ] {
             assert_eq!(rows(text).unwrap_err().to_string(), error, "{text:?}");

@@ -39,8 +39,9 @@ pub fn parse_moment(text: &str) -> Result<Moment, String> {
 pub fn parse_tolerance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         _ if text == "exact" => Ok(0.0),
-        Ok(tolerance) if tolerance > 0.0 && tolerance < 1.0 => Ok(tolerance),
-        _ => Err("give a number between 0 and 1, or `exact`".to_owned()),
+        // 0 evaluates every pixel, as in a scene.
+        Ok(tolerance) if (0.0..1.0).contains(&tolerance) => Ok(tolerance.abs()),
+        _ => Err("give a number from 0 (`exact`) to below 1".to_owned()),
     }
 }
 

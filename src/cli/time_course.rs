@@ -29,7 +29,7 @@ pub struct TimeArgs {
     /// Duration of --time (s) [default: the common period of modulation and motion]
     #[arg(long, value_name = "S", requires = "time", allow_negative_numbers = true, value_parser = seconds(3600.0))]
     span: Option<f64>,
-    /// Sampling rate of --time (Hz) [default: at least 32 per period of the fastest tone, and 4 per frame]
+    /// Sampling rate of --time (Hz) [default: at least 32 per period of the fastest tone, 4 per frame, and the rate of a file]
     #[arg(long, value_name = "HZ", requires = "time", allow_negative_numbers = true, value_parser = above_zero(1e6, "a frequency in Hz"))]
     rate: Option<f64>,
     /// Also write the spectral lines of |p|²: columns x, y, z (m), frequency (Hz), square (Pa²; amplitude of the

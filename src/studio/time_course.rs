@@ -91,9 +91,16 @@ impl Course {
         self.period().unwrap_or_else(|| self.modulation.period().unwrap_or(0.0).max(cycle))
     }
 
-    /// Instants per second that follow the course closely: four in a frame and 32 in a period of the fastest tone at least.
+    /// Instants per second that follow the course closely: at least four in a frame, 32 in a period of the fastest tone, and one
+    /// per sample of a file.
     pub fn usual_rate(&self) -> f64 {
-        let least = (self.modulation.step_rate() / 2.0).max(STEPS_PER_FRAME * self.rate).max(1.0);
+        let of_envelope = match self.modulation.shape {
+            Envelope::File => self.modulation.step_rate(),
+            Envelope::Off | Envelope::Sine | Envelope::Square | Envelope::Tones => {
+                self.modulation.step_rate() / 2.0
+            }
+        };
+        let least = of_envelope.max(STEPS_PER_FRAME * self.rate).max(1.0);
         if self.rate > 0.0 { (least / self.rate).ceil() * self.rate } else { least }
     }
 

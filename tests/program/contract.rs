@@ -362,6 +362,7 @@ fn bad_arguments_and_files_are_refused() {
         ("word.csv", "x,y,z\n0,0,0.1\n0,zero,0.1\n"),
         ("short.csv", "x,y,z\n0,0\n"),
         ("empty.csv", "x,y,z\n"),
+        ("gap.csv", "phase,amplitude\n0,1\n0,\n"),
         ("drive.csv", "phase\n0\n0\n"),
     ]);
     for (args, part) in [
@@ -373,6 +374,7 @@ fn bad_arguments_and_files_are_refused() {
         (&["render", "a.toml", "-o", "x.png", "--size", "16384x16384"], "MiB"),
         (&["render", "a.toml", "-o", "x.png", "--quantity", "sheet", "--size", "20"], "no room"),
         (&["render", "a.toml", "-o", "x.png", "--tolerance", "-1"], "tolerance"),
+        (&["render", "a.toml", "-o", "x.png", "--tolerance", "1"], "from 0 (`exact`) to below 1"),
         (&["render", "a.toml", "-o", "x.png", "--quantity", "colour"], "colour"),
         (&["solve", "a.toml", "--method", "magic"], "weighted"),
         (&["solve", "two.toml", "--method", "focus"], "`weighted`"),
@@ -387,6 +389,10 @@ fn bad_arguments_and_files_are_refused() {
         (
             &["probe", "a.toml", "--points", "points.csv", "--drive", "drive.csv"],
             "element 2 of 256 is missing",
+        ),
+        (
+            &["probe", "a.toml", "--points", "points.csv", "--drive", "gap.csv"],
+            "gap.csv:3: amplitude is empty",
         ),
         (&["dance"], "dance"),
         (&["--renderer", "bad"], "auto, wgpu, glow"),

@@ -97,6 +97,36 @@ fn drives_in_turn_change_a_thousand_times_a_second() {
     }
 }
 
+/// A WAV file of 16-bit samples.
+fn wav(rate: u32, samples: &[i16]) -> Vec<u8> {
+    let bytes = 2 * samples.len() as u32;
+    let mut file = b"RIFF".to_vec();
+    file.extend((36 + bytes).to_le_bytes());
+    file.extend(b"WAVEfmt \x10\0\0\0\x01\0\x01\0");
+    file.extend(rate.to_le_bytes());
+    file.extend((2 * rate).to_le_bytes());
+    file.extend(b"\x02\0\x10\0data");
+    file.extend(bytes.to_le_bytes());
+    file.extend(samples.iter().flat_map(|sample| sample.to_le_bytes()));
+    file
+}
+
+#[test]
+fn every_sample_of_a_waveform_is_probed() {
+    let folder = folder_with(&format!("{SCENE}[modulation]\nshape = \"file\"\nfile = \"a.wav\"\n"));
+    // A tone at half the rate: at that, nothing would be left of it.
+    let samples = [16384, -16384].repeat(10);
+    fs::write(folder.path().join("a.wav"), wav(8000, &samples)).unwrap();
+    let steady = rows(&succeed(folder.path(), &PLAIN), "x,y,z,re,im,rms");
+    let course = rows(&succeed(folder.path(), &[&PLAIN[..], &["--time"]].concat()), HEAD);
+    assert_eq!(course.len(), 2 * samples.len());
+    for (index, row) in course.iter().enumerate() {
+        let (point, sample) = (&steady[index / 20], f64::from(samples[index % 20]) / 32768.0);
+        let envelope = (1.0 + sample) / 2.0;
+        assert!((row[4] - point[3] * envelope).abs() < 1e-6 * point[5], "{row:?}");
+    }
+}
+
 #[test]
 fn plain_probe_ignores_the_modulation() {
     let plain = succeed(folder_with(SCENE).path(), &PLAIN);
