@@ -355,10 +355,10 @@ struct BatchArgs {
     /// Solver method, instead of the scenes'
     #[arg(long, value_parser = names::method())]
     method: Option<Method>,
-    /// Omit bound, certified, rank and condition, which take longer than the drive
+    /// Omit what takes longer than the drive: bound, side lobe, traps and, without --field, widths
     #[arg(long)]
     no_limits: bool,
-    /// Add peak, its position and the mean of the RMS pressure on the scene's plane, and the -6 dB widths of foci
+    /// Add peak, its position and the mean of the RMS pressure on the scene's plane
     #[arg(long)]
     field: bool,
     /// Also write the RMS pressure on the plane: FOLDER/LINE.npy, float32, row 0 at the smallest y; implies --field

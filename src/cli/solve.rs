@@ -15,7 +15,6 @@ use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, check};
 use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::findings::{Findings, Played};
-use crate::studio::json;
 use crate::studio::levitation::{self, Held};
 use crate::studio::output::{self, Files, say, warn};
 
@@ -71,7 +70,7 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         }
         return compare(&scene, args.json, &in_file);
     }
-    let mut solution = solver::solve(&scene).map_err(in_file)?;
+    let solution = solver::solve(&scene).map_err(in_file)?;
     if !solution.others.is_empty() && (args.csv.is_some() || args.levels.is_some()) {
         anyhow::bail!(
             "--csv and --levels take one drive, and this scene has {} (`frames` in [solver]): --json has them all",
@@ -79,32 +78,26 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         );
     }
     let aperture = Aperture::new(&scene);
-    let room = room::of_limits(&scene, solution.foci.len()).map_err(in_file)?;
-    let problem = Problem::of_scene(&scene, &aperture, solution.foci.clone());
-    solution.judge(&scene, &problem);
-    let findings =
-        Findings::new(&scene, &problem, Limits::new(&problem), &mut Stages::new(Evaluator::Cpu), solution);
-    drop(room);
+    let mut stages = Stages::new(Evaluator::Cpu);
+    let findings = Findings::of_scene(&scene, &mut stages, solution).map_err(in_file)?;
     findings.warnings.iter().for_each(|warning| warn(warning));
-    let played = args.levels.map(|levels| Played::new(&problem, &findings.solution, levels));
+    let played = args.levels.map(|levels| {
+        let problem = Problem::of_scene(&scene, &aperture, findings.solution.foci.clone());
+        Played::new(&problem, &findings.solution, levels)
+    });
     if let Some(path) = &args.csv {
         let drive = played.as_ref().map_or(&findings.solution.drive, |played| &played.refined.0);
         output::write(path, drive.write(&aperture).as_bytes())?;
     }
-    let held = levitation::held(&scene, &aperture, &findings.solution.drives());
-    held.iter().take(1).for_each(|_| levitation::warning(&scene).iter().for_each(|warning| warn(warning)));
     if args.json {
         let mut value = findings.json(&aperture);
         if let Some(played) = &played {
             value["played"] = played.json();
         }
-        if !held.is_empty() {
-            value["traps"] = held.iter().map(json::trap).collect();
-        }
         say!("{}", serde_json::to_string_pretty(&value)?)?;
     } else {
         print(&findings, &scene)?;
-        for Held { target, hold } in &held {
+        for Held { target, hold } in &findings.traps {
             say!("{:<COLUMN$}{}", format!("trap, target {}", target + 1), levitation::verdict(hold))?;
         }
         if let Some(played) = &played {

@@ -8,7 +8,8 @@ use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::rounding::percent_at_most;
 use crate::scene::{Pressures, Scene};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{Limits, Problem, Solution};
+use crate::solver::{Limits, Problem, Solution, SolveError, room};
+use crate::studio::levitation::{self, Held};
 use crate::studio::probe::{self, Reading};
 use crate::studio::{json, reach};
 
@@ -19,6 +20,8 @@ pub struct Findings {
     pub limits: Limits,
     pub side_lobe: Result<SideLobe, NoSideLobe>,
     pub heard: Option<Reading>,
+    /// The bead in every trap.
+    pub traps: Vec<Held>,
     /// What the user should know of all that, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -37,6 +40,7 @@ impl Findings {
         let side_lobe = side_lobe::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
         let heard =
             scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
+        let traps = levitation::held(scene, aperture, &solution.drives());
         let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
         let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
@@ -47,7 +51,20 @@ impl Findings {
         }
         warnings.extend(heard.and_then(|heard| heard.warning()));
         warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
-        Self { solution, limits, side_lobe, heard, warnings }
+        warnings.extend(levitation::warning(scene).filter(|_| !traps.is_empty()));
+        Self { solution, limits, side_lobe, heard, traps, warnings }
+    }
+
+    /// The same from a scene and its solution, whose figures it completes.
+    ///
+    /// # Errors
+    /// A scene too large for memory.
+    pub fn of_scene(scene: &Scene, stages: &mut Stages, mut solution: Solution) -> Result<Self, SolveError> {
+        let _room = room::of_limits(scene, solution.foci.len())?;
+        let aperture = Aperture::new(scene);
+        let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());
+        solution.judge(scene, &problem);
+        Ok(Self::new(scene, &problem, Limits::new(&problem), stages, solution))
     }
 
     /// The object that design and other programs know.
@@ -61,6 +78,9 @@ impl Findings {
         if let Some(heard) = &self.heard {
             value["listener"] =
                 json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });
+        }
+        if !self.traps.is_empty() {
+            value["traps"] = self.traps.iter().map(json::trap).collect();
         }
         value
     }

@@ -13,7 +13,8 @@ use crate::echo;
 use crate::field::{Map, Quantity, Request, Samples, Stages};
 use crate::picture::numbers;
 use crate::scene::{Method, Scene, file};
-use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
+use crate::solver;
+use crate::studio::findings::Findings;
 use crate::studio::output::Files;
 use crate::studio::{json, opening, output};
 
@@ -25,7 +26,7 @@ const MOST_ROWS: usize = 1 << 14;
 pub struct Task {
     /// Instead of the scene's.
     pub method: Option<Method>,
-    /// Whether answers have the limits of foci and array.
+    /// Whether answers have what is known beside the drive: bound, side lobe, widths and traps.
     pub limits: bool,
     /// Whether answers have statistics of the pressure on the scene's plane.
     pub field: bool,
@@ -48,7 +49,7 @@ impl Default for Task {
 }
 
 impl Task {
-    /// The answer to a line: [`json::solution`] or an `error`, with the line's number and `id`.
+    /// The answer to a line: [`Findings::json`] or an `error`, with the line's number and `id`.
     pub fn answer(&self, line: &Line, stages: &mut Stages) -> Value {
         let mut id = None;
         let mut answer = self.result(line, &mut id, stages).unwrap_or_else(
@@ -83,16 +84,24 @@ impl Task {
         opening::load(&mut scene, Path::new(""))?;
         self.files().reads_files_of(&scene)?;
         scene.solver.method = self.method.unwrap_or(scene.solver.method);
-        let mut solution = solver::solve(&scene)?;
-        let limits = self.limits.then(|| limits(&scene, &mut solution)).transpose()?;
-        let mut answer = json::solution(&solution, limits.as_ref());
-        if !solution.warnings.is_empty() {
-            let warnings: Vec<_> = solution.warnings.iter().map(ToString::to_string).collect();
+        let (solution, aperture) = (solver::solve(&scene)?, Aperture::new(&scene));
+        let drives = solution.drives();
+        let has_field = self.field || self.data.is_some();
+        let (mut answer, warnings) = if self.limits {
+            let findings = Findings::of_scene(&scene, stages, solution)?;
+            (findings.json(&aperture), findings.warnings)
+        } else {
+            let mut answer = json::solution(&solution, None);
+            if has_field {
+                json::add_widths(&mut answer, &aperture, &solution);
+            }
+            (answer, solution.warnings.iter().map(ToString::to_string).collect())
+        };
+        if !warnings.is_empty() {
             answer["warnings"] = json!(warnings);
         }
-        if self.field || self.data.is_some() {
-            json::add_widths(&mut answer, &Aperture::new(&scene), &solution);
-            answer["field"] = self.field(line.number, &scene, solution.drives(), stages)?;
+        if has_field {
+            answer["field"] = self.field(line.number, &scene, drives, stages)?;
         }
         Ok(answer)
     }
@@ -108,14 +117,13 @@ impl Task {
         let shape = scene.plane.size.y / scene.plane.size.x;
         let (width, height) = (self.size, ((self.size as f64 * shape).round() as usize).clamp(1, MOST_ROWS));
         let request = Request::new(scene, drives, Quantity::Rms, (width, height));
-        let Map { values: rms, error, .. } = stages.map(&request)?;
-        let (loudest, peak) =
-            rms.iter().copied().enumerate().fold((0, 0.0), |a, b| if b.1 > a.1 { b } else { a });
+        let Map { values: rms, peak, loudest, error, .. } = stages.map(&request)?;
+        let at = rms.iter().position(|value| value == peak).unwrap_or(0);
         let mean_square = rms.iter().map(|&p| f64::from(p).powi(2)).sum::<f64>() / rms.len() as f64;
-        let place = Samples::on_plane(&scene.plane, width, height).context("no plane")?.point(loudest);
+        let place = Samples::on_plane(&scene.plane, width, height).context("no plane")?.point(at);
         let mut statistics = json!({
-            "peak": peak, "at": place.to_array(), "rms": mean_square.sqrt(), "error": error,
-            "width": width, "height": height,
+            "peak": peak, "at": place.to_array(), "loudest": loudest, "rms": mean_square.sqrt(),
+            "error": error, "width": width, "height": height,
         });
         if let Some(folder) = &self.data {
             let path = folder.join(format!("{number}.npy"));
@@ -126,15 +134,6 @@ impl Task {
         }
         Ok(statistics)
     }
-}
-
-/// The limits of foci and array. Also completes the solution's figures.
-fn limits(scene: &Scene, solution: &mut Solution) -> Result<Limits, SolveError> {
-    let _room = room::of_limits(scene, solution.foci.len())?;
-    let aperture = Aperture::new(scene);
-    let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());
-    solution.judge(scene, &problem);
-    Ok(Limits::new(&problem))
 }
 
 #[cfg(test)]
