@@ -1,9 +1,9 @@
 //! Conversion between Python values and ours: the plain values of a scene file, and points in arrays.
 
-use std::borrow::Cow;
-
 use glam::DVec3;
-use numpy::{AllowTypeChange, IntoPyArray, PyArray2, PyArrayLikeDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{
+    Element, IntoPyArray, PyArray2, PyArrayDyn, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyMapping, PyString};
@@ -109,21 +109,30 @@ pub fn python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>
 /// # Errors
 /// Another shape, too many points, or a coordinate that is no usable number.
 pub fn places(points: &Bound<'_, PyAny>) -> PyResult<(Vec<DVec3>, Vec<usize>)> {
-    let array: PyArrayLikeDyn<'_, f64, AllowTypeChange> = points.extract()?;
+    let array = points.py().import("numpy")?.call_method1("asarray", (points,))?;
+    let array = array.cast::<PyUntypedArray>()?;
     let refused = |what: &str| Err(PyValueError::new_err(format!("points: {what}")));
     let Some((3, shape)) = array.shape().split_last().map(|(last, shape)| (*last, shape.to_vec())) else {
         return refused("an array of shape (..., 3), in metres");
     };
-    // In row order, for any strides.
-    let view = array.as_array();
-    let flat: Cow<'_, [f64]> = view.as_slice().map_or_else(|| view.iter().copied().collect(), Cow::Borrowed);
-    if flat.len() / 3 > MOST_PLACES {
+    if array.len() / 3 > MOST_PLACES {
         return refused("50 000 000 at most");
     }
+    let flat = numbers::<f64>(array)?;
     if !flat.iter().all(|x| x.abs() <= 1e6) {
         return refused("every coordinate must be a number of metres from -1e6 to 1e6");
     }
     Ok((flat.as_chunks::<3>().0.iter().map(|&at| DVec3::from_array(at)).collect(), shape))
+}
+
+/// The numbers of an array in row order, of any strides, alignment, byte order and type that NumPy converts.
+///
+/// # Errors
+/// An array of anything but numbers.
+pub fn numbers<T: Element>(array: &Bound<'_, PyUntypedArray>) -> PyResult<Vec<T>> {
+    let py = array.py();
+    let packed = py.import("numpy")?.call_method1("require", (array, T::get_dtype(py), ["C", "A"]))?;
+    Ok(packed.cast_into::<PyArrayDyn<T>>()?.to_vec()?)
 }
 
 /// An array of shape (n, 3).

@@ -1,11 +1,12 @@
 //! The argument `drive`: a solution, a motion, or numbers per element.
 
 use num_complex::Complex64;
-use numpy::{AllowTypeChange, PyArrayLike2, PyArrayMethods, PyUntypedArray, PyUntypedArrayMethods};
+use numpy::{PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use sonoglyph::drive::Drive;
 
+use crate::convert;
 use crate::motion::Motion;
 use crate::solution::Solution;
 
@@ -30,25 +31,27 @@ pub fn of(argument: &Bound<'_, PyAny>, elements: usize) -> PyResult<Vec<Drive>> 
 }
 
 fn of_numbers(argument: &Bound<'_, PyAny>) -> PyResult<Vec<Drive>> {
-    let py = argument.py();
-    let numpy = py.import("numpy")?;
-    let array = numpy.call_method1("atleast_2d", (argument,))?;
-    let kind: String = array.cast::<PyUntypedArray>()?.dtype().getattr("kind")?.extract()?;
+    /// Of a modulus in complex64.
+    const ROUNDING: f64 = 1e-6;
+    let array = argument.py().import("numpy")?.call_method1("atleast_2d", (argument,))?;
+    let array = array.cast::<PyUntypedArray>()?;
+    let &[_, elements] = array.shape() else {
+        return Err(PyValueError::new_err("drive: an array of shape (elements,) or (drives, elements)"));
+    };
+    let kind: String = array.dtype().getattr("kind")?.extract()?;
     let drives: Vec<Drive> = if kind == "c" {
-        let array: PyArrayLike2<'_, Complex64, AllowTypeChange> = array.extract()?;
         let row = |row: &[Complex64]| Drive {
             amplitudes: row.iter().map(|u| u.norm()).collect(),
             phases: row.iter().map(|u| u.arg()).collect(),
         };
-        rows(&array.to_vec()?, array.shape()).map(row).collect()
+        convert::numbers::<Complex64>(array)?.chunks_exact(elements.max(1)).map(row).collect()
     } else {
-        let array: PyArrayLike2<'_, f64, AllowTypeChange> = array.extract()?;
         let row = |row: &[f64]| Drive { amplitudes: vec![1.0; row.len()], phases: row.to_vec() };
-        rows(&array.to_vec()?, array.shape()).map(row).collect()
+        convert::numbers::<f64>(array)?.chunks_exact(elements.max(1)).map(row).collect()
     };
     let is_played = |drive: &Drive| {
         drive.phases.iter().all(|phase| phase.is_finite())
-            && drive.amplitudes.iter().all(|amplitude| (0.0..=1.0 + 1e-12).contains(amplitude))
+            && drive.amplitudes.iter().all(|amplitude| (0.0..=1.0 + ROUNDING).contains(amplitude))
     };
     if drives.is_empty() || !drives.iter().all(is_played) {
         let what = "drive: phases must be finite, and excitations of modulus 1 at most";
@@ -59,8 +62,4 @@ fn of_numbers(argument: &Bound<'_, PyAny>) -> PyResult<Vec<Drive>> {
         drive
     };
     Ok(drives.into_iter().map(clamped).collect())
-}
-
-fn rows<'a, T>(values: &'a [T], shape: &[usize]) -> std::slice::ChunksExact<'a, T> {
-    values.chunks_exact(shape.get(1).copied().unwrap_or(1).max(1))
 }

@@ -164,6 +164,32 @@ def test_drives_in_turn_have_a_mean():
     assert np.allclose(both, np.sqrt((single[0] ** 2 + single[1] ** 2) / 2), rtol=1e-5)
 
 
+def packed(values, kind):
+    """A column of a structured array without padding, so misaligned."""
+    table = np.zeros(len(values), dtype=[("off", "?"), ("value", kind)])
+    table["value"] = values
+    return table["value"]
+
+
+def test_every_layout_of_numbers_is_a_drive_and_a_point():
+    scene = plain()
+    phases = np.random.default_rng(4).uniform(-3, 3, (3, 256)).astype("f4").astype(float)
+    u = (0.9 * np.exp(1j * phases)).astype("c8")
+    field = lambda drive: scene.field("rms", (24, 24), drive)
+    table = np.concatenate([np.zeros((3, 2)), phases], axis=1)
+    for layout in (table[:, 2:], np.asfortranarray(phases), phases.astype(">f8"), phases.astype("f4"), phases.tolist()):
+        assert np.array_equal(field(layout), field(phases))
+    one = phases[0]
+    for layout in (packed(one, "f8"), one[::-1].copy()[::-1], np.stack([one, one], axis=1)[:, 1], tuple(one)):
+        assert np.array_equal(field(layout), field(one))
+    for layout in (u, u.astype(">c8"), np.repeat(u, 2, axis=1)[:, ::2], u.tolist()):
+        assert np.array_equal(field(layout), field(u.astype(complex)))
+    # Of modulus 1 but for rounding.
+    assert np.allclose(field(np.exp(1j * one).astype("c8")), field(one), rtol=1e-5, atol=1e-2)
+    points = np.random.default_rng(5).uniform(0.05, 0.1, (4, 3))
+    assert np.array_equal(scene.pressure(packed(points, ("f8", 3)), one), scene.pressure(points, one))
+
+
 # --- scenes
 
 
@@ -272,6 +298,7 @@ def test_errors_of_invalid_scenes_name_the_key(make, key, said):
         (lambda s: s.field(drive=np.full(256, np.nan)), ValueError, "finite"),
         (lambda s: s.field(drive=np.full(256, 2 + 0j)), ValueError, "modulus 1"),
         (lambda s: s.field(drive=np.zeros((0, 256))), ValueError, "drive"),
+        (lambda s: s.field(drive=np.zeros((2, 2, 64))), ValueError, "drives, elements"),
         (lambda s: s.solve("fastest"), ValueError, "gspat"),
         (lambda s: s.pressure([1, 2]), ValueError, r"\.\.\., 3"),
         (lambda s: s.pressure([[np.nan, 0, 0]]), ValueError, "metres"),
