@@ -10,6 +10,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 use sonoglyph_fourier::coefficients;
 
+pub use crate::scene::modulation::Line;
 use crate::scene::{Envelope, Law, Modulation, Scene, motion};
 
 /// Drives in turn per second for a scene at rest.
@@ -27,17 +28,6 @@ const LEAST: f64 = 1e-9;
 const REACH: f64 = 16.0;
 /// Limit of products of lines per point.
 const MOST_PRODUCTS: f64 = 3e7;
-
-/// A line of the spectrum: amplitude · cos(2π frequency t + phase).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
-    /// Hz
-    pub frequency: f64,
-    /// Of the spectrum's quantity; at 0 Hz its mean.
-    pub amplitude: f64,
-    /// rad, in (-π, π].
-    pub phase: f64,
-}
 
 /// Two lines of a spectrum at frequencies of either sign: coefficient · e^{2πj frequency t}.
 type Term = (f64, Complex64);
@@ -237,6 +227,13 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
+/// The lines of the square of an envelope of sines or tones, which are few; the mean is first.
+pub fn square_lines(modulation: &Modulation) -> Vec<Line> {
+    let mut terms = square_terms(modulation, 0.0);
+    terms.retain(|(frequency, _)| *frequency > -ONE_LINE);
+    lines(terms)
+}
+
 /// The terms of the envelope's square; where it has edges or comes from a file, up to a frequency (Hz).
 fn square_terms(modulation: &Modulation, reach: f64) -> Vec<Term> {
     let terms = match modulation.shape {
@@ -270,7 +267,7 @@ fn swing(tones: &[(f64, f64, f64)]) -> Vec<Term> {
 }
 
 /// The remaining power in the second half of a square wave's period.
-fn low_square(modulation: &Modulation) -> f64 {
+pub fn low_square(modulation: &Modulation) -> f64 {
     match modulation.law {
         Law::Amplitude => (1.0 - modulation.depth).powi(2),
         Law::Power => 1.0 - modulation.depth,

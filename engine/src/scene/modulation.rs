@@ -75,6 +75,17 @@ fn is_zero(phase: &f64) -> bool {
     *phase == 0.0
 }
 
+/// A spectral line: amplitude · cos(2π frequency t + phase).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Hz
+    pub frequency: f64,
+    /// Of the spectrum's quantity; at 0 Hz its mean.
+    pub amplitude: f64,
+    /// rad, in (-π, π].
+    pub phase: f64,
+}
+
 /// The modulated quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

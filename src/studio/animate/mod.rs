@@ -130,6 +130,8 @@ pub struct Film<'a> {
     pub rate: Option<f64>,
     /// The schedule of waves, if shown.
     pub schedule: Option<Schedule>,
+    /// The waves, once made.
+    swell: Option<Swell>,
     /// Begins to show the progress of a step of this name.
     pub begin: fn(&'static str) -> Gauge,
     /// File for the values of all frames of waves, with the times beside it.
@@ -150,6 +152,7 @@ impl<'a> Film<'a> {
             look,
             rate: None,
             schedule: None,
+            swell: None,
             begin: |_| Gauge::default(),
             data: None,
             error: 0.0,
@@ -287,13 +290,18 @@ impl<'a> Film<'a> {
             return Ok(());
         };
         let (scene, asked_for, begin) = (self.scene, self.gpu_is_asked_for, self.begin);
-        let mut swell = or_by_cpu(&mut self.stages, asked_for, |stages| {
-            Swell::new(scene, schedule, &all, stages, &begin("the surfaces at rest of all frames"))
-        })?;
+        let mut swell = match self.swell.take() {
+            Some(swell) => swell,
+            None => or_by_cpu(&mut self.stages, asked_for, |stages| {
+                Swell::new(scene, schedule, &all, stages, &begin("the surfaces at rest of all frames"))
+            })?,
+        };
         let first = Request { drives: [all.drives[0].clone()].into(), part: 1.0, ..all };
         for index in 0..schedule.pictures {
             take(self, index, &Request { depth: Some(swell.next_surface()), ..first.clone() })?;
         }
+        swell.restart();
+        self.swell = Some(swell);
         Ok(())
     }
 
