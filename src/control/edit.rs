@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde_json::{Map, Value};
 
 use crate::control::refusal::{EditError, Number};
@@ -18,6 +18,8 @@ use crate::studio::{arrays, opening};
 pub enum Edit {
     /// The target's centre goes there (m).
     At(Number, DVec3),
+    /// The same at its height: x and y (m).
+    Across(Number, DVec2),
     /// As `pressure` in a scene's file.
     Pressure(Number, f64),
     /// rad
@@ -75,6 +77,7 @@ impl Wish {
                 Edit::Stop => (sends, stops) = (false, stops + 1),
                 Edit::Scene(scene) => edited = Some((**scene).clone()),
                 Edit::At(..)
+                | Edit::Across(..)
                 | Edit::Pressure(..)
                 | Edit::Angle(..)
                 | Edit::Text(..)
@@ -102,6 +105,10 @@ fn apply(edit: &Edit, scene: &mut Scene) -> Result<(), EditError> {
     let targets = &mut scene.targets;
     match edit {
         Edit::At(number, at) => target(targets, *number)?.shape.move_to(*at),
+        Edit::Across(number, at) => {
+            let shape = &mut target(targets, *number)?.shape;
+            shape.move_to(at.extend(shape.centre().z));
+        }
         Edit::Pressure(number, pressure) => target(targets, *number)?.pressure = *pressure,
         Edit::Angle(number, angle) => {
             let target = target(targets, *number)?;

@@ -41,6 +41,12 @@ pub struct MapWish {
     pub size: (usize, usize),
 }
 
+/// The token of a message, whatever its other keys.
+pub fn token(text: &str) -> Option<String> {
+    let value: Value = serde_json::from_str(text).ok()?;
+    value.get("token")?.as_str().map(str::to_owned)
+}
+
 /// Parses a message; its `id` is also set on errors.
 ///
 /// # Errors

@@ -1,6 +1,6 @@
 //! OSC 1.0: packets as commands, and replies as packets. Time tags are ignored; a bundle is one change.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rosc::{OscBundle, OscMessage, OscPacket, OscTime, OscType};
 use serde_json::{Map, Value, json};
 
@@ -63,32 +63,38 @@ fn without_tags(bytes: &[u8]) -> Option<OscMessage> {
 
 fn collect(packet: OscPacket, words: &mut Vec<Word>) -> Result<(), String> {
     match packet {
-        OscPacket::Message(message) => words.push(word(&message)?),
+        OscPacket::Message(message) => words.extend(word(&message)?),
         OscPacket::Bundle(bundle) => bundle.content.into_iter().try_for_each(|part| collect(part, words))?,
     }
     Ok(())
 }
 
-fn word(message: &OscMessage) -> Result<Word, String> {
+/// The word of a message; a released button says none.
+fn word(message: &OscMessage) -> Result<Option<Word>, String> {
     let OscMessage { addr, args } = message;
     let what = || echo::value(addr);
     let Some(path) = addr.strip_prefix(ROOT) else {
         return Err(format!("{}: addresses begin with {ROOT}", what()));
     };
     let parts: Vec<_> = path.split('/').collect();
+    if let ["clear" | "state"] | ["target", _, "remove"] = parts[..]
+        && is_released(args)
+    {
+        return Ok(None);
+    }
     let word = match (&parts[..], &args[..]) {
         (["target", "add"], args) => added(args).map(Word::Edit),
         (["target", number, key], args) => {
             let number = number.parse().map_err(|_| format!("{}: targets are numbered from 1", what()))?;
             of_target(number, key, args).map(Word::Edit)
         }
-        (["clear"], []) => Some(Word::Edit(Edit::Clear)),
+        (["clear"], _) => Some(Word::Edit(Edit::Clear)),
         (["motion"], [on]) => truth(on).map(Edit::Motion).map(Word::Edit),
         (["send"], []) => Some(Word::Edit(Edit::Send(true))),
         (["send"], [on]) => truth(on).map(Edit::Send).map(Word::Edit),
         // With any arguments: a stop must not fail.
         (["stop"], _) => Some(Word::Edit(Edit::Stop)),
-        (["state"], []) => Some(Word::State),
+        (["state"], _) => Some(Word::State),
         (["token"], [OscType::String(token)]) => Some(Word::Token(token.clone())),
         ([table, key], args) => match table.parse::<Table>() {
             Ok(table) => value(args).map(|value| {
@@ -97,20 +103,22 @@ fn word(message: &OscMessage) -> Result<Word, String> {
             }),
             Err(_) => return Err(format!("{}: there is no such address", what())),
         },
-        (["clear" | "motion" | "send" | "state" | "token"], _) => None,
+        (["motion" | "send" | "token"], _) => None,
         (_, _) => return Err(format!("{}: there is no such address", what())),
     };
-    word.ok_or_else(|| format!("{}: other arguments belong to it", what()))
+    word.map(Some).ok_or_else(|| format!("{}: other arguments belong to it", what()))
 }
 
 fn of_target(number: Number, key: &str, args: &[OscType]) -> Option<Edit> {
     match (key, args) {
         ("at", [x, y, z]) => Some(Edit::At(number, DVec3::new(real(x)?, real(y)?, real(z)?))),
+        // A pad.
+        ("at", [x, y]) => Some(Edit::Across(number, DVec2::new(real(x)?, real(y)?))),
         ("pressure", [pressure]) => Some(Edit::Pressure(number, real(pressure)?)),
         ("angle", [angle]) => Some(Edit::Angle(number, real(angle)?)),
         ("visible", [on]) => Some(Edit::Visible(number, truth(on)?)),
         ("text", [OscType::String(text)]) => Some(Edit::Text(number, text.clone())),
-        ("remove", []) => Some(Edit::Remove(number)),
+        ("remove", _) => Some(Edit::Remove(number)),
         (_, _) => None,
     }
 }
@@ -188,6 +196,11 @@ fn truth(arg: &OscType) -> Option<bool> {
         OscType::Bool(on) => Some(*on),
         number => real(number).map(|number| number != 0.0),
     }
+}
+
+/// Whether these are the arguments of a button that is let go: F or 0 first. Surfaces send a value with every button.
+fn is_released(args: &[OscType]) -> bool {
+    args.first().and_then(truth) == Some(false)
 }
 
 /// An error message.

@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use tungstenite::handshake::server::{ErrorResponse, Request as Handshake, Response};
 use tungstenite::http::StatusCode;
 use tungstenite::protocol::WebSocketConfig;
-use tungstenite::{Error, Message as Packet, WebSocket};
+use tungstenite::{Error, Message as Packet, Utf8Bytes, WebSocket};
 
 use crate::control::desk::Desk;
 use crate::control::gate::Gate;
@@ -33,7 +33,7 @@ const STATES: f64 = 60.0;
 /// A state is answered once the preceding changes are solved, or after this time.
 const PATIENCE: Duration = Duration::from_millis(100);
 /// Limit of a first message with a token, in bytes.
-const FIRST: usize = 4 << 10;
+const FIRST: usize = 64 << 10;
 /// Bytes of the buffers of a connection.
 const BUFFER: usize = 16 << 10;
 
@@ -128,8 +128,8 @@ fn serve(stream: TcpStream, desk: &Desk, gate: &Gate, maps: &Maps) -> Result<(),
         is_known = welcome(handshake, gate).inspect_err(|_| desk.counts.strangers.add())?;
         Ok(response)
     };
-    let first = if gate.token().is_some() { FIRST } else { json::LONGEST };
-    let accepted = tungstenite::accept_hdr_with_config(timed, greet, Some(config(first)));
+    let longest = if gate.token().is_some() { FIRST } else { json::LONGEST };
+    let accepted = tungstenite::accept_hdr_with_config(timed, greet, Some(config(longest)));
     let mut socket = match accepted {
         Ok(socket) => socket,
         Err(_) => {
@@ -137,15 +137,19 @@ fn serve(stream: TcpStream, desk: &Desk, gate: &Gate, maps: &Maps) -> Result<(),
             return Ok(());
         }
     };
-    if !is_known && !gives_token(&mut socket, gate)? {
-        desk.counts.strangers.add();
-        socket.send(json::error("give the token first: {\"token\": \"…\"}", None).into())?;
-        return goodbye(&mut socket);
+    let mut first = None;
+    if !is_known {
+        first = message_with_token(&mut socket, gate)?;
+        if first.is_none() {
+            desk.counts.strangers.add();
+            socket.send(json::error("give the token first: {\"token\": \"…\"}", None).into())?;
+            return goodbye(&mut socket);
+        }
     }
     socket.set_config(|set| *set = config(json::LONGEST));
     socket.get_mut().until = None;
     desk.counts.connections.add();
-    Connection { socket, desk, gate, maps, watch: None }.talk()
+    Connection { socket, desk, gate, maps, watch: None }.talk(first)
 }
 
 fn config(longest: usize) -> WebSocketConfig {
@@ -179,11 +183,11 @@ fn welcome(handshake: &Handshake, gate: &Gate) -> Result<bool, ErrorResponse> {
     }
 }
 
-/// Whether the first message is the token.
-fn gives_token(socket: &mut Socket, gate: &Gate) -> Result<bool, Error> {
-    let Packet::Text(text) = socket.read()? else { return Ok(false) };
-    let message = json::message(&text, &mut None).ok();
-    Ok(message.and_then(|message| message.token).is_some_and(|token| gate.fits(&token)))
+/// The first message, if it has the token.
+fn message_with_token(socket: &mut Socket, gate: &Gate) -> Result<Option<Utf8Bytes>, Error> {
+    let Packet::Text(text) = socket.read()? else { return Ok(None) };
+    let is_known = json::token(&text).is_some_and(|token| gate.fits(&token));
+    Ok(is_known.then_some(text))
 }
 
 fn goodbye(socket: &mut Socket) -> Result<(), Error> {
@@ -201,8 +205,13 @@ struct Connection<'a> {
 }
 
 impl Connection<'_> {
-    fn talk(mut self) -> Result<(), Error> {
+    /// `first`: the message that gave the token.
+    fn talk(mut self, first: Option<Utf8Bytes>) -> Result<(), Error> {
         self.wait(LOOK)?;
+        if let Some(text) = first {
+            self.desk.counts.packets.add();
+            self.hear(&text)?;
+        }
         while !self.desk.is_closing() {
             match self.socket.read() {
                 Ok(Packet::Text(text)) => {

@@ -101,6 +101,29 @@ fn remote_connections_give_the_token_in_the_address_or_first() {
 }
 
 #[test]
+fn a_first_message_with_the_token_is_acted_upon() {
+    let serving = Serving::new(TWO, with_token(Ipv4Addr::UNSPECIFIED.into()));
+    let mut first = |keys: &str| {
+        let mut web = Web::new(&format!("ws://{}", serving.address("websocket")));
+        let answer = web.ask(&format!("{{\"token\": \"{TOKEN}\", {keys}}}"));
+        // The connection stays open.
+        web.send(r#"{"state": true, "id": 9}"#);
+        while web.heard()["id"] != 9 {}
+        answer
+    };
+    assert_eq!(first(r#""targets": {"1": {"at": [0.01, 0, 0.1]}}, "id": 1"#)["done"], 2);
+    serving.has_foci_of(&TWO.replace("-0.02", "0.01"));
+    assert_eq!(first(r#""state": true"#)["state"]["targets"][0]["number"], 1);
+    assert!(first(r#""watch": true"#)["state"].is_object());
+    for (keys, part) in [(r#""colour": 1"#, "there is no such key"), (r#""remove": [3]"#, "the scene has 2")]
+    {
+        let answer = first(keys);
+        assert!(answer["error"].as_str().is_some_and(|error| error.contains(part)), "{answer}");
+    }
+    assert_eq!(serving.desk.counts.tally().strangers, 0);
+}
+
+#[test]
 fn remote_packets_are_accepted_after_their_sender_gave_the_token() {
     let serving = Serving::new(TWO, with_token(Ipv4Addr::UNSPECIFIED.into()));
     let (osc, other) = (serving.udp("osc"), serving.udp("osc"));

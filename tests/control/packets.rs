@@ -50,6 +50,38 @@ fn added_targets_have_the_keys_of_their_file_with_one_value_or_several() {
     }
 }
 
+#[test]
+fn buttons_act_when_pressed_and_not_when_released() {
+    use OscType::{Bool, Float, Inf, Int};
+    let text = OscType::String("on".to_owned());
+    let pressed: [&[OscType]; 8] = [
+        &[],
+        &[Float(1.0)],
+        &[Float(0.3)],
+        &[Int(127)],
+        &[Bool(true)],
+        &[Inf],
+        &[text],
+        &[Float(1.0), Float(0.0)],
+    ];
+    let released: [&[OscType]; 4] = [&[Float(0.0)], &[Int(0)], &[Bool(false)], &[Float(0.0), Float(1.0)]];
+    for (address, word) in [
+        ("clear", Word::Edit(Edit::Clear)),
+        ("target/2/remove", Word::Edit(Edit::Remove(2))),
+        ("state", Word::State),
+    ] {
+        for args in pressed {
+            assert_eq!(words(&message(address, args)), Ok(vec![word.clone()]), "{address} {args:?}");
+        }
+        for args in released {
+            assert_eq!(words(&message(address, args)), Ok(Vec::new()), "{address} {args:?}");
+        }
+    }
+    for args in pressed.into_iter().chain(released) {
+        assert_eq!(words(&message("stop", args)), Ok(vec![Word::Edit(Edit::Stop)]), "{args:?}");
+    }
+}
+
 /// Old senders omit the type tags, but pad the address to a multiple of four bytes.
 #[test]
 fn a_part_of_a_message_without_type_tags_is_refused() {

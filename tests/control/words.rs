@@ -67,6 +67,23 @@ fn osc_moves_types_adds_and_removes_as_the_file_would() {
 }
 
 #[test]
+fn a_pad_moves_targets_at_their_height() {
+    let file = |[x, y]: [f64; 2]| {
+        format!(
+            "format = 1\n[[target]]\nat = [{x}, {y}, 0.13]\n[[target]]\nkind = \"line\"\npoints = 3\n\
+             from = [{}, {y}, 0.1]\nto = [{}, {y}, 0.12]\n",
+            x - 0.01,
+            x + 0.01
+        )
+    };
+    let serving = Serving::local(&file([0.0, 0.0]));
+    let osc = serving.udp("osc");
+    let pad = |number: usize| message(&format!("target/{number}/at"), &floats([0.01, -0.02]));
+    osc.bundle(vec![pad(1), pad(2)]);
+    serving.has_foci_of(&file([0.01, -0.02]));
+}
+
+#[test]
 fn a_waveform_stays_when_its_depth_changes() {
     let serving = Serving::local(TWO);
     let samples = Samples { file: "a.wav".into(), rate: 8000.0, values: vec![0.0, 1.0] };
@@ -105,7 +122,8 @@ fn a_bundle_is_one_atomic_change() {
     assert!(error.contains("on or behind the array"), "{error}");
     for (address, args, part) in [
         ("target/1/text", vec![OscType::String("A".to_owned())], "only a text has letters"),
-        ("target/1/at", floats([0.0, 0.0]).to_vec(), "other arguments belong to it"),
+        ("target/1/at", floats([0.0]).to_vec(), "other arguments belong to it"),
+        ("target/3/at", floats([0.0, 0.0]).to_vec(), "target 3"),
         ("target/0/at", floats([0.0, 0.0, 0.1]).to_vec(), "target 0"),
         ("target/1/pressure", floats([f32::NAN]).to_vec(), "target[1].pressure: must be a number"),
         ("colour", vec![], "there is no such address"),
