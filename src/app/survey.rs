@@ -3,11 +3,11 @@
 use egui::Context;
 use glam::DVec3;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Clearance};
 use crate::app::later::Later;
 use crate::drive::Drive;
 use crate::field::{Evaluator, Quantity, Request, Stages, side_lobe};
-use crate::scene::{Plane, Scene};
+use crate::scene::{Focus, Plane, Scene};
 use crate::studio::width::{self, Widths};
 use crate::ui::section;
 use crate::ui::view::Lens;
@@ -22,7 +22,7 @@ struct Surveyed {
     scene: Scene,
     aperture: Aperture,
     drives: Vec<Drive>,
-    foci: Vec<DVec3>,
+    foci: Vec<Focus>,
     plane: Plane,
     /// Whether maximum and side lobe are requested.
     marks: bool,
@@ -59,7 +59,7 @@ impl Survey {
             scene: Scene { plane: plane.clone(), ..editor.scene().clone() },
             aperture: sound.aperture.clone(),
             drives: sound.drives.clone(),
-            foci: sound.foci.iter().map(|focus| focus.position).collect(),
+            foci: sound.foci.clone(),
             plane,
             marks,
             focus,
@@ -73,7 +73,7 @@ impl Survey {
 
 fn measure(surveyed: &Surveyed) -> (Option<Extremes>, Option<Widths>) {
     let Surveyed { aperture, drives, marks, focus, .. } = surveyed;
-    let widths = focus.filter(|focus| focus.z > 0.0).map(|focus| width::widths(aperture, drives, focus));
+    let widths = focus.map(|focus| width::widths(aperture, drives, focus));
     (marks.then(|| extremes(surveyed)), widths)
 }
 
@@ -94,11 +94,16 @@ fn peak(scene: &Scene, drives: &[Drive], stages: &mut Stages) -> Option<(DVec3, 
     let [width, height] = (plane.size / pixel).to_array().map(|side| (side.round() as usize).max(1));
     let request = Request::new(scene, drives.to_vec(), Quantity::Rms, (width, height));
     let map = stages.map(&request).ok()?;
-    let (index, value) = map.values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
     let (x, y) = plane.axes()?;
     let part = |index: usize, count: usize| (index as f64 + 0.5) / count as f64 - 0.5;
-    let at = plane.centre
-        + x * (plane.size.x * part(index % width, width))
-        + y * (plane.size.y * part(index / width, height));
-    Some((at, f64::from(*value) * std::f64::consts::SQRT_2))
+    let at = |index: usize| {
+        plane.centre
+            + x * (plane.size.x * part(index % width, width))
+            + y * (plane.size.y * part(index / width, height))
+    };
+    let clearance = Clearance::new(&request.aperture);
+    let heard = map.values.iter().enumerate().map(|(index, value)| (at(index), *value));
+    let heard = heard.filter(|(at, _)| clearance.at(*at) > 0.0);
+    let (at, value) = heard.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some((at, f64::from(value) * std::f64::consts::SQRT_2))
 }

@@ -21,16 +21,8 @@ use crate::studio::output::{self, Files, say, warn};
 /// Replaces the figures that compare pressures if the foci are silent, in these rows.
 const SILENT: &str = "no sound reaches the foci";
 const UNIFORMITY: &str = "uniformity (std/mean)";
-const COMPARED: [&str; 8] = [
-    UNIFORMITY,
-    "relative to single",
-    "residual",
-    "evenness",
-    "loudest elsewhere",
-    "strength",
-    "contrast",
-    "error",
-];
+const COMPARED: [&str; 7] =
+    [UNIFORMITY, "relative to single", "residual", "evenness", "strength", "contrast", "error"];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Methods {
@@ -299,15 +291,10 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         ),
     ];
     if let Some(figures) = &solution.figures {
-        let [x, y, z] = coordinates(figures.side_lobe_position);
         let figures = [
             (
                 "evenness",
                 format!("{}, weakest over mean; {:.1} dB", percent(figures.evenness), figures.ripple_db),
-            ),
-            (
-                "loudest elsewhere",
-                format!("{} of the mean, at ({x}, {y}, {z}) mm", percent(figures.side_lobe)),
             ),
             ("strength", format!("{} of the strongest drive's mean", percent(figures.strength))),
         ];
@@ -347,7 +334,7 @@ fn side_lobe_row(found: &Result<SideLobe, NoSideLobe>) -> String {
         Ok(lobe) => {
             let [x, y, z] = coordinates(lobe.position);
             format!(
-                "{} of the mean, the largest on the plane outside the foci: {} at ({x}, {y}, {z}) mm",
+                "{} of the mean, the loudest outside the main lobes: {} at ({x}, {y}, {z}) mm",
                 percent(lobe.part),
                 pascals(lobe.pressure)
             )

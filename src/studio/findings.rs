@@ -8,7 +8,7 @@ use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::rounding::percent_at_most;
 use crate::scene::{Pressures, Scene};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{Limits, Problem, Solution, SolveError, room};
+use crate::solver::{Limits, Problem, Solution, SolveError, room, shape};
 use crate::studio::levitation::{self, Held};
 use crate::studio::probe::{self, Reading};
 use crate::studio::{json, reach};
@@ -35,9 +35,17 @@ impl Findings {
         stages: &mut Stages,
         solution: Solution,
     ) -> Self {
-        let points: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
         let aperture = problem.aperture;
-        let side_lobe = side_lobe::loudest(stages, aperture, &scene.plane, &solution.drives(), &points);
+        let side_lobe = match &solution.figures {
+            Some(figures) if figures.side_lobe > 0.0 => {
+                let (part, position) = (figures.side_lobe, figures.side_lobe_position);
+                Ok(SideLobe { position, pressure: part * solution.quality.mean_pressure, part })
+            }
+            Some(_) | None => {
+                let plane = shape::judged_plane(scene, &solution.foci);
+                side_lobe::loudest(stages, aperture, &plane, &solution.drives(), &solution.foci)
+            }
+        };
         let heard =
             scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
         let traps = levitation::held(scene, aperture, &solution.drives());
@@ -71,10 +79,10 @@ impl Findings {
     pub fn json(&self, aperture: &Aperture) -> Value {
         let mut value = json::solution(&self.solution, Some(&self.limits));
         json::add_widths(&mut value, aperture, &self.solution);
-        // Named as programs have read it since before it was called a side lobe; `side_lobe` is that of drawings.
-        let lobe = self.side_lobe.as_ref().ok();
-        value["quality"]["ghost"] = json!(lobe.map(|lobe| lobe.part));
-        value["quality"]["ghost_position"] = json!(lobe.map(|lobe| lobe.position.to_array()));
+        json::set_side_lobe(
+            &mut value["quality"],
+            self.side_lobe.as_ref().ok().map(|it| (it.part, it.position)),
+        );
         if let Some(heard) = &self.heard {
             value["listener"] =
                 json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });

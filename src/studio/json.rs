@@ -108,12 +108,21 @@ fn shape(quality: &mut Value, solution: &Solution) {
     quality["evenness"] = json!(solution.quality.evenness);
     if let Some(figures) = &solution.figures {
         quality["evenness"] = json!(figures.evenness);
-        quality["side_lobe"] = json!(figures.side_lobe);
-        quality["side_lobe_position"] = json!(figures.side_lobe_position.to_array());
+        let lobe = (figures.side_lobe, figures.side_lobe_position);
+        set_side_lobe(quality, (lobe.0 > 0.0).then_some(lobe));
         quality["strength"] = json!(figures.strength);
         if let Some(areas) = figures.areas {
             quality["contrast"] = json!(areas.contrast);
             quality["error"] = json!(areas.error);
         }
+    }
+}
+
+/// Writes the side lobe, relative to the mean at the foci, with its position (m), or nulls; also by the name that
+/// programs have read it by.
+pub fn set_side_lobe(quality: &mut Value, lobe: Option<(f64, DVec3)>) {
+    for [name, position] in [["side_lobe", "side_lobe_position"], ["ghost", "ghost_position"]] {
+        quality[name] = json!(lobe.map(|(part, _)| part));
+        quality[position] = json!(lobe.map(|(_, at)| at.to_array()));
     }
 }

@@ -149,3 +149,40 @@ fn the_readme_has_the_rows_of_the_report() {
     let cells = table.lines().filter_map(|line| line.strip_prefix("| ")?.split(" | ").next());
     assert_eq!(cells.skip(1).collect::<Vec<_>>(), names);
 }
+
+/// The labels in the first column of what `solve` prints about a scene.
+fn labels(scene: &str, args: &[&str]) -> Vec<String> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.toml"), scene).unwrap();
+    let mut program = Command::new(env!("CARGO_BIN_EXE_sonoglyph"));
+    let run = program.current_dir(folder.path()).args(["solve", "a.toml"]).args(args).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let text = String::from_utf8(run.stdout).unwrap();
+    let label = |line: &str| Some(line.split_once("  ")?.0.trim_end().to_owned());
+    let of_table = |line: &&str| !line.starts_with(['+', '|']);
+    text.lines().filter(of_table).filter_map(label).collect()
+}
+
+#[test]
+fn every_printed_figure_has_a_definition() {
+    let head = "format = 1\n[array]\nrows = 4\ncolumns = 4\n";
+    let point = format!("{head}[[target]]\nat = [0.0, 0.01, 0.05]\n");
+    let shapes = "[[target]]\nkind = \"circle\"\nat = [0, 0, 0.05]\nradius = 0.01\nfill = true\n\
+                  [[target]]\nkind = \"line\"\nfrom = [-0.02, -0.02, 0.05]\nto = [0.02, -0.02, 0.05]\n";
+    let trap = "[[target]]\nkind = \"trap\"\nat = [0, 0, 0.05]\n";
+    let mut printed = BTreeSet::new();
+    printed.extend(labels(&point, &["--levels", "8", "--listener", "0,0.1,0.3"]));
+    printed.extend(labels(&format!("{head}{shapes}"), &[]));
+    printed.extend(labels(&format!("{head}{trap}"), &[]));
+    for known in ["peak side lobe", "strength", "error", "areas", "continuous strokes", "refined", "listener"]
+    {
+        assert!(printed.contains(known), "{known}: {printed:?}");
+    }
+    let model = text("docs/model.md");
+    let defined = |label: &String| {
+        let label = label.trim_end_matches(|c: char| c.is_ascii_digit()).trim_end();
+        model.lines().any(|line| line.starts_with('|') && line.contains(&format!("*{label}*")))
+    };
+    let missing: Vec<_> = printed.iter().filter(|label| !defined(label)).collect();
+    assert!(missing.is_empty(), "docs/model.md defines none of {missing:?}");
+}

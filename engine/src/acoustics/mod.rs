@@ -13,6 +13,7 @@
 
 pub mod air;
 mod bessel;
+mod clearance;
 mod derivatives;
 mod disk;
 pub mod element;
@@ -34,6 +35,7 @@ use crate::scene::{Placed, Reflector, Scene};
 use row::Rows;
 
 pub use air::{Air, viscosity};
+pub use clearance::Clearance;
 pub use derivatives::{Along, Derivatives};
 pub use element::Element;
 pub use emitters::Emitters;
@@ -58,6 +60,8 @@ pub struct Aperture {
     pub faces: Vec<Face>,
     /// A bound on the sound of the reflections that a series leaves out, relative to the board's own sound.
     pub remainder: f64,
+    /// The reflectors, behind which there is no sound.
+    pub mirrors: Vec<Reflector>,
 }
 
 impl Aperture {
@@ -85,7 +89,8 @@ impl Aperture {
             Face::board(pose.after(&own), Arc::clone(&layout), number * placed.len())
         };
         let mut faces: Vec<_> = poses.iter().enumerate().map(board).collect();
-        let (images, remainder) = face::images(&faces, &scene.mirrors(), &standing, array.reflectivity);
+        let mirrors = scene.mirrors();
+        let (images, remainder) = face::images(&faces, &mirrors, &standing, array.reflectivity);
         faces.extend(images);
         let all = || poses.iter().flat_map(|pose| placed.iter().map(move |it| (pose, it)));
         let off: std::collections::HashSet<_> = array.off.iter().copied().collect();
@@ -97,6 +102,7 @@ impl Aperture {
             driven: (0..scene.elements()).filter(|n| !off.contains(n)).collect(),
             faces,
             remainder,
+            mirrors,
         }
     }
 
@@ -109,6 +115,7 @@ impl Aperture {
             faces: vec![Face::board(Pose::HOME, Arc::new(layout), 0)],
             positions,
             remainder: 0.0,
+            mirrors: Vec::new(),
             ..*self
         }
     }
@@ -149,14 +156,6 @@ impl Aperture {
             low.abs().max(high.abs())
         };
         self.boards().map(of_board).fold(DVec2::ZERO, DVec2::max)
-    }
-
-    /// Height (m) of a point above the nearest board that it is in front of; 0 behind all boards, and of a point that
-    /// is not finite.
-    pub fn height(&self, point: DVec3) -> f64 {
-        let heights = self.boards().map(|board| board.pose.local(point).z);
-        let least = heights.filter(|height| *height > 0.0).fold(f64::INFINITY, f64::min);
-        if least.is_finite() && point.is_finite() { least } else { 0.0 }
     }
 
     /// The planes behind which some elements are silent: a point and the direction of radiation of each.
@@ -466,7 +465,7 @@ mod tests {
         let aperture = Aperture::new(&Scene { array, boards, reflectors, ..Scene::default() });
         assert_eq!((aperture.boards().count(), aperture.faces.len()), (2, 4));
         // Between the image of a board, at 0.4 m, and the boards.
-        assert!((aperture.height(DVec3::Z * 0.15) - 0.15).abs() < 1e-12);
+        assert!((Clearance::new(&aperture).at(DVec3::Z * 0.15) - 0.15).abs() < 1e-12);
     }
 
     #[test]

@@ -103,22 +103,26 @@ impl Lattice {
         counts: impl Fn(DVec2) -> bool,
         value: impl Fn(&[DVec2]) -> Vec<f64>,
     ) -> Option<Summit> {
-        let leading = self.maxima().filter(|&index| self.may_count(index, &counts));
-        let mut expected: Vec<_> = leading.map(|index| self.vertex(index)).collect();
-        expected.sort_by(|a, b| b.1.total_cmp(&a.1));
-        expected.truncate(MOST);
+        let mut expected: Vec<_> = self.maxima().map(|index| (index, self.vertex(index))).collect();
+        expected.sort_by(|a, b| b.1.1.total_cmp(&a.1.1));
+        let (mut expected, mut started) = (expected.into_iter().peekable(), 0);
         let mut highest: Option<Summit> = None;
-        for some in expected.chunks(TOGETHER) {
+        loop {
             let least = highest.map_or(0.0, |summit| LEADING * summit.value);
-            let places: Vec<_> =
-                some.iter().filter(|(_, value)| *value >= least).map(|(place, _)| *place).collect();
-            if places.is_empty() {
-                break;
+            let mut places = Vec::new();
+            // Only the highest are asked whether they count: that may take longer than their height.
+            while places.len() < TOGETHER.min(MOST - started)
+                && let Some((index, (place, _))) = expected.next_if(|(_, (_, height))| *height >= least)
+            {
+                places.extend(self.may_count(index, &counts).then_some(place));
             }
+            if places.is_empty() {
+                return highest;
+            }
+            started += places.len();
             let reached = self.climbed(&places, highest, &counts, &value);
             highest = reached.into_iter().max_by(|a, b| a.value.total_cmp(&b.value));
         }
-        highest
     }
 
     /// The ends of climbs from some points and from the highest so far, if they may be the highest counted maxima.

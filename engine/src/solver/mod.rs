@@ -169,7 +169,11 @@ impl Solution {
             return;
         }
         let u = self.played(&problem.aperture.driven);
-        let figures = shape::figures(problem, &Surroundings::new(scene, &problem.foci), &u);
+        let surroundings = Surroundings {
+            plane: shape::judged_plane(scene, &problem.foci),
+            ..Surroundings::new(scene, &problem.foci)
+        };
+        let figures = shape::figures(problem, &surroundings, &u);
         self.figures = Some(figures);
         let is_stroked = self.foci.iter().any(|focus| focus.part == Part::Stroke);
         if self.method == Method::Best && is_stroked && figures.side_lobe > ASTRAY {

@@ -16,8 +16,8 @@ fn solved(points: &[DVec3], method: Method) -> (Scene, Solution) {
 
 fn side_lobe_of(scene: &Scene, solution: &Solution) -> Result<SideLobe, NoSideLobe> {
     let aperture = Aperture::new(scene);
-    let foci: Vec<_> = solution.foci.iter().map(|focus| focus.position).collect();
-    side_lobe::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &scene.plane, &solution.drives(), &foci)
+    let (mut stages, foci) = (Stages::new(Evaluator::Cpu), &solution.foci);
+    side_lobe::loudest(&mut stages, &aperture, &scene.plane, &solution.drives(), foci)
 }
 
 /// All local maxima of |p| (Pa) on the plane, on a grid of λ/20, in f64; the loudest first.

@@ -116,15 +116,16 @@ fn shape(figures: Option<&Figures>, ui: &mut Ui) {
     let percent = |part: f64| format!("{:.0} %", 100.0 * part);
     let tip = "Least over mean pressure along the strokes, and the ripple from least to largest";
     fact(ui, ("Evenness", tip), told(&|it| format!("{}, {:.1} dB", percent(it.evenness), it.ripple_db)));
+    let lobe = |it: &Figures| if it.side_lobe > 0.0 { percent(it.side_lobe) } else { "-".to_owned() };
     let place = told(&|it| {
         let [x, y, z] = it.side_lobe_position.to_array().map(|place| millimetres(place, 0));
         format!("{x}, {y}, {z} mm")
     });
     let tip = format!(
-        "Largest pressure on the plane more than 8 mm from the drawing, relative to the drawing's mean: at {place}"
+        "Loudest place on the plane outside the main lobes, relative to the mean of the drawing: at {place}"
     );
-    fact(ui, ("Peak side lobe", &tip), told(&|it| percent(it.side_lobe)));
-    let tip = "Mean pressure relative to the strongest drive";
+    fact(ui, ("Peak side lobe", &tip), told(&lobe));
+    let tip = "Mean pressure relative to the strongest known drive";
     fact(ui, ("Strength", tip), told(&|it| percent(it.strength)));
     if let Some(areas) = figures.and_then(|figures| figures.areas) {
         let tip = "Mean of pressure squared inside the areas over that around them, or of the depression";

@@ -3,6 +3,7 @@
 mod bounds;
 mod depression;
 mod judge;
+mod lobes_of_arrays;
 mod program;
 mod side_lobes;
 mod silence;

@@ -12,7 +12,7 @@ use sonoglyph::field::{
     self, Colouring, Evaluator, FieldError, NoSideLobe, Plan, Quantity, Request, Samples, Scale, Stages,
     colouring, contour, polynomial, side_lobe,
 };
-use sonoglyph::scene::{Bead, Plane, Scene};
+use sonoglyph::scene::{Bead, Focus, Plane, Scene};
 use sonoglyph::studio::probe;
 use strum::VariantArray;
 
@@ -152,7 +152,7 @@ fn invalid_planes_have_no_plan_samples_or_cells() {
                 }
             }
             Cells::new(&aperture, &plane, 0.01, 1e-3);
-            let (foci, drive) = (vec![DVec3::Z * 0.1], drive());
+            let (foci, drive) = (vec![Focus::new(DVec3::Z * 0.1, 1.0)], drive());
             let found =
                 side_lobe::loudest(&mut stages, &aperture, &plane, std::slice::from_ref(&drive), &foci);
             assert!(

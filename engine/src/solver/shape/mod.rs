@@ -43,7 +43,7 @@ use table::Table;
 
 pub use figures::{AreaFigures, Figures, figures};
 pub use further::best_within;
-pub use surroundings::{Surroundings, Zone};
+pub use surroundings::{Surroundings, Zone, judged_plane};
 
 /// Steps per call of [`Search::advance`], and calls, of each part of the schedule.
 pub const COARSE: (usize, u32) = (20, 3);

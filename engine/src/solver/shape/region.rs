@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Clearance};
 use crate::scene::{Focus, Plane};
 use crate::solver::Problem;
 use crate::solver::shape::Zone;
@@ -25,11 +25,7 @@ const CHUNK: usize = 256;
 #[derive(Debug)]
 pub enum Area {
     Grid(Layout),
-    Points {
-        points: Vec<DVec3>,
-        /// m, between neighbours.
-        spacing: f64,
-    },
+    Points(Vec<DVec3>),
 }
 
 impl Area {
@@ -69,14 +65,15 @@ impl Area {
         let along = (2.0 * half / spacing(aperture, distance)).min(most.sqrt() - 1.0).ceil().max(1.0);
         let step = 2.0 * half / along;
         // The field next to an element is dominated by it.
-        let heights = problem.foci.iter().map(|focus| aperture.height(focus.position));
+        let clearance = Clearance::new(aperture);
+        let heights = problem.foci.iter().map(|focus| clearance.at(focus.position));
         let nearest = heights.fold(f64::INFINITY, f64::min);
         let lowest = (2.0 * aperture.wavelength()).min(0.5 * nearest).max(0.0);
         let along = along as i64;
         let point = |i: i64, j: i64| on_plane + x * (i as f64 * step - half) + y * (j as f64 * step - half);
         let points = (0..=along).flat_map(|j| (0..=along).map(move |i| point(i, j)));
-        let points: Vec<_> = points.filter(|&point| aperture.height(point) > lowest).collect();
-        (!points.is_empty()).then_some(Self::Points { points, spacing: step })
+        let points: Vec<_> = points.filter(|&point| clearance.at(point) > lowest).collect();
+        (!points.is_empty()).then_some(Self::Points(points))
     }
 }
 
@@ -103,7 +100,7 @@ pub fn on_plane<T: Real>(problem: &Problem<'_>, plane: &Plane, finer: bool, scal
             let grid = || Samples::Grid(Box::new(Grid::new(aperture, layout, scale)));
             is_somewhere.then(|| Quiet::new(grid(), mask))
         }
-        Area::Points { points, .. } => scattered(problem, points.into_iter().map(|point| (point, scale))),
+        Area::Points(points) => scattered(problem, points.into_iter().map(|point| (point, scale))),
     }
 }
 
@@ -111,7 +108,8 @@ pub fn on_plane<T: Real>(problem: &Problem<'_>, plane: &Plane, finer: bool, scal
 pub fn in_zones<T: Real>(problem: &Problem<'_>, zones: &[Zone], scale: f64) -> Option<Quiet<T>> {
     let heard = zones.iter().filter(|zone| zone.weight > 0.0 && zone.weight.is_finite());
     let points = heard.flat_map(|zone| zone.points.iter().map(|&point| (point, zone.weight * scale)));
-    scattered(problem, points.filter(|(point, _)| point.is_finite()))
+    let clearance = Clearance::new(problem.aperture);
+    scattered(problem, points.filter(|(point, _)| clearance.at(*point) > 0.0))
 }
 
 /// A table of points with the scale of each, without drawn points and points with zero field.
@@ -219,8 +217,9 @@ mod tests {
             let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
             let plane = Plane { centre: at, x_axis: DVec3::new(1.0, 0.0, 0.5), ..Plane::default() };
             let area = Area::new(&problem, &plane, false);
-            let Some(Area::Points { points, .. }) = area else { panic!("{height}: {area:?}") };
-            let least = points.iter().map(|&point| aperture.height(point)).fold(f64::INFINITY, f64::min);
+            let Some(Area::Points(points)) = area else { panic!("{height}: {area:?}") };
+            let least =
+                points.iter().map(|&point| Clearance::new(&aperture).at(point)).fold(f64::INFINITY, f64::min);
             let lowest = f64::min(2.0 * aperture.wavelength(), 0.5 * height);
             assert!(least > lowest && least < lowest + 4e-3, "{height}: {least}");
         }
@@ -245,7 +244,7 @@ mod tests {
                 let plane = Plane { centre: at, ..Plane::default() };
                 match Area::new(&problem, &plane, false) {
                     Some(Area::Grid(layout)) => largest = largest.max(layout.area()),
-                    Some(Area::Points { .. }) => {
+                    Some(Area::Points(_)) => {
                         let reach = DVec2::splat(slope(&aperture) * height).max(aperture.reach());
                         let grids = (aperture.pitch / spacing(&aperture, height)).ceil() as usize;
                         let area = Layout::new(&aperture, height, reach, grids).area();
@@ -267,7 +266,8 @@ mod tests {
             let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
             let plane = Plane { centre: at, x_axis: DVec3::new(1.0, 0.0, 0.5), ..Plane::default() };
             let area = Area::new(&problem, &plane, false);
-            let Some(Area::Points { spacing: apart, .. }) = area else { panic!("{side}: {area:?}") };
+            let Some(Area::Points(points)) = area else { panic!("{side}: {area:?}") };
+            let apart = points[0].distance(points[1]);
             let needed = spacing(&aperture, height.max(aperture.reach().length()));
             assert!(apart <= needed && apart > 0.9 * needed, "{side}, {height}: {apart} of {needed} m");
         }
@@ -319,7 +319,8 @@ mod tests {
         let problem = Problem::new(&aperture, foci.to_vec());
         let plane = Plane { centre, x_axis: DVec3::new(1.0, 0.0, 0.2), ..Plane::default() };
         let area = Area::new(&problem, &plane, false);
-        let Some(Area::Points { points, spacing }) = area else { panic!("{area:?}") };
+        let Some(Area::Points(points)) = area else { panic!("{area:?}") };
+        let spacing = points[0].distance(points[1]);
         let (x, y) = plane.axes().unwrap();
         let normal = x.cross(y);
         let foot = middle - normal * (middle - centre).dot(normal);
@@ -371,7 +372,7 @@ mod tests {
             let problem = Problem::new(&aperture, foci);
             let plane = Plane { centre: DVec3::Z * 0.2, ..Plane::default() };
             let area = Area::new(&problem, &plane, false);
-            let Some(Area::Points { points, .. }) = area else { panic!("{side}: a grid") };
+            let Some(Area::Points(points)) = area else { panic!("{side}: a grid") };
             assert_eq!(points.len(), most, "{side}");
         }
     }

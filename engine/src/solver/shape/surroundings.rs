@@ -54,6 +54,16 @@ impl Surroundings {
     }
 }
 
+/// The plane of a scene on which the side lobe of these foci is looked for: that of a drawing's [`Surroundings`], and the
+/// scene's plane for separate foci.
+pub fn judged_plane(scene: &Scene, foci: &[Focus]) -> Plane {
+    if foci.iter().all(Focus::is_separate) {
+        scene.plane.clone()
+    } else {
+        Surroundings::new(scene, foci).plane
+    }
+}
+
 /// The areas of a scene with samples among the foci, at their current position.
 fn areas(scene: &Scene, foci: &[Focus]) -> Vec<Cover> {
     let is_first = |(place, focus): &(usize, &Focus)| {

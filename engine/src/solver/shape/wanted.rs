@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Clearance};
 use crate::scene::{Cover, Focus};
 use crate::solver::Problem;
 use crate::solver::shape::grid::{Grid, Layout};
@@ -160,7 +160,8 @@ impl<'a> Drawn<'a> {
         let area: f64 = sizes.map(DVec2::element_product).sum();
         let spacing = spacing.max((area / most as f64).sqrt());
         let points = self.covers.iter().flat_map(|cover| around(cover, cover.half + self.margin(), spacing));
-        let points: Vec<_> = points.filter(|&point| aperture.height(point) > 0.0).collect();
+        let clearance = Clearance::new(aperture);
+        let points: Vec<_> = points.filter(|&point| clearance.at(point) > 0.0).collect();
         let mut table = Table::new(aperture.driven.len());
         aperture.transfer(&points).rows().for_each(|row| table.push(row, scale));
         let wanted = points.iter().map(|&point| (self.at(point, spacing), 1.0)).collect();
