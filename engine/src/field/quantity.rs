@@ -2,7 +2,9 @@
 //! range, and names.
 //!
 //! A formula maps the sound of one drive at one point to one real number. The numbers of several drives are averaged;
-//! RMS values take the root of that mean, and a liquid responds to it.
+//! RMS values take the root of that mean, a liquid responds to it, and of a vector the length of the mean is taken.
+
+use std::ops::{Mul, Sub};
 
 use num_complex::Complex;
 
@@ -59,6 +61,8 @@ pub struct Declaration {
     pub exact: fn(Sound<f64>, &Constants<f64>) -> f64,
     /// WGSL expression in `s` (a sound) and `c` (the constants).
     pub wgsl: &'static str,
+    /// The vector whose length the formula is.
+    pub flow: Option<Flow>,
     /// Quadratic in the sound: twice the bandwidth, and linear from there on, so that it may be formed at cells.
     pub is_square: bool,
     /// Several drives have a mean of it.
@@ -81,6 +85,22 @@ pub struct Declaration {
     pub is_vector: bool,
 }
 
+/// The components of a vector.
+#[derive(Clone, Copy, Debug)]
+pub struct Flow {
+    /// Added for a run of points.
+    pub add: fn(Sounds<'_>, &Constants, &mut [[f32; 3]]),
+    /// In f64, at one point.
+    pub exact: fn(Sound<f64>, &Constants<f64>) -> [f64; 3],
+}
+
+/// The mean flow of energy, ½ Re{P V*} (W/m²), along the plane's axes and its normal, of half of 1/(ρω).
+#[inline(always)]
+fn power<T: Copy + Mul<Output = T> + Sub<Output = T>>(s: &Sound<T>, half: T) -> [T; 3] {
+    // In W/m² before it is squared, where f32 has as much room below as above.
+    [s.x, s.y, s.n].map(|slope| half * (s.p.im * slope.re - s.p.re * slope.im))
+}
+
 /// Defaults of a declaration.
 const USUAL: Declaration = Declaration {
     name: "",
@@ -95,6 +115,7 @@ const USUAL: Declaration = Declaration {
     formula: |_, _, _| (),
     exact: |_, _| 0.0,
     wgsl: "",
+    flow: None,
     is_square: false,
     has_mean: true,
     is_root: false,
@@ -221,16 +242,24 @@ quantities! {
         has_mean: false,
         of_moment: true,
     }
-    /// Magnitude of the mean flow of energy, W/m²: |½ Re{P V*}| with V = j∇P/(ρω).
+    /// Magnitude of the mean flow of energy, W/m²: |½ Re{P V*}| with V = j∇P/(ρω), the vectors of several drives averaged.
     Intensity {
         parts: PRESSURE | ALONG | NORMAL,
         formula: |s, c| {
-            // In W/m² before it is squared, where f32 has as much room below as above.
-            let flow = |slope: Complex<_>| 0.5 * c.of_velocity * (s.p.im * slope.re - s.p.re * slope.im);
-            let (x, y, n) = (flow(s.x), flow(s.y), flow(s.n));
+            let [x, y, n] = power(&s, 0.5 * c.of_velocity);
             (x * x + y * y + n * n).sqrt()
         },
         wgsl: "length(0.5 * c.of_velocity * (s.p.y * vec3f(s.x.x, s.y.x, s.n.x) - s.p.x * vec3f(s.x.y, s.y.y, s.n.y)))",
+        flow: Some(Flow {
+            add: |Sounds([p, x, y, n]), c, sums| {
+                for (i, sum) in sums.iter_mut().enumerate() {
+                    let sound = Sound { p: p[i], x: x[i], y: y[i], n: n[i] };
+                    let power = power(&sound, 0.5 * c.of_velocity);
+                    sum.iter_mut().zip(power).for_each(|(sum, power)| *sum += power);
+                }
+            },
+            exact: |s, c| power(&s, 0.5 * c.of_velocity),
+        }),
         name: "intensity",
         title: "Intensity",
         words: "acoustic intensity",
@@ -301,6 +330,35 @@ quantities! {
         decibels: 10.0,
         of_bead: true,
         is_vector: true,
+    }
+}
+
+/// The mean of a formula over drives at one point, in f64.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mean {
+    /// Of a vector, or in the first component.
+    sum: [f64; 3],
+}
+
+impl Mean {
+    /// Adds the sound of one of `count` drives.
+    pub fn add(
+        &mut self,
+        declaration: &Declaration,
+        sound: Sound<f64>,
+        constants: &Constants<f64>,
+        count: usize,
+    ) {
+        let own = match declaration.flow {
+            Some(flow) => (flow.exact)(sound, constants),
+            None => [(declaration.exact)(sound, constants), 0.0, 0.0],
+        };
+        self.sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / count as f64);
+    }
+
+    pub fn of(&self, declaration: &Declaration) -> f64 {
+        let [x, y, n] = self.sum;
+        if declaration.flow.is_some() { (x * x + y * y + n * n).sqrt() } else { x }
     }
 }
 

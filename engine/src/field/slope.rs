@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::acoustics::element::NEAREST;
 use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
-use crate::field::quantity::{Constants, Part, Quantity, Sound, narrow};
+use crate::field::quantity::{Constants, Mean, Part, Quantity, Sound, narrow};
 use crate::field::{Samples, on_cpu};
 use crate::gauge::Gauge;
 
@@ -146,15 +146,15 @@ impl Around {
         excitations: &[Vec<Complex64>],
         (quantity, constants): (Quantity, &Constants<f64>),
     ) -> Vec<f64> {
-        let mut means = Vec::new();
+        let (declaration, mut means) = (quantity.declaration(), Vec::new());
         for excitation in excitations {
             let sounds = self.sounds(&transfer.pressure(excitation));
-            means.resize(sounds.len(), 0.0);
+            means.resize(sounds.len(), Mean::default());
             for (mean, sound) in means.iter_mut().zip(sounds) {
-                *mean += (quantity.declaration().exact)(sound, constants) / excitations.len() as f64;
+                mean.add(declaration, sound, constants, excitations.len());
             }
         }
-        means
+        means.iter().map(|mean| mean.of(declaration)).collect()
     }
 
     /// The sound at the points, from the pressures (Pa, peak) around them.

@@ -52,8 +52,8 @@ pub fn value(
 ) -> f64 {
     let (rho, c) = (air.density, air.sound_speed);
     let omega = aperture.element.wavenumber * c;
-    let count = drives.len() as f64;
-    let mean = |formula: &dyn Fn(Sound) -> f64| drives.map(formula).sum::<f64>() / count;
+    let (count, drives) = (drives.len() as f64, drives.collect::<Vec<_>>());
+    let mean = |formula: &dyn Fn(Sound) -> f64| drives.iter().copied().map(formula).sum::<f64>() / count;
     match quantity {
         Quantity::Rms => mean(&|Sound { p, .. }| p.norm_sqr() / 2.0).sqrt(),
         Quantity::Phase => mean(&|Sound { p, .. }| p.im.atan2(p.re)),
@@ -63,10 +63,15 @@ pub fn value(
             let along = (x.norm_sqr() + y.norm_sqr()) / (rho * omega).powi(2);
             p.norm_sqr() / (rho * c * c) - rho * along
         }),
-        Quantity::Intensity => mean(&|Sound { p, slopes }| {
-            let velocity = slopes.map(|slope| Complex64::I * slope / (rho * omega));
-            velocity.map(|v| (0.5 * (p * v.conj()).re).powi(2)).iter().sum::<f64>().sqrt()
-        }),
+        // The flow of energy is a vector, and so is its mean.
+        Quantity::Intensity => {
+            let flow = |Sound { p, slopes }: Sound| {
+                DVec3::from_array(
+                    slopes.map(|slope| 0.5 * (p * (Complex64::I * slope / (rho * omega)).conj()).re),
+                )
+            };
+            (drives.iter().copied().map(flow).sum::<DVec3>() / count).length()
+        }
         Quantity::Velocity => {
             mean(&|Sound { slopes: [_, _, n], .. }| (n.norm() / (rho * omega) / SQRT_2).powi(2)).sqrt()
         }

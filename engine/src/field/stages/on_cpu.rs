@@ -161,6 +161,9 @@ impl OnCpu {
         if drives.len() > 1 {
             values.fill(0.0);
         }
+        // Of a vector the mean has the length, not the mean of lengths.
+        let flow = declaration.flow.filter(|_| drives.len() > 1);
+        let mut flows = vec![[0.0f32; 3]; flow.map_or(0, |_| values.len())];
         for (drive, excitation) in job.excitations.iter().enumerate() {
             let of_drive = self.progress.part(drive..drive + 1, drives.len());
             of_drive.tell(0, 1);
@@ -178,6 +181,14 @@ impl OnCpu {
                 }
                 let lattice = &self.at_pixels.value;
                 self.work.forming += 1;
+                if let Some(flow) = flow {
+                    let runs = flows[pixels.clone()].par_chunks_mut(RUN).enumerate().with_min_len(4);
+                    runs.for_each(|(run, flows)| {
+                        let sounds = lattice.sounds(parts, run * RUN..run * RUN + flows.len());
+                        (flow.add)(sounds, &constants, flows);
+                    });
+                    continue;
+                }
                 let of_run = |(run, values): (usize, &mut [f32])| {
                     let places = run * RUN..run * RUN + values.len();
                     let sounds = lattice.sounds(parts, places);
@@ -207,6 +218,8 @@ impl OnCpu {
                 }
             }
         }
+        let length = |[x, y, n]: [f32; 3]| (x * x + y * y + n * n).sqrt();
+        values.iter_mut().zip(flows).for_each(|(value, flow)| *value = length(flow));
         if drives.len() > 1 {
             let runs = values.par_chunks_mut(RUN).with_min_len(16);
             largest = runs.map(|values| finish(values, factor, declaration.is_root)).reduce(|| 0.0, f32::max);

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
 use crate::acoustics::{Aperture, Transfer};
-use crate::field::quantity::{Norm, PRESSURE, Sound};
+use crate::field::quantity::{Mean, Norm, PRESSURE, Sound};
 use crate::field::slope::Around;
 use crate::field::stages::request::Request;
 use crate::field::stages::site::{Site, SiteKey};
@@ -166,18 +166,18 @@ impl Probes {
             let slopes = if declaration.norm == Norm::Energy { squares } else { 0.0 };
             constants.of_pressure * sound.p.norm_sqr() + constants.of_gradient * slopes
         };
-        let mut means = vec![Mean::default(); self.places.len()];
+        let mut means = vec![Means::default(); self.places.len()];
         for excitation in excitations {
             for (mean, sound) in means.iter_mut().zip(self.sounds(excitation)) {
-                mean.value += (declaration.exact)(sound, &constants) / excitations.len() as f64;
+                mean.value.add(declaration, sound, &constants, excitations.len());
                 mean.square += energy(&sound) / excitations.len() as f64;
             }
         }
         let part = if declaration.of_liquid { 1.0 } else { request.part };
         let counted = means.iter().zip(&self.counts).filter(|(_, counts)| **counts);
         let loudest = counted.fold(f64::MIN_POSITIVE, |most, (mean, _)| most.max(mean.square));
-        let off = |(mean, &got): (Mean, &f32)| {
-            let value = quantity.exact_value(part * mean.value);
+        let off = |(mean, &got): (Means, &f32)| {
+            let value = quantity.exact_value(part * mean.value.of(declaration));
             let off = part_of((value - f64::from(got)).abs(), value.abs());
             match declaration.norm {
                 // The error of a pressure is weighted by the pressure itself.
@@ -196,9 +196,9 @@ impl Probes {
 
 /// Over the drives.
 #[derive(Clone, Copy, Debug, Default)]
-struct Mean {
+struct Means {
     /// Of the formula.
-    value: f64,
+    value: Mean,
     /// Of |P|²/(ρc²), Pa; of a potential with |∇P|²/(ρω²).
     square: f64,
 }
