@@ -4,17 +4,24 @@
 //! in the plane through the focus parallel to the array for `lateral_x`, `lateral_y` and `area`, and on the line
 //! along z through that maximum for `axial`. A width is the distance between the two nearest points on either side of
 //! the maximum where |p| is half of it; the area is enclosed by such points on all rays from the maximum.
+//!
+//! The maximum is the focus' own if it is nearer, along x and along y, than half of the array's resolution, λ/(2 NA).
+//! If the beam of a narrow array has none there, the maxima on the lines along x, y and z through the focus take its
+//! place. A narrow array has a small NA along one axis, so each has its own, from the spread of the directions in which sound
+//! arrives: along a line of elements their sines spread evenly between ±NA, with the standard deviation NA/√3.
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, Clearance};
 use crate::drive::Drive;
 
-/// Range of the search for half pressure, in wavelengths from the maximum.
-pub const REACH: f64 = 60.0;
+/// Range of the search for half pressure from the maximum: in wavelengths, or in distances from the array if that is
+/// more. Far from the array |p| falls as their inverse.
+const REACH: f64 = 60.0;
+const REACH_AWAY: f64 = 3.0;
 /// Steps in a wavelength while the half is looked for: lobes are half a wavelength wide or more.
 const PER_WAVELENGTH: f64 = 12.0;
 /// Points evaluated together.
@@ -24,8 +31,8 @@ const RAYS: usize = 32;
 /// Accuracy of positions in wavelengths.
 const PLACE: f64 = 1e-7;
 
-/// The -6 dB extent of one focus; `None` if |p| does not fall to half within [`REACH`] wavelengths in front of the
-/// array.
+/// The -6 dB extent of one focus; `None` if |p| does not fall to half where sound is heard, a wavelength or more above
+/// the boards.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Widths {
     /// m, along x in the plane through the focus parallel to the array.
@@ -45,19 +52,23 @@ pub struct Widths {
 /// # Panics
 /// No drive.
 pub fn widths(aperture: &Aperture, drives: &[Drive], focus: DVec3) -> Widths {
-    let field = Field::new(aperture, drives);
-    let allowed = aperture.resolution()(focus) / 2.0;
-    let Some(top) = field.climb(focus, &[DVec3::X, DVec3::Y], |place| place.distance(focus) <= allowed)
-    else {
-        return Widths::default();
+    let field = Field::new(aperture, drives, focus);
+    let is_own = |place: DVec3| field.is_own(focus, place);
+    let across = [DVec3::X, DVec3::Y];
+    let top = field.climb(focus, &across, is_own);
+    // The beam of a narrow array may be louder farther along its ridge; its lobe is then that of lines through the focus.
+    let [x, y] = match top {
+        Some(top) => [Some(top); 2],
+        None => across.map(|axis| field.climb(focus, &[axis], is_own)),
     };
-    let along_z = |place: DVec3| (place.z - focus.z).abs() <= field.reach() && place.z > field.wavelength;
-    let axial_top = field.climb(top.place, &[DVec3::Z], along_z);
+    let (Some(x), Some(y)) = (x, y) else { return Widths::default() };
+    let along_z = |place: DVec3| (place.z - focus.z).abs() <= field.reach && field.is_clear(place);
+    let axial_top = field.climb(top.map_or(focus, |top| top.place), &[DVec3::Z], along_z);
     Widths {
-        lateral_x: field.width(top, DVec3::X),
-        lateral_y: field.width(top, DVec3::Y),
+        lateral_x: field.width(x, DVec3::X),
+        lateral_y: field.width(y, DVec3::Y),
         axial: axial_top.and_then(|top| field.width(top, DVec3::Z)),
-        area: field.area(top),
+        area: top.and_then(|top| field.area(top)),
     }
 }
 
@@ -67,19 +78,23 @@ pub fn widths(aperture: &Aperture, drives: &[Drive], focus: DVec3) -> Widths {
 /// # Panics
 /// No drive.
 pub fn spans(aperture: &Aperture, drives: &[Drive], focus: DVec3, axes: [DVec3; 2]) -> Vec<[DVec3; 2]> {
-    let field = Field::new(aperture, drives);
-    let allowed = aperture.resolution()(focus) / 2.0;
+    let field = Field::new(aperture, drives, focus);
     // Along the beam the maximum is farther from the focus than across it.
-    let is_near = |place: DVec3| (place - focus).truncate().length() <= allowed && place.z > field.wavelength;
+    let is_near = |place: DVec3| field.is_own(focus, place) && field.is_clear(place);
     let Some(top) = field.climb(focus, &axes, is_near) else { return Vec::new() };
     axes.into_iter().filter_map(|axis| field.span(top, axis)).collect()
 }
 
-/// The pressure of drives.
+/// The pressure of drives around a focus.
 struct Field<'a> {
     aperture: &'a Aperture,
+    clearance: Clearance<'a>,
     played: Vec<Complex64>,
     wavelength: f64,
+    /// m
+    reach: f64,
+    /// m, along x and y: half of the resolution at the focus.
+    resolved: DVec2,
 }
 
 /// A local maximum of |p| (Pa).
@@ -90,14 +105,39 @@ struct Top {
 }
 
 impl<'a> Field<'a> {
-    fn new(aperture: &'a Aperture, drives: &[Drive]) -> Self {
+    fn new(aperture: &'a Aperture, drives: &[Drive], focus: DVec3) -> Self {
+        /// Smallest spread of directions, of a single element.
+        const LEAST: f64 = 1e-6;
         let played = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
-        Self { aperture, played, wavelength: aperture.wavelength() }
+        let wavelength = aperture.wavelength();
+        let from = |&n: &usize| focus - aperture.positions[n];
+        let heard: Vec<_> = aperture.transfer(&[focus]).row(0).map(Complex64::norm).collect();
+        let mean = |value: &dyn Fn(&usize) -> DVec2| {
+            let sum: DVec2 = aperture.driven.iter().zip(&heard).map(|(n, heard)| *heard * value(n)).sum();
+            sum / heard.iter().sum::<f64>().max(f64::MIN_POSITIVE)
+        };
+        let sines = |n: &usize| from(n).normalize_or_zero().truncate();
+        let middle = mean(&sines);
+        let spread = mean(&|n| (sines(n) - middle).powf(2.0)).powf(0.5).max(DVec2::splat(LEAST));
+        let away = aperture.driven.iter().map(|n| from(n).length()).fold(0.0, f64::max);
+        Self {
+            aperture,
+            clearance: Clearance::new(aperture),
+            played,
+            wavelength,
+            reach: (REACH * wavelength).max(REACH_AWAY * away),
+            resolved: wavelength / (4.0 * 3f64.sqrt()) / spread,
+        }
     }
 
-    /// m
-    fn reach(&self) -> f64 {
-        REACH * self.wavelength
+    /// Whether a maximum near a focus is its own.
+    fn is_own(&self, focus: DVec3, place: DVec3) -> bool {
+        ((place - focus).truncate() / self.resolved).length() <= 1.0
+    }
+
+    /// Whether sound is heard there, and not of the next elements alone.
+    fn is_clear(&self, place: DVec3) -> bool {
+        self.clearance.at(place) > self.wavelength
     }
 
     /// |p| (Pa, peak).
@@ -167,14 +207,14 @@ impl<'a> Field<'a> {
     /// Distance (m) along a ray to the first point with half of the maximum |p|.
     fn half(&self, top: Top, direction: DVec3) -> Option<f64> {
         let step = self.wavelength / PER_WAVELENGTH;
-        let steps = (REACH * PER_WAVELENGTH) as usize;
+        let steps = (self.reach / step) as usize;
         let at = |distance: f64| top.place + direction * distance;
         let (level, mut before) = (top.pressure / 2.0, top.pressure);
         for first in (1..=steps).step_by(RUN) {
             let distances: Vec<_> = (first..first + RUN).map(|index| index as f64 * step).collect();
             let points: Vec<_> = distances.iter().map(|&distance| at(distance)).collect();
             for (distance, pressure) in distances.into_iter().zip(self.pressures(&points)) {
-                if at(distance).z <= self.wavelength {
+                if !self.is_clear(at(distance)) {
                     return None;
                 }
                 if pressure <= level {
