@@ -26,7 +26,12 @@ type Figure = (&'static str, &'static str, fn(&Figures) -> f64, bool);
 
 const FIGURES: [Figure; 3] = [
     ("evenness", "least over mean along the strokes", |figures| figures.evenness, false),
-    ("side lobe", "largest |p| elsewhere over the mean along the strokes", |figures| figures.side_lobe, true),
+    (
+        "side lobe",
+        "largest |p| outside the main lobes over the mean along the strokes",
+        |figures| figures.side_lobe,
+        true,
+    ),
     ("strength", "mean over that of the strongest drive", |figures| figures.strength, false),
 ];
 

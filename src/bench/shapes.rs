@@ -127,7 +127,7 @@ pub fn on(drawings: &[Drawing]) -> anyhow::Result<Report> {
                 names.join(", "),
                 BASELINE.name(),
             ),
-            "evenness: least over mean of |p| along the strokes; side lobe: largest |p| elsewhere over that mean; \
+            "evenness: least over mean of |p| along the strokes; side lobe: largest |p| outside the main lobes over that mean; \
              strength: mean over that of the strongest drive. Separate foci are evaluated along the same strokes."
                 .to_owned(),
             format!(

@@ -7,8 +7,9 @@
 //!
 //! The maximum is the focus' own if it is nearer, along x and along y, than half of the array's resolution, λ/(2 NA).
 //! If the beam of a narrow array has none there, the maxima on the lines along x, y and z through the focus take its
-//! place. A narrow array has a small NA along one axis, so each has its own, from the spread of the directions in which sound
-//! arrives: along a line of elements their sines spread evenly between ±NA, with the standard deviation NA/√3.
+//! place. A narrow array has a small NA along one axis, so each has its own, from the spread of the directions in
+//! which sound arrives: along a line of elements their sines spread evenly between ±NA, with the standard deviation
+//! NA/√3.
 
 use std::f64::consts::TAU;
 
@@ -282,7 +283,7 @@ mod tests {
             ("", "[0.0, 0.0, 0.1]", [0.0087048519168, 0.0087048519168, 0.0372957186602, 6.0559e-5]),
             ("", "[0.02, -0.01, 0.15]", [0.0113316297290, 0.0112281281135, 0.0586248466, 1.02481e-4]),
             ("rows = 6\n", "[0.0, 0.01, 0.12]", [0.0093959217554, 0.0218423871508, 0.0606408850, 1.65646e-4]),
-            ("", "[0.0, 0.0, 2.0]", [0.1234253504, 0.1234253504, f64::NAN, 0.0123927]),
+            ("", "[0.0, 0.0, 2.0]", [0.1234253504, 0.1234253504, 1.4909069893453, 0.0123927]),
         ];
         for (array, at, [x, y, z, area]) in cases {
             let (aperture, drives, foci) =
@@ -300,5 +301,17 @@ mod tests {
     fn a_point_without_a_lobe_of_its_own_has_no_width() {
         let (aperture, drives, _) = solved("[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0.1]\n");
         assert_eq!(widths(&aperture, &drives, DVec3::new(0.006, 0.0, 0.1)), Widths::default());
+    }
+
+    #[test]
+    fn narrow_arrays_and_foci_at_any_height_have_widths() {
+        let narrow = "[array]\ncolumns = 2\n[[target]]\nkind = \"point\"\nat = [-0.015, 0.066, 0.05]\n";
+        let below = "[[board]]\nat = [0, 0, -0.2]\n[[target]]\nkind = \"point\"\nat = [0, 0, -0.1]\n";
+        for text in [narrow, below] {
+            let (aperture, drives, foci) = solved(text);
+            let Widths { lateral_x, lateral_y, axial, area } = widths(&aperture, &drives, foci[0]);
+            let all = [lateral_x, lateral_y, axial, area];
+            assert!(all.iter().all(|width| width.is_some_and(|width| width > 0.0)), "{text}: {all:?}");
+        }
     }
 }

@@ -496,6 +496,6 @@ mod tests {
             (0..200).map(|i| 1e-4 * f64::from(i)).find(|&x| !lobes.contain(trap + DVec3::X * x)).unwrap()
         };
         let (alone, both) = (reach(&points(&[trap])), reach(&[lobe_at(-beside), lobe_at(beside)]));
-        assert!((both - alone - beside).abs() < 3e-4, "{both}, not {alone} and {beside}");
+        assert!((both - alone - beside).abs() < 6e-4, "{both}, not {alone} and {beside}");
     }
 }

@@ -46,7 +46,7 @@ fn distance(a: Point, b: Point) -> f64 {
 /// deviation of less than a third of a wavelength, weighted by the sound at the focus.
 fn is_in_lobe(point: Point, focus: Point) -> bool {
     let (mut weights, mut mean, mut square) = (0.0, 0.0, 0.0);
-    for n in 0..256u8 {
+    for n in 0..256u32 {
         let from = [n % 16, n / 16].map(|i| 0.0105 * (f64::from(i) - 7.5));
         let [to_point, to_focus] = [point, focus].map(|to| distance([from[0], from[1], 0.0], to));
         let (weight, late) = (1.0 / to_focus, to_point - to_focus);
