@@ -484,7 +484,7 @@ impl Window {
         let name = self.editor.document.name();
         let remark = map::remark(Quantity::Rms, &drawn.map);
         let legend = sheet::Legend { colours, peak: drawn.map.peak.into(), remark };
-        let page = sheet::sheet(scene, solution, &name, &drawn.picture, legend, page)?;
+        let page = sheet::sheet(scene, solution, &name, &drawn.picture, &legend, page)?;
         Ok(export::png(&page)?)
     }
 }

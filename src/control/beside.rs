@@ -177,7 +177,7 @@ mod tests {
 
     fn started() -> (Beside, Receiver<()>) {
         let (sender, told) = sync_channel(100);
-        (Beside::start(move || drop(sender.send(()))).unwrap(), told)
+        (Beside::start(move || sender.send(()).unwrap_or_default()).unwrap(), told)
     }
 
     /// Wants work until it is done, as the loop does.

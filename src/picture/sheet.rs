@@ -63,7 +63,7 @@ pub fn sheet(
     solution: &Solution,
     title: &str,
     map: &Picture,
-    legend: Legend,
+    legend: &Legend,
     (width, height): (usize, usize),
 ) -> Result<Picture, PictureError> {
     let page = Page::new(PAGE, width, height);
@@ -72,7 +72,7 @@ pub fn sheet(
         panels.wanted_points((0, 0))?;
         panels.phases((1, 0))?;
         panels.amplitudes((0, 1))?;
-        panels.map((1, 1), map, &legend)
+        panels.map((1, 1), map, legend)
     })
 }
 

@@ -271,7 +271,7 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
         Diagram::Sheet => {
             let remark = map::remark(quantity, &drawn.map);
             let legend = sheet::Legend { colours: look.colours, peak, remark };
-            sheet::sheet(scene, solution, name, &drawn.picture, legend, page)?
+            sheet::sheet(scene, solution, name, &drawn.picture, &legend, page)?
         }
         Diagram::Map(_) if quantity.declaration().of_liquid => {
             liquid::picture(name, scene, &drawn, look.is_shaded().then_some((width, page)))?

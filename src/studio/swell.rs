@@ -140,7 +140,7 @@ impl Swell {
     /// A level surface again, before the onset.
     pub fn restart(&mut self) {
         self.waves.restart();
-        [&mut self.pictures, &mut self.frames, &mut self.knots].map(|clock| clock.count = 0);
+        [&mut self.pictures, &mut self.frames, &mut self.knots].into_iter().for_each(|clock| clock.count = 0);
     }
 
     /// The depth (m, positive down) of every cell at the next picture.

@@ -154,27 +154,6 @@ fn invalid_options_are_refused() {
     }
 }
 
-/// A WAV file of 16-bit samples at 1 kHz.
-fn wav(samples: &[i16]) -> Vec<u8> {
-    let data: Vec<u8> = samples.iter().flat_map(|sample| sample.to_le_bytes()).collect();
-    let mut bytes = b"RIFF".to_vec();
-    bytes.extend((36 + data.len() as u32).to_le_bytes());
-    bytes.extend(b"WAVEfmt ");
-    bytes.extend(16u32.to_le_bytes());
-    for half in [1u16, 1] {
-        bytes.extend(half.to_le_bytes());
-    }
-    bytes.extend(1000u32.to_le_bytes());
-    bytes.extend(2000u32.to_le_bytes());
-    for half in [2u16, 16] {
-        bytes.extend(half.to_le_bytes());
-    }
-    bytes.extend(b"data");
-    bytes.extend((data.len() as u32).to_le_bytes());
-    bytes.extend(data);
-    bytes
-}
-
 #[test]
 fn a_waveform_beside_the_scene_becomes_the_envelope() {
     let modulation = "[modulation]\nshape = \"file\"\nlaw = \"power\"\nfile = \"sounds/buzz.wav\"\n";
@@ -186,7 +165,7 @@ fn a_waveform_beside_the_scene_becomes_the_envelope() {
     );
     fs::create_dir(folder.path().join("sounds")).unwrap();
     let buzz = folder.path().join("sounds/buzz.wav");
-    fs::write(&buzz, wav(&[0, 16384, -16384, -32768])).unwrap();
+    fs::write(&buzz, wav(1000, &[0, 16384, -16384, -32768])).unwrap();
     // Also from another working directory.
     let elsewhere = tempfile::tempdir().unwrap();
     let scene = folder.path().join("a.toml").display().to_string();

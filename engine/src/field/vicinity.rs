@@ -85,7 +85,8 @@ impl Vicinity {
         count: usize,
     ) -> Option<Range<usize>> {
         // Of a single point the direction does not matter.
-        let (step, along) = if count == 1 { (1.0, DVec3::X) } else { (across.length(), across.normalize()) };
+        let (step, along) =
+            if count == 1 { (1.0, DVec3::X) } else { (across.length(), across.normalize_or_zero()) };
         let from = origin - *at;
         let middle = -from.dot(along);
         let square = self.wavelength.powi(2) - (from.length_squared() - middle * middle);
@@ -123,7 +124,9 @@ impl LeftOut {
         let mut at = points.start;
         let end = points.end;
         let inside = self.runs[begun..].iter().take_while(move |run| run.start < end);
-        let both = inside.map(move |run| run.start.max(points.start)..run.end.min(end)).chain([end..end]);
+        let both = inside
+            .map(move |run| run.start.max(points.start)..run.end.min(end))
+            .chain(std::iter::once(end..end));
         both.flat_map(move |run| {
             let before = at..run.start;
             at = run.end;

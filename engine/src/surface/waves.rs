@@ -299,8 +299,8 @@ fn rise(damping: f64, square: f64, time: f64, [stepped, b]: [f64; 2]) -> [f64; 2
     /// Steps of a creeping mode's slow root in its time constant beyond which it follows no rise.
     const STILL: f64 = 1e6;
     let lag = 2.0 * damping / (square * time);
-    // Not the other way round: the lag of a mode that stands still is no number.
-    if !(lag < STILL) {
+    // The lag of a mode that stands still is not a number.
+    if lag >= STILL || lag.is_nan() {
         return [0.0; 2];
     }
     [1.0 - lag * stepped - b / time - stepped / 2.0, stepped / time - square * b / 2.0]
