@@ -101,16 +101,25 @@ impl Drive {
     /// Writes CSV for [`Self::read`]: the columns `element`, `x`, `y` and, unless all are 0, `z` (m), `phase` (rad)
     /// and `amplitude`.
     pub fn write(&self, aperture: &Aperture) -> String {
+        Self::write_in_turn(std::slice::from_ref(self), aperture)
+    }
+
+    /// The same of drives in turn, one after the other; several have a further column `frame`, from 0.
+    pub fn write_in_turn(drives: &[Self], aperture: &Aperture) -> String {
         let is_flat = aperture.positions.iter().all(|position| position.z == 0.0);
         let mut text = String::from(if is_flat { "element,x,y" } else { "element,x,y,z" });
-        text.push_str(",phase,amplitude\n");
-        for (element, position) in aperture.positions.iter().enumerate() {
-            let (phase, amplitude) = (self.phases[element], self.amplitudes[element]);
-            let z = if is_flat { String::new() } else { format!("{:?},", position.z) };
-            text.push_str(&format!(
-                "{element},{:?},{:?},{z}{phase:?},{amplitude:?}\n",
-                position.x, position.y
-            ));
+        text.push_str(",phase,amplitude");
+        text.push_str(if drives.len() > 1 { ",frame\n" } else { "\n" });
+        for (frame, drive) in drives.iter().enumerate() {
+            let frame = if drives.len() > 1 { format!(",{frame}") } else { String::new() };
+            for (element, position) in aperture.positions.iter().enumerate() {
+                let (phase, amplitude) = (drive.phases[element], drive.amplitudes[element]);
+                let z = if is_flat { String::new() } else { format!("{:?},", position.z) };
+                text.push_str(&format!(
+                    "{element},{:?},{:?},{z}{phase:?},{amplitude:?}{frame}\n",
+                    position.x, position.y
+                ));
+            }
         }
         text
     }

@@ -57,7 +57,7 @@ fn is_brief(scene: &scene::Scene) -> bool {
         && points * scene.elements() <= MOST_PAIRS
         && scene.targets.iter().all(|target| matches!(target.shape, Shape::Point { .. }))
         && (scene.quiet.is_empty() && scene.reflectors.is_empty() && !scene.aims_at_depression())
-        && (iterations <= 100 && search == 0.0 && frames == 1)
+        && (iterations <= 100 && search == 0.0 && !frames.are_several())
         && scene.array.element != ElementModel::ExactPiston
 }
 

@@ -11,6 +11,7 @@ use crate::app::errand::{Errand, Progress, State};
 #[cfg(target_arch = "wasm32")]
 use crate::app::page;
 use crate::app::{folders, settings};
+use crate::drive::Drive;
 use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{export, numbers, sheet};
@@ -453,7 +454,7 @@ impl Window {
 
     fn drive_csv(&self) -> anyhow::Result<Vec<u8>> {
         let sound = self.shown.sound.as_ref().context("nothing is played")?;
-        Ok(sound.drive().write(&sound.aperture).into_bytes())
+        Ok(Drive::write_in_turn(&sound.drives, &sound.aperture).into_bytes())
     }
 
     /// Reads an element table, then uses it as the array.

@@ -16,6 +16,11 @@ pub trait Job {
     type Made: Serialize + DeserializeOwned + Send + 'static;
 
     fn make(scene: &Scene) -> Self::Made;
+
+    /// The same; what is there before the end goes to `so_far`.
+    fn make_with(scene: &Scene, _so_far: &mut dyn FnMut(Self::Made)) -> Self::Made {
+        Self::make(scene)
+    }
 }
 
 /// The full solution of the scene at rest.
@@ -30,6 +35,10 @@ impl Job for Solve {
 
     fn make(scene: &Scene) -> Solved {
         posing::solve(scene)
+    }
+
+    fn make_with(scene: &Scene, so_far: &mut dyn FnMut(Solved)) -> Solved {
+        posing::solve_with(scene, so_far)
     }
 }
 

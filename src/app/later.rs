@@ -1,7 +1,7 @@
 //! Values that take longer than a frame, computed on a thread.
 
 use std::borrow::Borrow;
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 use egui::Context;
 
@@ -24,9 +24,16 @@ pub struct Later<K, V> {
 #[derive(Debug)]
 struct Running<K, V> {
     key: K,
-    receiver: Receiver<V>,
+    receiver: Receiver<News<V>>,
     /// Of a job: its value is then dropped.
     cancel: Cancel,
+}
+
+/// A value before the end of its computation, or the last one.
+#[derive(Debug)]
+enum News<V> {
+    SoFar(V),
+    Last(V),
 }
 
 impl<K, V> Default for Later<K, V> {
@@ -39,15 +46,29 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
     /// Ensures that the value for `key` is available or pending. One value is computed at a time; repeat the request
     /// every frame.
     pub fn ask(&mut self, key: &K, ctx: &Context, work: impl FnOnce(&K) -> V + Send + 'static) {
+        self.ask_with(key, ctx, |key, _| work(key));
+    }
+
+    /// The same, of work that has values before its end, for its second argument.
+    fn ask_with(
+        &mut self,
+        key: &K,
+        ctx: &Context,
+        work: impl FnOnce(&K, &mut dyn FnMut(V)) -> V + Send + 'static,
+    ) {
         if self.is_refused(key) {
             return;
         }
-        let (sender, receiver) = sync_channel(1);
+        let (sender, receiver) = channel();
         let (own, ctx) = (key.clone(), ctx.clone());
         let make = move || {
-            // The receiver may be gone.
-            let _ = sender.send(work(&own));
-            ctx.request_repaint();
+            let send = |news| {
+                // The receiver may be gone.
+                let _ = sender.send(news);
+                ctx.request_repaint();
+            };
+            let last = work(&own, &mut |value| send(News::SoFar(value)));
+            send(News::Last(last));
         };
         match beside::run("later", make) {
             Ok(()) => {
@@ -76,16 +97,16 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
         if !self.is_refused(key) {
             let cancel = Cancel::default();
             let gauge = Gauge::default().until(&cancel);
-            self.ask(key, ctx, move |key| gauge.lead(|| J::make(key.borrow())));
+            self.ask_with(key, ctx, move |key, so_far| gauge.lead(|| J::make_with(key.borrow(), so_far)));
             self.running.iter_mut().for_each(|running| running.cancel = cancel.clone());
         }
         #[cfg(target_arch = "wasm32")]
         if !self.is_refused(key) {
-            let (sender, receiver) = sync_channel(1);
+            let (sender, receiver) = channel();
             let ctx = ctx.clone();
             crate::app::worker::ask::<J>(key.borrow(), move |made| {
                 // The receiver may be gone.
-                let _ = sender.send(made);
+                let _ = sender.send(News::Last(made));
                 ctx.request_repaint();
             });
             self.running = Some(Running { key: key.clone(), receiver, cancel: Cancel::default() });
@@ -97,16 +118,29 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
         self.running.is_some() || self.get(key).is_some() || self.failed.as_ref() == Some(key)
     }
 
-    /// Collects a finished value, and returns whether there was one. Call it every frame.
+    /// Collects the newest value, and returns whether there was one, or none will come. Call it every frame.
     pub fn collect(&mut self) -> bool {
         let Some(running) = self.running.take() else { return false };
-        match running.receiver.try_recv() {
-            Ok(_) if running.cancel.is_cancelled() => {}
-            Ok(value) => self.done = Some((running.key, value)),
-            Err(TryRecvError::Empty) => self.running = Some(running),
-            Err(TryRecvError::Disconnected) => self.failed = Some(running.key),
+        let mut has_news = false;
+        loop {
+            match running.receiver.try_recv() {
+                Ok(News::SoFar(_)) if running.cancel.is_cancelled() => {}
+                Ok(News::Last(_)) if running.cancel.is_cancelled() => return true,
+                Ok(News::SoFar(value)) => (self.done, has_news) = (Some((running.key.clone(), value)), true),
+                Ok(News::Last(value)) => {
+                    self.done = Some((running.key, value));
+                    return true;
+                }
+                Err(TryRecvError::Empty) => {
+                    self.running = Some(running);
+                    return has_news;
+                }
+                Err(TryRecvError::Disconnected) => {
+                    self.failed = Some(running.key);
+                    return true;
+                }
+            }
         }
-        self.running.is_none()
     }
 
     pub fn get(&self, key: &K) -> Option<&V> {
@@ -129,6 +163,31 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use super::*;
+
+    #[test]
+    fn values_before_the_end_count_until_the_last_comes() {
+        let ctx = Context::default();
+        let mut later = Later::default();
+        let (go, wait) = channel();
+        later.ask_with(&1, &ctx, move |key, so_far| {
+            so_far(key * 10);
+            wait.recv().unwrap();
+            key * 100
+        });
+        let start = Instant::now();
+        let mut until = |later: &mut Later<i32, i32>, expected| {
+            while later.get(&1) != Some(&expected) {
+                later.collect();
+                assert!(start.elapsed() < Duration::from_secs(20));
+                thread::sleep(Duration::from_millis(1));
+            }
+        };
+        until(&mut later, 10);
+        assert!(later.is_running() && !later.collect());
+        go.send(()).unwrap();
+        until(&mut later, 100);
+        assert!(!later.is_running());
+    }
 
     #[test]
     fn the_latest_wish_is_fulfilled_and_what_panics_is_not_tried_again() {

@@ -19,7 +19,13 @@ pub enum Source {
 }
 
 pub fn solve(scene: &Scene) -> Solved {
-    solver::solve(scene).map(Arc::new).map_err(|error| error.to_string())
+    solve_with(scene, &mut |_| {})
+}
+
+/// Solutions with fewer drives in turn go to `so_far`.
+pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solved)) -> Solved {
+    let solved = solver::solve_with(scene, &mut |found| so_far(Ok(Arc::new(found))));
+    solved.map(Arc::new).map_err(|error| error.to_string())
 }
 
 /// The played drive and its pressures, quantised to a number of phase levels if given.

@@ -167,7 +167,7 @@ impl Workshop {
             // The panels of this frame were drawn without it.
             ctx.request_repaint();
         }
-        self.solve(editor.scene(), shown, ctx);
+        self.solve(editor, shown, ctx);
         self.figures(editor, shown, ctx);
         self.follow(editor, shown, ctx);
         self.play(editor, shown, ctx);
@@ -240,14 +240,20 @@ impl Workshop {
         comparison.update((editor, compare), shown, source, lens, &mut self.mapping, ctx);
     }
 
-    fn solve(&mut self, scene: &Scene, shown: &mut Shown, ctx: &Context) {
+    fn solve(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
+        let scene = editor.scene();
+        shown.board.steadied = None;
         if scene.targets.is_empty() {
             self.solving.keep(None);
             shown.solution = None;
             self.solved = None;
             return;
         }
-        let posed = posed(scene);
+        let mut posed = posed(scene);
+        if shown.board.plays == Plays::Scene {
+            let profile = editor.board.profile;
+            shown.board.steadied = profile.steady(&mut posed, editor.board.baud().unwrap_or(profile.baud()));
+        }
         self.solving.keep(Some(&posed));
         if self.solved.as_ref().is_none_or(|(scene, _)| *scene != posed) {
             let start = Instant::now();
@@ -273,9 +279,13 @@ impl Workshop {
             && found.figures.is_none()
             && is_idle
         {
-            // The quick result is improved in the background.
+            // The quick result is improved in the background: first by more drives in turn, as they come.
             self.solving.ask_for::<Solve>(&posed, ctx);
-            if let Some(Ok(better)) = self.solving.get(&posed) {
+            let is_better =
+                |better: &Solution| better.figures.is_some() || better.others.len() > found.others.len();
+            if let Some(Ok(better)) = self.solving.get(&posed)
+                && is_better(better)
+            {
                 let better = Solution::clone(better).turned_to(found);
                 self.take(posed, Ok(Arc::new(better)), 0.0, shown);
             }
@@ -510,6 +520,7 @@ fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
     if let Some(beyond) = shown.pressed.as_ref().and_then(|pressed| pressed.beyond.clone()) {
         warnings.insert(0, beyond);
     }
+    warnings.extend(shown.board.steadied.clone());
     let map = shown.map.as_ref();
     warnings.extend(map.and_then(|map| missed(map.error, editor.scene().plane.tolerance)));
     warnings

@@ -7,11 +7,12 @@ use strum::VariantArray;
 
 use crate::acoustics::Aperture;
 use crate::cli::{COLUMN, SolveArgs, names, read_scene};
+use crate::drive::Drive;
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
 use crate::rounding::{
     millimetres, milliseconds, pascals, pascals_at_most, percent, percent_at_least, percent_at_most,
 };
-use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, check};
+use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, Turns, check};
 use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::findings::{Findings, Played};
@@ -62,13 +63,16 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         }
         return compare(&scene, args.json, &in_file);
     }
-    let solution = solver::solve(&scene).map_err(in_file)?;
-    if !solution.others.is_empty() && (args.csv.is_some() || args.levels.is_some()) {
-        anyhow::bail!(
-            "--csv and --levels take one drive, and this scene has {} (`frames` in [solver]): --json has them all",
-            solution.others.len() + 1
-        );
+    if args.levels.is_some() {
+        match scene.solver.frames {
+            Turns::Auto => scene.solver.frames = Turns::Count(1),
+            Turns::Count(1) => {}
+            Turns::Count(count) => {
+                anyhow::bail!("--levels takes one drive, and this scene has {count} (`frames` in [solver])");
+            }
+        }
     }
+    let solution = solver::solve(&scene).map_err(in_file)?;
     let aperture = Aperture::new(&scene);
     let mut stages = Stages::new(Evaluator::Cpu);
     let findings = Findings::of_scene(&scene, &mut stages, solution).map_err(in_file)?;
@@ -78,8 +82,11 @@ pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
         Played::new(&problem, &findings.solution, levels)
     });
     if let Some(path) = &args.csv {
-        let drive = played.as_ref().map_or(&findings.solution.drive, |played| &played.refined.0);
-        output::write(path, drive.write(&aperture).as_bytes())?;
+        let drives = match &played {
+            Some(played) => vec![played.refined.0.clone()],
+            None => findings.solution.drives(),
+        };
+        output::write(path, Drive::write_in_turn(&drives, &aperture).as_bytes())?;
     }
     if args.json {
         let mut value = findings.json(&aperture);

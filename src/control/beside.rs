@@ -126,7 +126,14 @@ fn work(held: &Watched<Held>, tell: &dyn Fn()) {
         let (before, cancel) = (now.before.take(), Cancel::default());
         now.running = Some(Running { work: next.clone(), cancel: cancel.clone(), since: Instant::now() });
         drop(now);
-        let done = solved(next, before.as_deref(), &Gauge::default().until(&cancel));
+        // Fewer drives in turn are of use until all are there.
+        let mut report = |done| {
+            if !cancel.is_cancelled() {
+                held.lock().done = Some(done);
+                tell();
+            }
+        };
+        let done = solved(next, before.as_deref(), &Gauge::default().until(&cancel), &mut report);
         let mut now = held.lock();
         now.running = None;
         if !cancel.is_cancelled() {
@@ -137,14 +144,19 @@ fn work(held: &Watched<Held>, tell: &dyn Fn()) {
     }
 }
 
-fn solved(work: Work, before: Option<&Solution>, gauge: &Gauge) -> Done {
+fn solved(work: Work, before: Option<&Solution>, gauge: &Gauge, report: &mut dyn FnMut(Done)) -> Done {
     let text = |error: solver::SolveError| error.to_string();
-    let at_rest = |solve: &dyn Fn() -> Result<Solution, solver::SolveError>| {
+    let at_rest = |solve: &mut dyn FnMut() -> Result<Solution, solver::SolveError>| {
         Found::Still(gauge.clone().iterating_for(ITERATING).lead(solve).map(Arc::new).map_err(text))
     };
     match work {
-        Work::Quick(scene) => Done { found: at_rest(&|| solver::solve_on(&scene, before)), scene },
-        Work::Still(scene) => Done { found: at_rest(&|| solver::solve(&scene)), scene },
+        Work::Quick(scene) => Done { found: at_rest(&mut || solver::solve_on(&scene, before)), scene },
+        Work::Still(scene) => {
+            let mut so_far = |found: Solution| {
+                report(Done { scene: scene.clone(), found: Found::Still(Ok(Arc::new(found))) });
+            };
+            Done { found: at_rest(&mut || solver::solve_with(&scene, &mut so_far)), scene }
+        }
         Work::Motion(scene) => {
             let followed = frames::follow_with(&scene, &gauge.clone().iterating_for(ITERATING_IN_MOTION));
             Done { scene, found: Found::Motion(followed.map(Arc::new).map_err(text)) }

@@ -49,6 +49,8 @@ pub struct Board {
     silenced: u64,
     /// Whether the emergency stop silences it.
     is_stopped: bool,
+    /// The last word about areas with one drive.
+    steadied: Option<String>,
 }
 
 impl Board {
@@ -76,6 +78,7 @@ impl Board {
                         offer: None,
                         silenced: 0,
                         is_stopped: false,
+                        steadied: None,
                     }));
                 }
                 Some(Event::Lost(why)) => anyhow::bail!(why),
@@ -112,9 +115,15 @@ impl Board {
         }
     }
 
-    /// The board's carrier for solving scenes, Hz.
-    pub fn carrier(&self) -> f64 {
-        self.carrier
+    /// Gives a scene the board's carrier, and areas one drive if the board is slow.
+    pub fn tune(&mut self, scene: &mut Scene) {
+        scene.array.frequency = self.carrier;
+        let (profile, baud) = (self.link.settings().profile, self.link.settings().baud());
+        let text = profile.steady(scene, baud);
+        if text != self.steadied {
+            text.iter().for_each(|text| note(text));
+            self.steadied = text;
+        }
     }
 
     /// Whether its emergency stop was pressed since the last call.

@@ -100,12 +100,12 @@ impl Live {
         self.board.map(Board::close)
     }
 
-    /// The scene at the board's carrier, without further search.
-    fn tuned(&self, scene: &Scene) -> Scene {
+    /// The scene as the board can play it, without further search.
+    fn tuned(&mut self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         scene.solver.search = 0.0;
-        if let Some(carrier) = self.board.as_ref().map(Board::carrier) {
-            scene.array.frequency = carrier;
+        if let Some(board) = &mut self.board {
+            board.tune(&mut scene);
         }
         scene
     }

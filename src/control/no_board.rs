@@ -28,7 +28,7 @@ impl Board {
         match self.0 {}
     }
 
-    pub fn carrier(&self) -> f64 {
+    pub fn tune(&mut self, _: &mut Scene) {
         match self.0 {}
     }
 

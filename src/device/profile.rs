@@ -1,6 +1,6 @@
 //! Profiles: the supported boards and their facts.
 
-use crate::scene::Scene;
+use crate::scene::{Scene, Turns};
 
 /// A kind of board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -239,6 +239,22 @@ impl Profile {
             | Self::UltrainoMega64
             | Self::Acoustophoretic512 => self.frames_per_second(baud).min(MOST),
         }
+    }
+
+    /// Gives areas one drive if the board cannot change drives so fast that their mean counts, and says so.
+    pub fn steady(self, scene: &mut Scene, baud: u32) -> Option<String> {
+        /// Changes per second: cycles of six drives at 100 Hz.
+        const LEAST: f64 = 600.0;
+        let rate = self.turns_per_second(baud);
+        if scene.solver.frames != Turns::Auto || rate >= LEAST || *scene.drives_in_turn().end() == 1 {
+            return None;
+        }
+        scene.solver.frames = Turns::Count(1);
+        Some(format!(
+            "{} changes drives {rate:.0} times per second at {baud} baud, fewer than {LEAST}: the areas have one drive instead of \
+             several in turn",
+            self.name()
+        ))
     }
 
     /// A remark for the user before sending.

@@ -16,11 +16,11 @@ pub const SOLVING: &str = "the drives of all frames";
 /// # Errors
 /// A scene that cannot be solved.
 pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Sequence> {
-    if !motion::moves(scene) && scene.solver.frames == 1 {
-        note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
-    }
     let sequence =
         frames::follow_with(scene, progress).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    if !motion::moves(scene) && sequence.frames.len() == 1 {
+        note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
+    }
     for warning in warning::of_foci(&Aperture::new(scene), &sequence.frames[0].foci) {
         warn(&format!("in the first frame, {warning}"));
     }

@@ -1,6 +1,6 @@
 //! The part of a scene that determines its solution, so that other edits cost no solve.
 
-use crate::scene::{Liquid, Method, Plane, Scene, Target, outline};
+use crate::scene::{Liquid, Method, Plane, Scene, Solver, Target, Turns, motion, outline};
 
 /// The part of a scene that its drive follows from.
 pub fn posed(scene: &Scene) -> Scene {
@@ -11,7 +11,7 @@ pub fn posed(scene: &Scene) -> Scene {
         reflectors: scene.reflectors.clone(),
         targets: scene.targets.iter().map(at_rest).collect(),
         quiet: scene.quiet.clone(),
-        solver: scene.solver.clone(),
+        solver: Solver { frames: turns(scene), ..scene.solver.clone() },
         liquid: if has_surface(scene) { scene.liquid.clone() } else { Liquid::default() },
         plane: if is_shape(scene) || has_surface(scene) {
             quiet_plane(&scene.plane)
@@ -19,6 +19,14 @@ pub fn posed(scene: &Scene) -> Scene {
             Plane::default()
         },
         ..Scene::default()
+    }
+}
+
+/// A scene in motion has one drive per frame, at rest too.
+fn turns(scene: &Scene) -> Turns {
+    match scene.solver.frames {
+        Turns::Auto if motion::moves(scene) => Turns::Count(1),
+        turns => turns,
     }
 }
 
@@ -43,7 +51,7 @@ pub fn is_shape(scene: &Scene) -> bool {
         && (outline::is_continuous(scene)
             || !scene.quiet.is_empty()
             || scene.aims_at_depression()
-            || scene.solver.frames > 1)
+            || scene.solver.frames.are_several())
 }
 
 /// The part of a scene that the drives of its frames follow from.

@@ -161,6 +161,8 @@ pub struct BoardShown {
     pub health: Option<Health>,
     pub found: Option<Found>,
     pub plays: Plays,
+    /// A word about areas that have one drive on this board.
+    pub steadied: Option<String>,
     /// The latest last.
     pub messages: Vec<String>,
     /// Mean pressure over the foci (Pa, peak) of the drive, and of its version on the board.

@@ -15,12 +15,13 @@ mod silencer;
 
 use std::f64::consts::{PI, TAU};
 
+use glam::DVec3;
 use sonoglyph::device::calibration::{Calibration, CalibrationError};
 use sonoglyph::device::levels::{self, Level, Levels};
 use sonoglyph::device::profile::{Profile, Strength};
 use sonoglyph::device::stock::{self, Heard, Modulated, Twin};
 use sonoglyph::drive::Drive;
-use sonoglyph::scene::{Envelope, Modulation, Scene, file};
+use sonoglyph::scene::{Envelope, Modulation, Sampling, Scene, Shape, Target, Turns, file};
 
 /// Reproducible random numbers.
 fn numbers(seed: u32) -> impl FnMut() -> f64 {
@@ -352,6 +353,34 @@ fn drives_in_turn_change_as_fast_as_the_line_and_the_transducers() {
         (Profile::SonicSurface, 100_000_000, 1000.0),
     ] {
         assert_eq!(profile.turns_per_second(baud), rate, "{} at {baud} baud", profile.name());
+    }
+}
+
+#[test]
+fn areas_have_one_drive_on_slow_boards() {
+    let at = DVec3::Z * 0.1;
+    let disc = Target { sampling: Sampling::Fill, ..Target::new(Shape::Circle { at, radius: 0.02 }) };
+    let of = |target: &Target, frames: Turns| {
+        let mut scene = Scene { targets: vec![target.clone()], ..Scene::default() };
+        scene.solver.frames = frames;
+        scene
+    };
+    for (profile, baud, is_slow) in [
+        (Profile::Native, 9600, false),
+        (Profile::SonicSurface, 230_400, true),
+        (Profile::SonicSurface, 1_540_000, true),
+        (Profile::SonicSurface, 1_550_000, false),
+    ] {
+        let mut scene = of(&disc, Turns::Auto);
+        let word = profile.steady(&mut scene, baud);
+        assert_eq!(word.is_some(), is_slow, "{word:?}");
+        assert_eq!(scene.drives_in_turn(), if is_slow { 1..=1 } else { 1..=6 }, "{word:?}");
+    }
+    // A number is played as it is, and points have one drive anyway.
+    for scene in [of(&disc, Turns::Count(4)), of(&Target::new(Shape::Point { at }), Turns::Auto)] {
+        let mut played = scene.clone();
+        assert_eq!(Profile::SonicSurface.steady(&mut played, 230_400), None);
+        assert_eq!(played, scene);
     }
 }
 

@@ -9,7 +9,7 @@ use crate::scene::range::{count, direction, finite, length, point, refuse, withi
 use crate::scene::space::Front;
 use crate::scene::{
     Area, Array, ElementModel, Envelope, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath,
-    Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Trap, Zone, space,
+    Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Trap, Turns, Zone, space,
 };
 
 pub use crate::scene::range::{Key, KeyError};
@@ -263,7 +263,9 @@ fn zone(zone: &Zone, front: &Front) -> Result<(), KeyError> {
 fn solver(solver: &Solver) -> Result<(), KeyError> {
     count("iterations", solver.iterations.into(), 0, MOST_ITERATIONS)?;
     within("quiet", solver.quiet, 0.0, 1.0, "(0: the strongest drive, 1: the quietest elsewhere)")?;
-    count("frames", solver.frames.into(), 1, MOST_TURNS)?;
+    if let Turns::Count(frames) = solver.frames {
+        count("frames", frames.into(), 1, MOST_TURNS)?;
+    }
     search(solver.search)
 }
 

@@ -27,8 +27,11 @@ pub mod strict;
 mod stroke;
 pub mod target;
 mod trap;
+mod turns;
 pub mod wave;
 pub mod zone;
+
+use std::ops::RangeInclusive;
 
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
@@ -44,6 +47,7 @@ pub use pixels::{Dab, Grey, Pixels};
 pub use space::{Board, Elements, Placed, Reflector};
 pub use target::{Sampling, Shape, Target};
 pub use trap::{Lobe, Trap};
+pub use turns::Turns;
 pub use wave::Wave;
 pub use zone::{Area, Zone};
 
@@ -99,6 +103,25 @@ impl Scene {
     /// Whether the targets prescribe a liquid's depression.
     pub fn aims_at_depression(&self) -> bool {
         self.solver.target == Aim::Depression && self.solver.method == Method::Best
+    }
+
+    /// Whether |p|² or a depression is prescribed over areas.
+    pub fn has_areas(&self) -> bool {
+        self.aims_at_depression() || self.targets.iter().any(|target| target.visible && target.is_area())
+    }
+
+    /// Numbers of drives in turn of a drag's frame and of a whole search. Without a number in the scene, areas at rest
+    /// have as many as pay, since their |p|² counts in the mean.
+    pub fn drives_in_turn(&self) -> RangeInclusive<usize> {
+        /// Two more lower error and side lobes by less than 3 %.
+        const PAY: usize = 6;
+        match self.solver.frames {
+            Turns::Count(count) => count as usize..=count as usize,
+            Turns::Auto if self.solver.method == Method::Best && self.has_areas() && !motion::moves(self) => {
+                1..=PAY
+            }
+            Turns::Auto => 1..=1,
+        }
     }
 
     /// Whether named files are not yet loaded; without them the scene has no foci.
@@ -291,8 +314,8 @@ pub struct Solver {
     #[serde(skip_serializing_if = "is_zero")]
     pub search: f64,
     /// Number of drives in turn whose mean |p|² fits the targets.
-    #[serde(skip_serializing_if = "is_one")]
-    pub frames: u32,
+    #[serde(skip_serializing_if = "is_auto")]
+    pub frames: Turns,
     #[serde(skip_serializing_if = "is_pressure")]
     pub target: Aim,
 }
@@ -321,8 +344,8 @@ fn is_default_quiet(quiet: &f64) -> bool {
     *quiet == Solver::QUIET
 }
 
-fn is_one(count: &u32) -> bool {
-    *count == 1
+fn is_auto(turns: &Turns) -> bool {
+    *turns == Turns::Auto
 }
 
 fn is_zero(value: &f64) -> bool {
@@ -338,7 +361,7 @@ impl Default for Solver {
             amplitudes: Amplitudes::Uniform,
             quiet: Self::QUIET,
             search: 0.0,
-            frames: 1,
+            frames: Turns::Auto,
             target: Aim::Pressure,
         }
     }

@@ -125,7 +125,7 @@ fn traps_beside_points(scene: &Scene, foci: &[Vec<Focus>]) -> Result<(), KeyErro
     let Some(index) = foci.iter().flatten().find_map(of_trap) else { return Ok(()) };
     let is_alone = foci.iter().flatten().all(Focus::is_separate)
         && scene.quiet.is_empty()
-        && scene.solver.frames == 1
+        && !scene.solver.frames.are_several()
         && !scene.aims_at_depression();
     if is_alone {
         return Ok(());

@@ -83,7 +83,7 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
 /// As [`follow`].
 pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveError> {
     let start = Instant::now();
-    if scene.solver.frames > 1 && !motion::moves(scene) {
+    if !motion::moves(scene) && *scene.drives_in_turn().end() > 1 {
         return turns_of(scene, progress);
     }
     let frames = motion::frames(scene)?;

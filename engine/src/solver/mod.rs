@@ -24,6 +24,8 @@ pub mod steps;
 pub mod trap;
 pub mod warning;
 
+use std::ops::RangeInclusive;
+
 use serde::{Deserialize, Serialize};
 use web_time::{Duration, Instant};
 
@@ -51,8 +53,8 @@ pub struct Problem<'a> {
     pub surroundings: Option<Surroundings>,
     /// The traps whose lobes are among the foci: traps have one solution for all methods.
     pub traps: Option<Traps>,
-    /// Number of drives in turn; more than 1 for shapes only.
-    pub drives: usize,
+    /// Numbers of drives in turn of a drag's frame and of a whole search; more than 1 for shapes only.
+    pub drives: RangeInclusive<usize>,
 }
 
 impl<'a> Problem<'a> {
@@ -75,15 +77,15 @@ impl<'a> Problem<'a> {
             foci,
             surroundings: None,
             traps: None,
-            drives: 1,
+            drives: 1..=1,
         }
     }
 
     /// The problem of a scene, with surroundings if it has continuous strokes, quiet zones or drives in turn.
     pub fn of_scene(scene: &Scene, aperture: &'a Aperture, foci: Vec<Focus>) -> Self {
-        let drives = scene.solver.frames as usize;
+        let drives = scene.drives_in_turn();
         let is_shape = !scene.quiet.is_empty()
-            || drives > 1
+            || *drives.start() > 1
             || scene.aims_at_depression()
             || foci.iter().any(|focus| !focus.is_separate());
         let surroundings = is_shape.then(|| Surroundings::new(scene, &foci));
@@ -230,6 +232,15 @@ fn unless_cancelled<T>(made: T) -> Result<T, SolveError> {
 /// # Errors
 /// A scene without usable focal points, `focus` with several, or a cancelled solver.
 pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
+    solve_with(scene, &mut |_| {})
+}
+
+/// As [`solve`]; of areas with several drives in turn one drive goes to `so_far` first, then better and better ones of
+/// all, without [`Solution::figures`].
+///
+/// # Errors
+/// As [`solve`].
+pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solution)) -> Result<Solution, SolveError> {
     let start = Instant::now();
     let aperture = Aperture::new(scene);
     let foci = outline::foci(scene)?;
@@ -237,7 +248,11 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     let problem = unless_cancelled(Problem::of_scene(scene, &aperture, foci))?;
     let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
     let excitation = match (scene.solver.method, &problem.surroundings) {
-        (Method::Best, Some(surroundings)) => shape::best_within(&problem, surroundings, time),
+        (Method::Best, Some(surroundings)) => {
+            shape::best_within(&problem, surroundings, time, &mut |found| {
+                so_far(solution(scene, &problem, &found, start.elapsed().as_secs_f64()));
+            })
+        }
         (Method::Best, None) if problem.traps.is_none() => {
             let found = excite(&problem, Method::Best, scene.solver.iterations)?;
             iteration::search_on(&problem, found, time)
@@ -257,7 +272,7 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
 }
 
 /// Solves within the time of a drag's frame: a shape's drive continues from the previous one, or is a first one,
-/// without [`Solution::figures`]. Other scenes are solved as usual.
+/// without [`Solution::figures`]. Of as many drives as pay it is the first. Other scenes are solved as usual.
 ///
 /// # Errors
 /// As [`solve`].
@@ -266,17 +281,20 @@ pub fn solve_on(scene: &Scene, before: Option<&Solution>) -> Result<Solution, So
     const CALLS: usize = 2;
     let start = Instant::now();
     let aperture = Aperture::new(scene);
-    let problem = Problem::of_scene(scene, &aperture, outline::foci(scene)?);
+    let mut problem = Problem::of_scene(scene, &aperture, outline::foci(scene)?);
+    let drives = *problem.drives.start();
+    let are_like = std::mem::replace(&mut problem.drives, drives..=drives);
     let Some(surroundings) = problem.surroundings.as_ref().filter(|_| scene.solver.method == Method::Best)
     else {
         return solve(scene);
     };
     let is_like = |before: &&Solution| {
-        before.drive.phases.len() == aperture.positions.len() && before.others.len() + 1 == problem.drives
+        before.drive.phases.len() == aperture.positions.len() && are_like.contains(&(before.others.len() + 1))
     };
     let excitation = match before.filter(is_like) {
         Some(before) => {
-            let values = before.played(&aperture.driven);
+            let mut values = before.played(&aperture.driven);
+            values.truncate(drives * aperture.driven.len());
             excite_from(&problem, &Excitation { values, iterations: 0, residual: None, weights: None })
         }
         None => {

@@ -9,7 +9,8 @@ use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{
-    Amplitudes, Array, ElementModel, Focus, Method, Motion, MotionPath, Pressures, Scene, Shape, Target, file,
+    Amplitudes, Array, ElementModel, Focus, Method, Motion, MotionPath, Pressures, Scene, Shape, Target,
+    Turns, file,
 };
 use sonoglyph::solver::levels::{self, Reached};
 use sonoglyph::solver::{self, Limits, Problem, Solution, SolveError, Warning, frames};
@@ -404,7 +405,7 @@ fn foci_that_move_away_need_no_new_search() {
 #[test]
 fn drives_in_turn_are_for_scenes_at_rest() {
     let mut scene = scene(&apart(3));
-    scene.solver.frames = 2;
+    scene.solver.frames = Turns::Count(2);
     assert!(frames::follow(&scene).is_ok());
     scene.motion.path = MotionPath::Circle;
     let error = frames::follow(&scene).unwrap_err().to_string();

@@ -60,6 +60,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
         }
     };
     follow_carrier(&mut scene, found);
+    args.profile.steady(&mut scene, settings.baud()).iter().for_each(|text| note(text));
     let modulation = scene.modulation.clone();
     // On its own thread, so that an interrupt need not wait for the solver.
     let (sender, solved) = sync_channel(1);

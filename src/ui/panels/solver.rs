@@ -3,7 +3,7 @@
 use egui::Ui;
 
 use crate::rounding::{millimetres, milliseconds, percent_at_least};
-use crate::scene::{Aim, Amplitudes, Method, Pressures};
+use crate::scene::{Aim, Amplitudes, Method, Pressures, Turns};
 use crate::solver::{Figures, Quality, Solution};
 use crate::studio::convention::Convention;
 use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile, variants};
@@ -49,7 +49,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
         let tip =
             "Drives played in turn, whose mean intensity has the drawn shape: their side lobes average out";
-        count(ui, ("Drives in turn", tip), &mut solver.frames, 1..=32);
+        turns(ui, ("Drives in turn", tip), &mut solver.frames);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(
             ui,
@@ -96,6 +96,20 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
     });
     for warning in &shown.warnings {
         ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));
+    }
+}
+
+/// The number of drives in turn: as many as pay, or as many as are named.
+fn turns(ui: &mut Ui, (name, tip): (&str, &str), turns: &mut Turns) {
+    /// The number after another choice.
+    const NAMED: u32 = 4;
+    let named = match *turns {
+        Turns::Auto => Turns::Count(NAMED),
+        Turns::Count(_) => *turns,
+    };
+    choice(ui, (name, tip), turns, &[(Turns::Auto, "automatic"), (named, "as many as named")]);
+    if let Turns::Count(number) = turns {
+        count(ui, ("Number of drives", "Played in turn"), number, 1..=32);
     }
 }
 

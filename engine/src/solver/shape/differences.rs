@@ -101,6 +101,48 @@ fn the_gradient_is_that_of_central_differences() {
 }
 
 #[test]
+fn quiet_samples_of_areas_count_as_separate_ones_do() {
+    let aperture = Aperture::new(&Scene { array: small(), ..Scene::default() });
+    let stroke: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();
+    let zone: Vec<_> = (0..19).map(|i| DVec3::new(-0.05, 2e-3 * f64::from(i), 0.06)).collect();
+    let layout = Layout::new(&aperture, 0.05, DVec2::splat(0.04), 2);
+    let mut mask = vec![0.0; layout.len()];
+    layout.places(aperture.pitch).for_each(|(index, _)| mask[index] = scatter(index));
+    for (drives, loudness, strokes, zone) in [
+        (1, Loudness::Eight, &[][..], &[][..]),
+        (2, Loudness::Twelve, &stroke[..], &zone[..]),
+        (3, Loudness::Eight, &[], &zone),
+    ] {
+        let weights = Weights { quiet: 0.4, loudness, ..ALONE };
+        let count = drives * aperture.driven.len();
+        let phases: Vec<_> = (0..count).map(|n| 6.0 * scatter(n)).collect();
+        let of = |is_shared: bool| {
+            let mut objective = Objective::new(table(&aperture, strokes), drives, weights);
+            let mut picture = on_grid(&aperture, None);
+            if is_shared {
+                picture.be_quiet(mask.clone());
+            } else {
+                let grid = Samples::Grid(Box::new(Grid::new(&aperture, layout, SCALE)));
+                objective.quiet.push(Quiet::new(grid, mask.clone()));
+            }
+            if !zone.is_empty() {
+                let zone = Samples::Table(table(&aperture, zone));
+                objective.quiet.push(Quiet::new(zone, vec![0.7; 19]));
+            }
+            objective.picture = Some(picture);
+            let mut gradient = vec![0.0; count];
+            (objective.evaluate(&phases, &mut gradient), gradient)
+        };
+        let [(shared, slopes), (separate, expected)] = [true, false].map(of);
+        assert!((shared - separate).abs() < 1e-9, "{drives} drives: {shared} is {separate}");
+        let largest = expected.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
+        for (slope, expected) in slopes.iter().zip(&expected) {
+            assert!((slope - expected).abs() < 1e-9 * largest, "{drives} drives: {slope} is {expected}");
+        }
+    }
+}
+
+#[test]
 fn rows_are_chosen_if_any_samples_are_a_table() {
     let aperture = Aperture::new(&Scene { array: small(), ..Scene::default() });
     let points: Vec<_> = (0..9).map(|i| DVec3::new(2e-3 * f64::from(i), 1e-3, 0.05)).collect();

@@ -9,6 +9,7 @@ use crate::drive::Drive;
 use crate::field::{Evaluator, Stages, side_lobe};
 use crate::scene::Focus;
 use crate::solver::shape::real::Waves;
+use crate::solver::shape::wanted::Fineness;
 use crate::solver::shape::{Surroundings, strongest, wanted};
 use crate::solver::{Problem, statistics};
 
@@ -87,7 +88,7 @@ fn drives(aperture: &Aperture, u: &[Complex64]) -> Vec<Drive> {
 /// Figures of areas; of a silent drive, the worst values.
 fn areas(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex64]) -> Option<AreaFigures> {
     let most = problem.transfer.rows().map(|row| row.map(|h| h.norm()).sum::<f64>()).fold(0.0, f64::max);
-    let mut picture = wanted::picture::<f64>(problem, surroundings, true, 1.0 / most)?;
+    let mut picture = wanted::picture::<f64>(problem, surroundings, Fineness::Figures, 1.0 / most)?;
     let largest = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
     let elements = problem.aperture.driven.len();
     let played = |u: &[Complex64]| {
@@ -184,7 +185,7 @@ mod tests {
         let focus = |(x, target): (f64, f64)| Focus { position: place(x), target, part: Part::Stroke };
         // The last is no neighbour of the others.
         let foci = [(0.0, 1.0), (2.0, 3.0), (4.0, 2.0), (20.0, 0.5)].map(focus).to_vec();
-        let problem = Problem { drives: 2, ..Problem::new(&aperture, foci) };
+        let problem = Problem { drives: 2..=2, ..Problem::new(&aperture, foci) };
         let u = scattered(&aperture, 2);
         let plane = Plane { centre: place(0.0), ..Plane::default() };
         let figures = figures(&problem, &Surroundings::of_plane(plane, 0.0), &u);

@@ -10,8 +10,14 @@ use crate::solver::{Excitation, Problem};
 /// Calls of [`FINE`] steps from each start.
 const CALLS: usize = 8;
 
-/// The drive of a [`Search`], and of as many further starts as begin within the time.
-pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Duration) -> Excitation {
+/// The drive of a [`Search`], and of as many further starts as begin within the time. Drives of areas go to `so_far`
+/// until all are there.
+pub fn best_within(
+    problem: &Problem<'_>,
+    surroundings: &Surroundings,
+    time: Duration,
+    so_far: &mut dyn FnMut(Excitation),
+) -> Excitation {
     let start = Instant::now();
     let gauge = Gauge::current();
     let mut search = Search::new(problem, surroundings);
@@ -20,12 +26,15 @@ pub fn best_within(problem: &Problem<'_>, surroundings: &Surroundings, time: Dur
         && let Some(better) = search.advance()
     {
         best = Some(better);
+        if search.is_under_way() {
+            best.iter().cloned().for_each(&mut *so_far);
+        }
     }
     let mut number = Start::VARIANTS.len();
     while best.is_some() && gauge.lasts(start.elapsed(), time) {
         search.further(number);
         best = Some(search.give());
-        number += problem.drives;
+        number += search.objective.drives();
     }
     match best {
         Some(best) => search.turned_for_rounding(best),
@@ -97,8 +106,9 @@ mod tests {
     #[test]
     fn more_time_is_spent_on_further_starts() {
         with_problem(2, 0.0, |problem, surroundings| {
-            let steps =
-                |seconds| best_within(problem, surroundings, Duration::from_secs_f64(seconds)).iterations;
+            let steps = |seconds| {
+                best_within(problem, surroundings, Duration::from_secs_f64(seconds), &mut |_| {}).iterations
+            };
             let alone = best(problem, surroundings).iterations;
             // On a busy machine the first start may take longer than the shortest time.
             assert!([0.02, 0.5, 10.0].into_iter().any(|seconds| steps(seconds) > alone), "{alone} steps");

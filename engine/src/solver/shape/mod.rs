@@ -40,6 +40,7 @@ use crate::solver::{Excitation, Problem, iteration};
 use objective::{Loudness, Objective, Weights};
 use start::Start;
 use table::Table;
+use wanted::Fineness;
 
 pub use figures::{AreaFigures, Figures, figures};
 pub use further::best_within;
@@ -77,9 +78,10 @@ const STROKES: Weights = Weights {
 };
 /// Weight of the fit of areas.
 const PICTURE: f64 = 10.0;
-/// Steps of an area's first drive; then steps of one call, and calls.
+/// Steps of an area's first drive; then steps of one call, and calls of a single drive and of several in turn.
 const AREA_FIRST: usize = 25;
 const AREA: (usize, u32) = (20, 12);
+const AREA_TURNS: u32 = 7;
 
 /// A search for the drive of a shape that can be continued until it converges.
 #[derive(Debug)]
@@ -114,8 +116,8 @@ pub enum Stage {
     Leader(u32),
     Rival(u32),
     Last(u32),
-    /// Areas, on fine samples.
-    Area(u32),
+    /// Areas, by this number of drives in turn.
+    Area(usize, u32),
     /// Continues from a drive.
     Moved,
     Going,
@@ -129,8 +131,11 @@ impl<'a> Search<'a> {
         let is_stroke = |focus: &Focus| !has_areas || (surroundings.liquid.is_none() && !focus.is_of_area());
         let (table, scale) = strokes(problem, is_stroke);
         let surroundings = surroundings.clone();
-        let mut objective = Objective::new(table, problem.drives, STROKES);
-        objective.picture = wanted::picture(problem, &surroundings, false, scale);
+        let mut objective = Objective::new(table, *problem.drives.start(), STROKES);
+        objective.picture = wanted::picture(problem, &surroundings, Fineness::Solver, scale);
+        if objective.picture.is_some() {
+            objective.set_drives(1);
+        }
         let stage = if objective.is_empty() { Stage::Done } else { Stage::First };
         let (ways, given) = ([None, None], None);
         Self {
@@ -150,8 +155,12 @@ impl<'a> Search<'a> {
     /// Continues from u of the driven elements of a similar problem: each call takes the time of a frame.
     pub fn from(problem: &'a Problem<'a>, surroundings: &Surroundings, before: &[Complex64]) -> Self {
         let mut search = Self::new(problem, surroundings);
-        let count = problem.drives * problem.aperture.driven.len();
-        let is_drive = before.len() == count && before.iter().all(|u| u.is_finite());
+        let drives = before.len() / problem.aperture.driven.len().max(1);
+        let is_whole = before.len() == drives * problem.aperture.driven.len();
+        let is_drive = is_whole && problem.drives.contains(&drives) && before.iter().all(|u| u.is_finite());
+        if is_drive {
+            search.objective.set_drives(drives);
+        }
         if is_drive && matches!(search.stage, Stage::First) {
             search.stage = Stage::Moved;
         }
@@ -161,6 +170,11 @@ impl<'a> Search<'a> {
 
     pub fn stage(&self) -> Stage {
         self.stage
+    }
+
+    /// Whether the last drives are better than all before, and others follow: further drives join them, or have joined.
+    pub fn is_under_way(&self) -> bool {
+        matches!(self.stage, Stage::Area(2.., _))
     }
 
     /// The best drive so far, with its common phase matched to the previous one: first that of the strokes alone,
@@ -184,7 +198,7 @@ impl<'a> Search<'a> {
                 let goes_on = self.run(self.leader, LAST.0) && call + 1 < LAST.1;
                 self.stage = if goes_on { Stage::Last(call + 1) } else { Stage::Done };
             }
-            Stage::Area(call) => self.area(call),
+            Stage::Area(drive, call) => self.area(drive, call),
             Stage::Moved => self.moved(),
             Stage::Going => {
                 if !self.run(0, FRAME) {
@@ -199,7 +213,7 @@ impl<'a> Search<'a> {
 
     /// The field is zero wherever targets are: any drive is equally good.
     fn silent(&mut self) -> Excitation {
-        let values = vec![Complex64::ONE; self.problem.drives * self.problem.aperture.driven.len()];
+        let values = vec![Complex64::ONE; self.problem.drives.start() * self.problem.aperture.driven.len()];
         self.given = Some(values.clone());
         Excitation { values, iterations: 0, residual: None, weights: None }
     }
@@ -207,7 +221,7 @@ impl<'a> Search<'a> {
     fn first(&mut self) {
         if self.objective.picture.is_some() {
             self.ways[0] = Some(self.begun(0, AREA_FIRST));
-            self.stage = Stage::Area(0);
+            self.stage = Stage::Area(1, 0);
             return;
         }
         let way = self.begun(0, FIRST_STEPS);
@@ -219,7 +233,7 @@ impl<'a> Search<'a> {
     fn coarse(&mut self, call: u32) {
         if call == 0 {
             self.hear(false);
-            if self.objective.quiet.is_empty() {
+            if !self.objective.is_quiet() {
                 self.stage = Stage::Done;
                 return;
             }
@@ -230,15 +244,37 @@ impl<'a> Search<'a> {
         self.stage = if goes_on { Stage::Coarse(call + 1) } else { Stage::Other(0) };
     }
 
-    /// Areas from one start: others end as well.
-    fn area(&mut self, call: u32) {
-        if call == 0 && self.is_quiet() {
+    /// Areas from one start: others end as well. After its first call all other drives in turn join it.
+    fn area(&mut self, drives: usize, call: u32) {
+        let all = *self.problem.drives.end();
+        if call == 0 && drives > 1 {
+            self.join(drives);
+        } else if call == 0 && self.is_quiet() {
             self.hear(false);
             self.objective.weights = self.weights(Loudness::Eight);
             self.renew(0);
         }
-        let goes_on = self.run(0, AREA.0) && call + 1 < AREA.1;
-        self.stage = if goes_on { Stage::Area(call + 1) } else { Stage::Done };
+        let goes_on = self.run(0, AREA.0);
+        let calls = if drives > 1 { AREA_TURNS } else { AREA.1 };
+        self.stage = if drives < all {
+            Stage::Area(all, 0)
+        } else if goes_on && call + 1 < calls {
+            Stage::Area(drives, call + 1)
+        } else {
+            Stage::Done
+        };
+    }
+
+    /// Further drives join those before, each from a start of its own.
+    fn join(&mut self, drives: usize) {
+        let Some(Descent { mut x, .. }) = self.ways[0].take() else { return };
+        let elements = self.problem.aperture.driven.len();
+        self.objective.set_drives(1);
+        for drive in x.len() / elements..drives {
+            x.extend(self.objective.start(drive, elements));
+        }
+        self.objective.set_drives(drives);
+        self.ways[0] = Some(Descent::new(x, &mut self.objective));
     }
 
     /// Tries another start; after the last of them the best is continued as long as the first was.
@@ -307,20 +343,16 @@ impl<'a> Search<'a> {
         const FULL: f64 = 0.25;
         /// Tolerated loss of strength at `quiet` = 1.
         const COST: f64 = 0.2;
-        /// Factor on `quiet`³ for areas without strokes, so that side lobes have a small weight by default.
-        const AREAS: f64 = 0.8;
+        /// Factors on `quiet`² for areas, and on `quiet`³ for areas beside strokes.
+        const AREAS: f64 = 2.2;
         const AREAS_AND_STROKES: f64 = 2.4;
         let wanted = self.surroundings.quiet.min(1.0);
         if self.objective.picture.is_some() {
-            let part = if self.objective.has_strokes() { AREAS_AND_STROKES } else { AREAS };
-            return Weights {
-                strong: 0.0,
-                even: 1.5,
-                sharpness: 16,
-                quiet: part * wanted.powi(3),
-                loudness,
-                ..STROKES
+            let quiet = match self.objective.has_strokes() {
+                true => AREAS_AND_STROKES * wanted.powi(3),
+                false => AREAS * wanted.powi(2),
             };
+            return Weights { strong: 0.0, even: 1.5, sharpness: 16, quiet, loudness, ..STROKES };
         }
         let kept = 1.0 - COST * wanted;
         let floor = kept * kept * self.strongest;
@@ -335,7 +367,9 @@ impl<'a> Search<'a> {
             return;
         }
         objective.quiet.clear();
-        objective.quiet.extend(region::on_plane(problem, &surroundings.plane, finer, *scale));
+        if !objective.is_quiet() {
+            objective.quiet.extend(region::on_plane(problem, &surroundings.plane, finer, *scale));
+        }
         objective.quiet.extend(region::in_zones(problem, &surroundings.zones, *scale));
     }
 
@@ -348,7 +382,7 @@ impl<'a> Search<'a> {
         };
         let phases = match self.objective.picture {
             Some(_) => self.objective.start(start, self.problem.aperture.driven.len()),
-            None => (0..self.problem.drives).flat_map(phases).collect(),
+            None => (0..self.objective.drives()).flat_map(phases).collect(),
         };
         self.objective.weights = STROKES;
         let mut way = Descent::new(phases, &mut self.objective);
@@ -471,7 +505,7 @@ fn strongest(problem: &Problem<'_>) -> Vec<Complex64> {
 
 /// The drive at the end of a [`Search`].
 pub fn best(problem: &Problem<'_>, surroundings: &Surroundings) -> Excitation {
-    best_within(problem, surroundings, Duration::ZERO)
+    best_within(problem, surroundings, Duration::ZERO, &mut |_| {})
 }
 
 /// One call of a search continued from u of the driven elements: for a frame of a motion or of a drag.

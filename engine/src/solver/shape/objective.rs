@@ -19,6 +19,8 @@ use crate::solver::shape::table::Table;
 
 /// Floor of the intensity relative to the mean |p|².
 const LEAST: f64 = 1e-6;
+/// Powers of smaller parts of the loudest |p|² underflow in f32, and are negligible.
+pub(super) const FAINT: f64 = 2e-3;
 /// Stiffness of the penalty for lost strength.
 const STIFFNESS: f64 = 30.0;
 
@@ -137,6 +139,24 @@ impl<T: Real> Objective<T> {
         Self { weights, quiet: Vec::new(), picture: None, strokes, u, heard, p, intensities: Vec::new() }
     }
 
+    /// Number of drives in turn.
+    pub fn drives(&self) -> usize {
+        self.u.len()
+    }
+
+    /// For another number of drives in turn.
+    pub fn set_drives(&mut self, drives: usize) {
+        let u = self.strokes.excitation();
+        self.u.resize(drives, u.clone());
+        self.heard.resize(drives, u);
+        self.p.resize(drives, Waves::zeros(self.strokes.points()));
+    }
+
+    /// Whether any sample is to be quiet.
+    pub fn is_quiet(&self) -> bool {
+        !self.quiet.is_empty() || self.picture.as_ref().is_some_and(Picture::is_quiet)
+    }
+
     /// Whether there are no targets.
     pub fn is_empty(&self) -> bool {
         self.picture.is_none() && !self.has_strokes()
@@ -190,15 +210,18 @@ impl<T: Real> Objective<T> {
         self.intensities.extend((0..self.strokes.points()).map(mean));
     }
 
-    /// ln(Σ m I^q)/2q, with β/2 of its derivatives back-propagated to the elements; `None` if the field is zero.
-    fn hear(&mut self) -> Option<f64> {
+    /// ln(Σ m I^q)/2q, with β/2 of its derivatives back-propagated to the elements, and the factor on the weights of a
+    /// picture's quiet samples; `None` if the field is zero.
+    fn hear(&mut self) -> Option<(f64, f64)> {
         self.heard.iter_mut().for_each(Waves::clear);
         if self.weights.quiet == 0.0 {
             return None;
         }
         self.quiet.iter_mut().for_each(|quiet| quiet.hear(&self.u));
-        let loudest =
-            self.quiet.iter().map(|quiet| Isa::best().run(Loudest { quiet }).wide()).fold(0.0, f64::max);
+        let drives = self.u.len() as f64;
+        let of_picture = self.picture.as_ref().map_or(0.0, |picture| drives * picture.loudest());
+        let of_others = self.quiet.iter().map(|quiet| Isa::best().run(Loudest { quiet }).wide());
+        let loudest = of_others.fold(of_picture, f64::max);
         let inverse = T::of(1.0 / loudest);
         if loudest <= 0.0 || !inverse.wide().is_finite() {
             return None;
@@ -208,14 +231,18 @@ impl<T: Real> Objective<T> {
             Loudness::Twelve => (self.weigh::<12>(inverse), 12.0),
         };
         self.quiet.iter_mut().for_each(|quiet| quiet.back(&mut self.heard));
-        let drives = self.u.len() as f64;
-        let scale = T::of(0.5 * drives * self.weights.quiet / (sum * loudest));
-        self.heard.iter_mut().for_each(|heard| heard.scale(scale));
-        Some(0.5 * (loudest / drives).ln() + sum.ln() / (2.0 * q))
+        let scale = 0.5 * drives * self.weights.quiet / (sum * loudest);
+        if !self.quiet.is_empty() {
+            self.heard.iter_mut().for_each(|heard| heard.scale(T::of(scale)));
+        }
+        Some((0.5 * (loudest / drives).ln() + sum.ln() / (2.0 * q), scale))
     }
 
     fn weigh<const Q: usize>(&mut self, inverse: T) -> f64 {
-        self.quiet.iter_mut().map(|quiet| Isa::best().run(Weigh::<T, Q> { quiet, inverse })).sum()
+        let of_mean = T::of(inverse.wide() * self.u.len() as f64);
+        let of_picture = self.picture.as_mut().map_or(0.0, |picture| picture.weigh::<Q>(of_mean));
+        let of_others = self.quiet.iter_mut().map(|quiet| Isa::best().run(Weigh::<T, Q> { quiet, inverse }));
+        of_picture + of_others.sum::<f64>()
     }
 }
 
@@ -244,7 +271,9 @@ impl<T: Real> Function for Objective<T> {
             value += even * (sum / count).ln() / (2.0 * f64::from(sharpness));
         }
         let mut along = even - strong - STIFFNESS * lack;
-        if let Some(loudness) = self.hear() {
+        let mut loud = 0.0;
+        if let Some((loudness, scale)) = self.hear() {
+            loud = scale;
             value += self.weights.quiet * (loudness - 0.5 * mean.ln());
             along -= self.weights.quiet;
         }
@@ -253,7 +282,7 @@ impl<T: Real> Function for Objective<T> {
             value += self.weights.picture * fit.error + 0.5 * STIFFNESS * apart * apart;
             along += STIFFNESS * apart;
             let level = if is_stroked { 0.0 } else { 0.5 * along };
-            let slope = Slope { error: self.weights.picture, scale: 0.5 * STIFFNESS * apart, level };
+            let slope = Slope { error: self.weights.picture, scale: 0.5 * STIFFNESS * apart, level, loud };
             picture.back(slope, &mut self.heard);
         }
         for (point, &intensity) in self.intensities.iter().enumerate() {
@@ -311,8 +340,6 @@ impl<T: Real, const Q: usize> Kernel for Weigh<'_, T, Q> {
 
     #[inline(always)]
     fn run<I: Instructions>(self) -> f64 {
-        /// Powers of smaller values underflow in f32, and are negligible against the loudest.
-        const FAINT: f64 = 2e-3;
         /// Blocks summed before their sum is widened.
         const RUN: usize = 64;
         let Self { quiet: Quiet { p, in_use, .. }, inverse } = self;
@@ -356,7 +383,7 @@ fn squares<T: Real, I: Instructions>(p: &[Waves<T>], block: usize) -> [T; LANES]
 
 /// By squares of squares; the exponent is a constant once this is inlined.
 #[inline(always)]
-fn power<T: Real>(base: &[T; LANES], exponent: usize) -> [T; LANES] {
+pub(super) fn power<T: Real>(base: &[T; LANES], exponent: usize) -> [T; LANES] {
     let (mut power, mut square, mut rest) = ([T::of(1.0); LANES], *base, exponent);
     while rest > 0 {
         if rest % 2 == 1 {

@@ -4,10 +4,12 @@
 //!   L = Σ w (s I - T)² / Σ w T², s = Σ w I T / Σ w I² the best scale,
 //!   ∂L/∂I = 2 s w (s I - T) / Σ w T², since the derivative by s vanishes.
 //! For a liquid's depression C I replaces I, C being the liquid's response, and ∂L/∂I is multiplied by C.
+//! Where the quiet region has the same samples, its share of the objective is a function of the same I.
 
 use std::f64::consts::TAU;
 
 use crate::simd::{Instructions, Isa, Kernel};
+use crate::solver::shape::objective::{FAINT, power};
 use crate::solver::shape::real::{LANES, Real, Waves, lanes};
 use crate::solver::shape::response::Response;
 use crate::solver::shape::samples::Samples;
@@ -50,6 +52,8 @@ pub struct Slope {
     pub scale: f64,
     /// Of ln Σ w I T.
     pub level: f64,
+    /// Factor on the weights of [`Picture::weigh`].
+    pub loud: f64,
 }
 
 impl<T: Real> Wanted<T> {
@@ -138,6 +142,123 @@ impl<T: Real> Kernel for Derive<'_, T> {
     }
 }
 
+/// to += |p|²
+struct Square<'a, T> {
+    p: &'a Waves<T>,
+    to: &'a mut [T],
+}
+
+impl<T: Real> Kernel for Square<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        for (block, to) in self.to.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+            let ([re, im], before) = (self.p.block(block), *to);
+            let part: [T; LANES] = lanes(|i| T::fused::<I>(re[i], re[i], before[i]));
+            *to = lanes(|i| T::fused::<I>(im[i], im[i], part[i]));
+        }
+    }
+}
+
+/// p ← p · by
+struct Scale<'a, T> {
+    by: &'a [T],
+    p: &'a mut Waves<T>,
+}
+
+impl<T: Real> Kernel for Scale<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        for (block, by) in self.by.as_chunks::<LANES>().0.iter().enumerate() {
+            let [re, im] = self.p.block_mut(block);
+            let before = (*re, *im);
+            *re = lanes(|i| before.0[i] * by[i]);
+            *im = lanes(|i| before.1[i] * by[i]);
+        }
+    }
+}
+
+/// to += scale · part
+struct Add<'a, T> {
+    scale: T,
+    part: &'a [T],
+    to: &'a mut [T],
+}
+
+impl<T: Real> Kernel for Add<'_, T> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { scale, part, to } = self;
+        for (to, part) in to.as_chunks_mut::<LANES>().0.iter_mut().zip(part.as_chunks::<LANES>().0) {
+            let before = *to;
+            *to = lanes(|i| T::fused::<I>(scale, part[i], before[i]));
+        }
+    }
+}
+
+/// The largest intensity where the mask is non-zero.
+struct Loudest<'a, T> {
+    intensities: &'a [T],
+    mask: &'a [T],
+}
+
+impl<T: Real> Kernel for Loudest<'_, T> {
+    type Output = T;
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> T {
+        let mut most = [T::default(); LANES];
+        let intensities = self.intensities.as_chunks::<LANES>().0;
+        for (square, mask) in intensities.iter().zip(self.mask.as_chunks::<LANES>().0) {
+            let heard: [T; LANES] = lanes(|i| if mask[i] > T::default() { square[i] } else { T::default() });
+            let before = most;
+            most = lanes(|i| if heard[i] > before[i] { heard[i] } else { before[i] });
+        }
+        most.into_iter().fold(T::default(), |most, square| if square > most { square } else { most })
+    }
+}
+
+/// As [`Picture::weigh`].
+struct Weigh<'a, T, const Q: usize> {
+    intensities: &'a [T],
+    mask: &'a [T],
+    weights: &'a mut [T],
+    inverse: T,
+}
+
+impl<T: Real, const Q: usize> Kernel for Weigh<'_, T, Q> {
+    type Output = f64;
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> f64 {
+        let inverse = self.inverse;
+        let (faint, one) = (T::of(FAINT), T::of(1.0));
+        let intensities = self.intensities.as_chunks::<LANES>().0.chunks(RUN);
+        let mask = self.mask.as_chunks::<LANES>().0.chunks(RUN);
+        let weights = self.weights.as_chunks_mut::<LANES>().0.chunks_mut(RUN);
+        let mut sum = 0.0;
+        for ((intensities, mask), weights) in intensities.zip(mask).zip(weights) {
+            let mut sums = [T::default(); LANES];
+            for ((square, mask), weight) in intensities.iter().zip(mask).zip(weights) {
+                let before = sums;
+                let part: [T; LANES] =
+                    lanes(|i| if square[i] * inverse < one { square[i] * inverse } else { one });
+                let part: [T; LANES] = lanes(|i| if part[i] > faint { part[i] } else { T::default() });
+                let powers = power(&part, Q - 1);
+                *weight = lanes(|i| mask[i] * powers[i]);
+                sums = lanes(|i| T::fused::<I>(weight[i], part[i], before[i]));
+            }
+            sum += sums.into_iter().map(Real::wide).sum::<f64>();
+        }
+        sum
+    }
+}
+
 /// Targets over areas, and the field there.
 #[derive(Debug)]
 pub struct Picture<T> {
@@ -150,13 +271,37 @@ pub struct Picture<T> {
     /// I or the depression, then the derivatives by I.
     pub(super) intensities: Vec<T>,
     fit: Option<Fit>,
+    /// Mask of the quiet region if it has the same samples, and the weights of the last field there; empty otherwise.
+    quiet: [Vec<T>; 2],
 }
 
 impl<T: Real> Picture<T> {
     pub fn new(samples: Samples<T>, wanted: Wanted<T>, response: Option<Response>) -> Self {
         let padded = wanted.weight.len();
         let intensities = vec![T::default(); padded];
-        Self { samples, wanted, response, p: Vec::new(), intensities, fit: None }
+        let quiet = [Vec::new(), Vec::new()];
+        Self { samples, wanted, response, p: Vec::new(), intensities, fit: None, quiet }
+    }
+
+    /// From now on the quiet region is heard at these samples, too.
+    pub fn be_quiet(&mut self, mut mask: Vec<T>) {
+        mask.resize(self.intensities.len(), T::default());
+        self.quiet = [mask, vec![T::default(); self.intensities.len()]];
+    }
+
+    pub fn is_quiet(&self) -> bool {
+        !self.quiet[0].is_empty()
+    }
+
+    /// The largest |p|² where the mask is non-zero.
+    pub fn loudest(&self) -> f64 {
+        Isa::best().run(Loudest { intensities: &self.intensities, mask: &self.quiet[0] }).wide()
+    }
+
+    /// Σ m t^q with t = |p|² · inverse, 1 at most; the weights become m t^{q-1}.
+    pub fn weigh<const Q: usize>(&mut self, inverse: T) -> f64 {
+        let [mask, weights] = &mut self.quiet;
+        Isa::best().run(Weigh::<T, Q> { intensities: &self.intensities, mask, weights, inverse })
     }
 
     /// The fit of the field of these drives.
@@ -165,8 +310,7 @@ impl<T: Real> Picture<T> {
         self.intensities.fill(T::default());
         for (u, p) in drives.iter().zip(&mut self.p) {
             self.samples.forward(u, p);
-            let square = |((to, re), im): ((&mut T, &T), &T)| *to += *re * *re + *im * *im;
-            self.intensities.iter_mut().zip(&p.re).zip(&p.im).for_each(square);
+            Isa::best().run(Square { p, to: &mut self.intensities });
         }
         if drives.len() > 1 {
             let part = T::of(1.0 / drives.len() as f64);
@@ -186,10 +330,15 @@ impl<T: Real> Picture<T> {
         if let Some(response) = &mut self.response {
             response.apply(&mut self.intensities);
         }
+        if slope.loud > 0.0 {
+            Isa::best().run(Add {
+                scale: T::of(slope.loud),
+                part: &self.quiet[1],
+                to: &mut self.intensities,
+            });
+        }
         for (p, b) in self.p.iter_mut().zip(drives) {
-            for ((re, im), slope) in p.re.iter_mut().zip(&mut p.im).zip(&self.intensities) {
-                (*re, *im) = (*re * *slope, *im * *slope);
-            }
+            Isa::best().run(Scale { by: &self.intensities, p });
             self.samples.back(p, b);
         }
     }

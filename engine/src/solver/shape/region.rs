@@ -33,19 +33,14 @@ impl Area {
     pub fn new(problem: &Problem<'_>, plane: &Plane, finer: bool) -> Option<Self> {
         let (x, y) = plane.axes()?;
         let aperture = problem.aperture;
-        let is_parallel = x.cross(y).truncate().length() < 1e-9 && aperture.lattice().is_some();
+        let is_parallel = is_parallel(plane, aperture);
         if is_parallel && plane.centre.z <= 0.0 {
             return None;
         }
         if is_parallel {
             let height = plane.centre.z;
-            let farthest =
-                problem.foci.iter().fold(DVec2::ZERO, |far, focus| far.max(focus.position.truncate().abs()));
-            let corner = aperture.reach();
-            // For a drawing far from the axis, side lobes extend farther on its side and less on the opposite side.
-            let reach = (slope(aperture) * height + 0.6 * farthest).max(corner);
-            let coarse = (aperture.pitch / spacing(aperture, height)).ceil().clamp(1.0, 16.0) as usize;
-            let grids = coarse + usize::from(finer);
+            let reach = reach(problem, height);
+            let grids = grids(aperture, height) + usize::from(finer);
             if reach.max_element() < 1e4 * aperture.pitch {
                 let layout = Layout::new(aperture, height, reach, grids);
                 if layout.area() <= 64 * aperture.positions.len() + (1 << 16) {
@@ -75,6 +70,25 @@ impl Area {
         let points: Vec<_> = points.filter(|&point| clearance.at(point) > lowest).collect();
         (!points.is_empty()).then_some(Self::Points(points))
     }
+}
+
+/// Whether samples of a plane can be a grid.
+pub fn is_parallel(plane: &Plane, aperture: &Aperture) -> bool {
+    let is_level = plane.axes().is_some_and(|(x, y)| x.cross(y).truncate().length() < 1e-9);
+    is_level && aperture.lattice().is_some()
+}
+
+/// How far from the axis a parallel plane is heard, m.
+pub fn reach(problem: &Problem<'_>, height: f64) -> DVec2 {
+    let far = |far: DVec2, focus: &Focus| far.max(focus.position.truncate().abs());
+    let farthest = problem.foci.iter().fold(DVec2::ZERO, far);
+    // For a drawing far from the axis, side lobes extend farther on its side and less on the opposite side.
+    (slope(problem.aperture) * height + 0.6 * farthest).max(problem.aperture.reach())
+}
+
+/// Samples of a parallel plane in a pitch: the coarsest that miss no side lobe.
+pub fn grids(aperture: &Aperture, height: f64) -> usize {
+    (aperture.pitch / spacing(aperture, height)).ceil().clamp(1.0, 16.0) as usize
 }
 
 /// The lateral extent of radiation at a height of 1: to the first grating lobe, if that is at 37 to 58°.
@@ -148,7 +162,8 @@ fn part(distance: f64, wavelength: f64) -> f64 {
     t * t * (3.0 - 2.0 * t)
 }
 
-fn mask<T: Real>(layout: &Layout, aperture: &Aperture, foci: &[Focus]) -> Vec<T> {
+/// The weight of every sample of a plane, in the layout of a field.
+pub fn mask<T: Real>(layout: &Layout, aperture: &Aperture, foci: &[Focus]) -> Vec<T> {
     let wavelength = aperture.wavelength();
     let mut mask = vec![T::default(); layout.len()];
     let distances = distances(layout, aperture.pitch, foci, ELSEWHERE * wavelength);

@@ -6,10 +6,11 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::scene::{Aim, Area, Focus, Sampling, Scene, Shape, Target, Zone, outline};
+use crate::scene::{Aim, Area, Focus, Sampling, Scene, Shape, Target, Turns, Zone, outline};
 use crate::solver::Problem;
 use crate::solver::descent::{Descent, Function};
 use crate::solver::shape::objective::Loudness;
+use crate::solver::shape::picture::Picture;
 use crate::solver::shape::real::Waves;
 use crate::solver::shape::{
     AREA, COARSE, FINE, LAST, OTHER_STEPS, Search, Stage, Surroundings, TRIAL, TRIAL_REST, descend, strokes,
@@ -26,6 +27,7 @@ fn scene(fill: bool, quiet: f64, aim: Aim, tilt: f64) -> Scene {
     }
     scene.targets = vec![circle];
     (scene.solver.quiet, scene.solver.target, scene.plane.x_axis.z) = (quiet, aim, tilt);
+    scene.solver.frames = Turns::Count(1);
     scene
 }
 
@@ -46,13 +48,15 @@ fn assert_consistent(search: &mut Search<'_>, stage: Stage, what: &str) {
     }
     let is_first = stage == Stage::First;
     let is_quiet = search.surroundings.quiet > 0.0;
-    assert_eq!(search.objective.quiet.is_empty(), is_first || !is_quiet, "{what}");
     let has_areas = search.objective.picture.is_some();
+    // Areas in the quiet plane share its samples.
+    let is_shared = search.objective.picture.as_ref().is_some_and(Picture::is_quiet);
+    assert_eq!(search.objective.quiet.is_empty(), is_shared || is_first || !is_quiet, "{what}");
     let (call, most, is_sharp) = match stage {
         Stage::Coarse(call) => (call, COARSE.1, false),
         Stage::Leader(call) | Stage::Rival(call) => (call, FINE.1, true),
         Stage::Last(call) => (call, LAST.1, true),
-        Stage::Area(call) => (call, AREA.1, false),
+        Stage::Area(_, call) => (call, AREA.1, false),
         Stage::First | Stage::Other(_) => (0, 1, false),
         Stage::Moved | Stage::Going | Stage::Done => (0, 1, is_quiet && !has_areas),
     };
@@ -100,7 +104,7 @@ fn every_stage_weighs_and_hears_what_it_is_for() {
                 let has_areas = fill || aim == Aim::Depression;
                 assert_eq!(search.objective.has_strokes(), !has_areas, "{what}");
                 let is_through = |wanted: Stage| stages.contains(&wanted);
-                assert_eq!(is_through(Stage::Area(0)), has_areas, "{what}: {stages:?}");
+                assert_eq!(is_through(Stage::Area(1, 0)), has_areas, "{what}: {stages:?}");
                 assert_eq!(is_through(Stage::Last(0)), quiet > 0.0 && !has_areas, "{what}: {stages:?}");
                 let found = search.give().values;
                 let mut moved = Search::from(&problem, &surroundings, &found);
@@ -123,7 +127,7 @@ fn a_descent_that_still_gains_gets_all_calls_of_its_stage() {
         (|_| Stage::Going, 1, Stage::Going),
     ];
     let of_areas: &[(Call, u32, Stage)] =
-        &[(Stage::Area, AREA.1, Stage::Done), (|_| Stage::Going, 1, Stage::Going)];
+        &[(|call| Stage::Area(1, call), AREA.1, Stage::Done), (|_| Stage::Going, 1, Stage::Going)];
     for (fill, kinds) in [(false, of_strokes), (true, of_areas)] {
         let scene = scene(fill, 0.5, Aim::Pressure, 0.0);
         let aperture = Aperture::new(&scene);
@@ -233,13 +237,29 @@ fn side_lobes_count_from_the_second_call_on() {
         with_search(&scene(fill, 0.5, Aim::Pressure, 0.0), |search| {
             for call in 0..3 {
                 let stage = search.stage();
-                let is_of_area = matches!(stage, Stage::Area(_));
+                let is_of_area = matches!(stage, Stage::Area(..));
                 assert_eq!(is_of_area, fill && call > 0, "call {call}: {stage:?}");
                 assert!(search.advance().is_some());
                 assert_consistent(search, stage, &format!("fill {fill}"));
             }
         });
     }
+}
+
+#[test]
+fn other_drives_join_after_the_first_call_of_one() {
+    let mut scene = scene(true, 0.5, Aim::Pressure, 0.0);
+    scene.solver.frames = Turns::Count(3);
+    with_search(&scene, |search| {
+        let elements = search.problem.aperture.driven.len();
+        let mut before = 0.0;
+        for (drives, is_under_way) in [(1, false), (1, true), (3, true)] {
+            let found = search.advance().unwrap().values;
+            assert_eq!((found.len() / elements, search.is_under_way()), (drives, is_under_way));
+            assert!(value(&search.ways[0]) < before || before == 0.0 || drives == 1);
+            before = value(&search.ways[0]);
+        }
+    });
 }
 
 #[test]
@@ -339,11 +359,11 @@ fn a_descent_takes_all_its_steps_as_long_as_they_gain() {
 }
 
 #[test]
-fn side_lobes_of_areas_weigh_little_by_default() {
+fn side_lobes_of_areas_weigh_by_the_square_of_quiet() {
     with_search(&scene(true, 0.5, Aim::Pressure, 0.0), |search| {
-        for (quiet, expected) in [(0.25, 1.0 / 64.0), (0.5, 0.125), (1.0, 1.0), (3.0, 1.0)] {
+        for (quiet, expected) in [(0.0, 0.0), (0.25, 0.0625), (0.5, 0.25), (1.0, 1.0), (3.0, 1.0)] {
             search.surroundings.quiet = quiet;
-            let part = search.weights(Loudness::Eight).quiet / 0.8;
+            let part = search.weights(Loudness::Eight).quiet / 2.2;
             assert!((part - expected).abs() < 1e-12, "{quiet}: {part}, not {expected}");
         }
     });
@@ -421,7 +441,7 @@ fn the_descent_of_areas_begins_anew_when_side_lobes_count() {
     with_search(&scene, |search| {
         assert!(search.advance().is_some());
         let before = search.ways[0].as_ref().unwrap().x.clone();
-        assert_eq!(search.stage(), Stage::Area(0));
+        assert_eq!(search.stage(), Stage::Area(1, 0));
         assert!(search.advance().is_some());
         let mut anew = Descent::new(before, &mut search.objective);
         descend(&mut anew, &mut search.objective, AREA.0);

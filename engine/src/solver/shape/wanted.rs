@@ -8,6 +8,7 @@ use crate::solver::Problem;
 use crate::solver::shape::grid::{Grid, Layout};
 use crate::solver::shape::picture::{Picture, Wanted};
 use crate::solver::shape::real::Real;
+use crate::solver::shape::region;
 use crate::solver::shape::response::Response;
 use crate::solver::shape::samples::Samples;
 use crate::solver::shape::surroundings::Surroundings;
@@ -27,17 +28,30 @@ const FAINTEST: f64 = 1e-6;
 const MOST_VALUES: usize = 16 << 20;
 const MOST_SAMPLES: usize = 10_000;
 
+/// The samples of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fineness {
+    /// As many as the solver needs; on the quiet plane where areas lie in it.
+    Solver,
+    /// As many as figures need.
+    Figures,
+}
+
 /// The areas of a drawing with their transfers.
 pub fn picture<T: Real>(
     problem: &Problem<'_>,
     surroundings: &Surroundings,
-    finer: bool,
+    fineness: Fineness,
     scale: f64,
 ) -> Option<Picture<T>> {
     let drawn = Drawn::new(problem, surroundings)?;
     let aperture = problem.aperture;
-    let spacing = SPACING * aperture.wavelength() / if finer { 1.25 } else { 1.0 };
-    let layout = drawn.layout(aperture, spacing);
+    let spacing = SPACING * aperture.wavelength();
+    let (quiet, spacing) = match fineness {
+        Fineness::Figures => (None, spacing / 1.25),
+        Fineness::Solver => (drawn.on_quiet_plane(problem, surroundings), spacing),
+    };
+    let layout = quiet.or_else(|| drawn.layout(aperture, spacing));
     let (samples, wanted) = match layout {
         Some(layout) => {
             let wanted = drawn.on_grid(aperture, &layout);
@@ -60,7 +74,11 @@ pub fn picture<T: Real>(
     }
     let part = |(brightness, weight): &(f64, f64)| (T::of(brightness / unit), T::of(*weight));
     let (brightness, weight) = wanted.iter().map(part).unzip();
-    Some(Picture::new(samples, Wanted::new(brightness, weight), response))
+    let mut picture = Picture::new(samples, Wanted::new(brightness, weight), response);
+    if let Some(layout) = quiet {
+        picture.be_quiet(region::mask(&layout, aperture, &problem.foci));
+    }
+    Some(picture)
 }
 
 /// Areas, and foci drawn as discs.
@@ -99,6 +117,12 @@ impl<'a> Drawn<'a> {
     fn layout(&self, aperture: &Aperture, spacing: f64) -> Option<Layout> {
         aperture.lattice()?;
         let height = self.height()?;
+        let grids = (aperture.pitch / spacing).ceil().clamp(1.0, 16.0) as usize;
+        Self::grid(aperture, height, self.reach(aperture, height), grids)
+    }
+
+    /// How far the drawing and its margin extend from the axis, m.
+    fn reach(&self, aperture: &Aperture, height: f64) -> DVec2 {
         let far = |cover: &Cover| {
             let half = cover.half + self.margin();
             let along = (cover.axes[0] * half.x).abs() + (cover.axes[1] * half.y).abs();
@@ -108,13 +132,31 @@ impl<'a> Drawn<'a> {
         // The array covers only a part of larger drawings.
         let most = 2.0 * (height + aperture.reach().length());
         let reach = self.covers.iter().map(far).chain(discs).fold(DVec2::ZERO, DVec2::max);
-        let reach = reach.min(DVec2::splat(most));
-        let grids = (aperture.pitch / spacing).ceil().clamp(1.0, 16.0) as usize;
+        reach.min(DVec2::splat(most))
+    }
+
+    /// `None` if it is too large.
+    fn grid(aperture: &Aperture, height: f64, reach: DVec2, grids: usize) -> Option<Layout> {
         if reach.max_element() >= 1e4 * aperture.pitch {
             return None;
         }
         let layout = Layout::new(aperture, height, reach, grids);
         (layout.area() <= 64 * aperture.positions.len() + (1 << 16)).then_some(layout)
+    }
+
+    /// Samples of the quiet plane, if the areas lie in it and |p| is prescribed: half a fringe apart, they also hold
+    /// every detail of |p|².
+    fn on_quiet_plane(&self, problem: &Problem<'_>, surroundings: &Surroundings) -> Option<Layout> {
+        /// Of the region's reach: the array hardly radiates beyond, and transforms are shorter.
+        const HEARD: f64 = 0.95;
+        let (aperture, plane) = (problem.aperture, &surroundings.plane);
+        let height = self.height().filter(|_| region::is_parallel(plane, aperture))?;
+        let is_in_plane = (height - plane.centre.z).abs() < SAME * self.wavelength;
+        if !is_in_plane || surroundings.liquid.is_some() || surroundings.quiet <= 0.0 {
+            return None;
+        }
+        let reach = (HEARD * region::reach(problem, height)).max(self.reach(aperture, height));
+        Self::grid(aperture, height, reach, region::grids(aperture, height))
     }
 
     /// T and w of every value of a field.
@@ -283,7 +325,7 @@ mod tests {
             let aperture = Aperture::new(&scene);
             let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
             let surroundings = problem.surroundings.as_ref().unwrap();
-            let mut picture = picture::<f64>(&problem, surroundings, false, 1e-2).unwrap();
+            let mut picture = picture::<f64>(&problem, surroundings, Fineness::Solver, 1e-2).unwrap();
             let mut drive = Waves::zeros(PADDING);
             drive.re.fill(1.0);
             picture.hear(&[drive]).unwrap()
@@ -320,7 +362,7 @@ mod tests {
             let aperture = Aperture::new(&scene);
             let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
             let surroundings = problem.surroundings.as_ref().unwrap();
-            let mut picture = picture::<f64>(&problem, surroundings, false, 1e-2).unwrap();
+            let mut picture = picture::<f64>(&problem, surroundings, Fineness::Solver, 1e-2).unwrap();
             let mut drive = Waves::zeros(PADDING);
             drive.re.fill(1.0);
             let mean = problem.targets().iter().sum::<f64>() / problem.foci.len() as f64;
@@ -354,8 +396,8 @@ mod tests {
         let aperture = Aperture::new(&scene);
         let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
         let surroundings = problem.surroundings.as_ref().unwrap();
-        let [coarse, fine] = [false, true]
-            .map(|finer| picture::<f32>(&problem, surroundings, finer, 1.0).unwrap().intensities.len());
+        let [coarse, fine] = [Fineness::Solver, Fineness::Figures]
+            .map(|fineness| picture::<f32>(&problem, surroundings, fineness, 1.0).unwrap().intensities.len());
         assert!(fine > coarse, "{fine}, and {coarse}");
     }
 

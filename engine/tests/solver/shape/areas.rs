@@ -4,7 +4,9 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
-use sonoglyph::scene::{Aim, Grey, Method, Pixels, Sampling, Scene, Shape, Target, check, motion, outline};
+use sonoglyph::scene::{
+    Aim, Grey, Method, Pixels, Sampling, Scene, Shape, Target, Turns, check, motion, outline,
+};
 use sonoglyph::solver::{self, Problem, Solution, Surroundings, frames};
 
 use crate::shape::solver::{assert_playable, heard};
@@ -45,15 +47,22 @@ fn scene(targets: Vec<Target>) -> Scene {
     scene
 }
 
+/// u of the driven elements, drive after drive.
 fn played(scene: &Scene, solution: &Solution) -> Vec<Complex64> {
-    solution.drive.excitation(&Aperture::new(scene).driven)
+    let driven = Aperture::new(scene).driven;
+    solution.drives().iter().flat_map(|drive| drive.excitation(&driven)).collect()
 }
 
-/// |p|² over 10 x 10 cm, row by row.
+/// The mean |p|² of drives in turn over 10 x 10 cm, row by row.
 fn intensities(scene: &Scene, u: &[Complex64]) -> Vec<(DVec2, f64)> {
     let aperture = Aperture::new(scene);
     let place = |i: usize| (dvec2((i % SIDE) as f64, (i / SIDE) as f64) + 0.5) / (10.0 * SIDE as f64) - 0.05;
-    (0..SIDE * SIDE).map(place).map(|at| (at, heard(&aperture, at.extend(0.1), u).powi(2))).collect()
+    let drives: Vec<_> = u.chunks(aperture.driven.len()).collect();
+    let mean = |at: DVec2| {
+        let squares = drives.iter().map(|u| heard(&aperture, at.extend(0.1), u).powi(2));
+        squares.sum::<f64>() / drives.len() as f64
+    };
+    (0..SIDE * SIDE).map(place).map(|at| (at, mean(at))).collect()
 }
 
 /// The relative squared error of |p|², and the mean inside over the mean outside.
@@ -75,7 +84,7 @@ fn a_filled_letter_fits_its_drawing_better_than_foci() {
     let scene_of_area = scene(vec![letter()]);
     let solution = solver::solve(&scene_of_area).unwrap();
     let u = played(&scene_of_area, &solution);
-    assert_playable(&u, 256, "a letter");
+    assert_playable(&u, 256 * solution.drives().len(), "a letter");
     let (error, contrast) = judge(&intensities(&scene_of_area, &u), is_in_h);
     assert!(error < 0.105 && contrast > 20.0, "{error}, {contrast}");
     let figures = solution.figures.unwrap().areas.unwrap();
@@ -92,13 +101,55 @@ fn a_filled_letter_fits_its_drawing_better_than_foci() {
     assert!(error < 0.7 * by_foci, "{error}, and {by_foci} by foci");
 }
 
+/// Areas at rest alone are heard as a mean.
+#[test]
+fn only_areas_at_rest_have_several_drives_by_default() {
+    let circle = Target::new(Shape::Circle { at: AT, radius: 0.015 });
+    let disc = Target { sampling: Sampling::Fill, ..circle.clone() };
+    let of = |target: &Target, change: &dyn Fn(&mut Scene)| {
+        let mut scene = Scene { targets: vec![target.clone()], ..Scene::default() };
+        (scene.array.rows, scene.array.columns) = (8, 8);
+        change(&mut scene);
+        solver::solve(&scene).unwrap().drives().len()
+    };
+    let as_it_is = |_: &mut Scene| ();
+    assert_eq!(of(&disc, &as_it_is), 6);
+    assert_eq!(of(&circle, &as_it_is), 1, "a stroke");
+    assert_eq!(of(&focus(0.0, 1.0), &as_it_is), 1, "a point");
+    assert_eq!(of(&disc, &|scene| scene.motion.path = motion::MotionPath::Circle), 1, "in motion");
+    assert_eq!(of(&disc, &|scene| scene.solver.method = Method::Wgs), 1, "another method");
+    for count in [1, 2, 6] {
+        assert_eq!(of(&disc, &|scene| scene.solver.frames = Turns::Count(count)), count as usize);
+    }
+}
+
+#[test]
+fn one_drive_comes_first_and_all_fit_better() {
+    let scene = scene(vec![letter()]);
+    let mut so_far = Vec::new();
+    let last = solver::solve_with(&scene, &mut |found| so_far.push(found)).unwrap();
+    let aperture = Aperture::new(&scene);
+    let problem = Problem::of_scene(&scene, &aperture, last.foci.clone());
+    let judged = |mut found: Solution| {
+        assert!(found.figures.is_none());
+        found.judge(&scene, &problem);
+        (found.drives().len(), found.figures.unwrap().areas.unwrap().error)
+    };
+    let so_far: Vec<_> = so_far.into_iter().map(judged).collect();
+    let last = (last.drives().len(), last.figures.unwrap().areas.unwrap().error);
+    assert_eq!(so_far[0].0, 1, "{so_far:?}");
+    assert!(so_far.len() > 2 && so_far[1..].iter().all(|found| found.0 == last.0), "{so_far:?}");
+    assert!(so_far[1].1 < so_far[0].1 && last.1 < so_far[1].1, "{so_far:?}, then {last:?}");
+}
+
 #[test]
 fn turned_moved_and_tilted_areas_fit_equally_well() {
     let corners = [(-12.0, -12.0), (14.0, -6.0), (2.0, 15.0)];
     let plain = path(&corners);
     let error = |scene: &Scene| {
         let solution = solver::solve(scene).unwrap();
-        assert_playable(&played(scene, &solution), Aperture::new(scene).driven.len(), "an area");
+        let elements = Aperture::new(scene).driven.len();
+        assert_playable(&played(scene, &solution), elements * solution.drives().len(), "an area");
         solution.figures.unwrap().areas.unwrap().error
     };
     let at_rest = error(&scene(vec![plain.clone()]));
@@ -125,6 +176,7 @@ fn turned_moved_and_tilted_areas_fit_equally_well() {
         assert!((areas[0].centre - by - dvec3(0.001, 0.0015, 0.1)).length() < 1e-3, "{:?}", areas[0].centre);
         let mut found = solver::solve(&moving).unwrap();
         (found.drive, found.figures) = (frame.drive, None);
+        assert!(found.others.is_empty());
         found.judge(&moving, &problem);
         let error = found.figures.unwrap().areas.unwrap().error;
         assert!(error < 1.8 * at_rest, "{error} in motion, {at_rest} at rest");
@@ -296,7 +348,7 @@ fn any_filled_target_has_a_playable_drive() {
                     continue;
                 }
             };
-            assert_playable(&played(&scene, &solution), 52, &what);
+            assert_playable(&played(&scene, &solution), 52 * solution.drives().len(), &what);
             let figures = solution.figures.unwrap();
             for figure in [figures.evenness, figures.side_lobe, figures.strength] {
                 assert!(figure.is_finite() && figure >= 0.0, "{what}: {figures:?}");

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{
-    self, Aim, Area, ElementModel, Focus, Method, Plane, Sampling, Scene, Shape, Target, outline,
+    self, Aim, Area, ElementModel, Focus, Method, Plane, Sampling, Scene, Shape, Target, Turns, outline,
 };
 use sonoglyph::solver::shape::{self, Search, Surroundings, Zone, figures};
 use sonoglyph::solver::{self, Problem, Warning};
@@ -120,7 +120,7 @@ fn strokes_are_even_with_low_side_lobes() {
         assert!(strength > 0.8, "{name}: {strength}");
 
         let figures = figures(&problem, surroundings, &drive.values);
-        let twice = Problem { drives: 2, ..Problem::new(&aperture, problem.foci.clone()) };
+        let twice = Problem { drives: 2..=2, ..Problem::new(&aperture, problem.foci.clone()) };
         let again = shape::figures(&twice, surroundings, &[&drive.values[..], &drive.values].concat());
         for (one, other) in [(figures.side_lobe, again.side_lobe), (figures.evenness, again.evenness)] {
             assert!((one / other - 1.0).abs() < 1e-5, "{name}, the same drive twice: {figures:?}, {again:?}");
@@ -312,7 +312,7 @@ fn zones_drives_in_turn_depressions_and_strokes_each_make_a_shape() {
     let changes: [(&str, Change<'_>, bool); 5] = [
         ("a point", &|_| (), false),
         ("a zone", &zone, true),
-        ("drives in turn", &|scene| scene.solver.frames = 2, true),
+        ("drives in turn", &|scene| scene.solver.frames = Turns::Count(2), true),
         ("a depression", &|scene| scene.solver.target = Aim::Depression, true),
         ("a stroke", &|scene| scene.targets = vec![Target::new(Shape::Circle { at, radius: 0.01 })], true),
     ];
@@ -344,7 +344,7 @@ fn a_drags_frame_goes_on_from_drives_of_the_same_kind_alone() {
     let mut wider = scene.clone();
     wider.array.columns = 5;
     let mut in_turn = scene.clone();
-    in_turn.solver.frames = 2;
+    in_turn.solver.frames = Turns::Count(2);
     let first = solver::solve_on(&scene, None).unwrap();
     for other in [&wider, &in_turn] {
         let before = solver::solve_on(other, None).unwrap();
