@@ -18,6 +18,7 @@ pub trait Job {
     fn make(scene: &Scene) -> Self::Made;
 
     /// The same; what is there before the end goes to `so_far`.
+    #[cfg(not(target_arch = "wasm32"))]
     fn make_with(scene: &Scene, _so_far: &mut dyn FnMut(Self::Made)) -> Self::Made {
         Self::make(scene)
     }
@@ -37,6 +38,7 @@ impl Job for Solve {
         posing::solve(scene)
     }
 
+    #[cfg(not(target_arch = "wasm32"))]
     fn make_with(scene: &Scene, so_far: &mut dyn FnMut(Solved)) -> Solved {
         posing::solve_with(scene, so_far)
     }

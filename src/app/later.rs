@@ -175,7 +175,7 @@ mod tests {
             key * 100
         });
         let start = Instant::now();
-        let mut until = |later: &mut Later<i32, i32>, expected| {
+        let until = |later: &mut Later<i32, i32>, expected| {
             while later.get(&1) != Some(&expected) {
                 later.collect();
                 assert!(start.elapsed() < Duration::from_secs(20));

@@ -358,7 +358,8 @@ mod tests {
             let at = |i: i32| DVec3::new(-0.03, 3e-3 * f64::from(i), 0.1);
             let points = (0..points).map(|i| Target::new(Shape::Point { at: at(i) }));
             let targets = std::iter::once(area(DVec3::Z * 0.1, WIDTH, HEIGHT)).chain(points).collect();
-            let scene = Scene { targets, ..scene(4) };
+            let mut scene = Scene { targets, ..scene(4) };
+            scene.solver.quiet = 0.0;
             let aperture = Aperture::new(&scene);
             let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
             let surroundings = problem.surroundings.as_ref().unwrap();
@@ -392,7 +393,9 @@ mod tests {
 
     #[test]
     fn finer_samples_of_areas_are_more() {
-        let scene = Scene { targets: vec![area(DVec3::Z * 0.1, WIDTH, HEIGHT)], ..scene(4) };
+        let mut scene = Scene { targets: vec![area(DVec3::Z * 0.1, WIDTH, HEIGHT)], ..scene(4) };
+        // On their own samples alone.
+        scene.solver.quiet = 0.0;
         let aperture = Aperture::new(&scene);
         let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
         let surroundings = problem.surroundings.as_ref().unwrap();
