@@ -194,7 +194,7 @@ fn defaults_are_those_of_an_empty_scene() {
     let own = [("material", Value::from(bead.material.into_str())), ("radius", bead.radius.into())];
     empty.insert("bead".to_owned(), Table::from_iter(own.map(|(key, value)| (key.to_owned(), value))).into());
     // And so are these; `kind` is what made it a circle.
-    let Solver { quiet, search, frames, .. } = Scene::default().solver;
+    let Solver { quiet, search, .. } = Scene::default().solver;
     for (table, key, value) in [
         ("target", "kind", "point".into()),
         ("target", "visible", true.into()),
@@ -205,7 +205,7 @@ fn defaults_are_those_of_an_empty_scene() {
         ("liquid", "reflects", false.into()),
         ("solver", "quiet", quiet.into()),
         ("solver", "search", search.into()),
-        ("solver", "frames", frames.into()),
+        ("solver", "frames", "auto".into()),
         ("solver", "target", "pressure".into()),
         ("liquid", "light", "through".into()),
         ("liquid", "screen", Liquid::SCREEN.into()),
