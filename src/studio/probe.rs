@@ -10,7 +10,7 @@ use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::Quantity;
 use crate::field::quantity::Constants;
-use crate::field::slope::Around;
+use crate::field::slope::SoundTransfer;
 use crate::force::Levitation;
 use crate::scene::Bead;
 
@@ -66,10 +66,9 @@ pub fn values(
     }
     let constants = Constants::new(air, bead, aperture.element.wavenumber, moment);
     let drives = if declaration.has_mean { drives } else { &drives[..1] };
-    let around = Around::new(declaration.parts, axes, aperture);
-    let transfer = aperture.transfer(&around.points(points));
+    let sound = SoundTransfer::new(aperture, declaration.parts, axes, points);
     let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
-    let means = around.means(&transfer, &excitations, (quantity, &constants));
+    let means = sound.means(&excitations, (quantity, &constants));
     means.into_iter().map(|mean| quantity.exact_value(mean)).collect()
 }
 

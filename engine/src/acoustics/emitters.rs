@@ -116,17 +116,18 @@ impl Emitters {
         columns
     }
 
-    fn none(element: Element) -> Self {
+    /// Without any source.
+    pub(super) fn none(element: Element) -> Self {
         Self { element, places: Default::default(), normals: Default::default(), played: Default::default() }
     }
 
-    fn push(&mut self, place: DVec3, normal: DVec3, played: Complex64) {
+    pub(super) fn push(&mut self, place: DVec3, normal: DVec3, played: Complex64) {
         self.places.iter_mut().zip(place.to_array()).for_each(|(all, value)| all.push(value));
         self.normals.iter_mut().zip(normal.to_array()).for_each(|(all, value)| all.push(value));
         self.played.iter_mut().zip([played.re, played.im]).for_each(|(all, value)| all.push(value));
     }
 
-    fn pad(&mut self) {
+    pub(super) fn pad(&mut self) {
         let room = self.places[0].len().next_multiple_of(LANES);
         for values in self.places.iter_mut().chain(&mut self.normals) {
             values.resize(room, values.last().copied().unwrap_or(0.0));
@@ -145,23 +146,47 @@ impl Emitters {
     }
 
     fn up_to<const ORDER: usize>(&self, point: DVec3) -> Derivatives {
-        let Element { wavenumber, attenuation, .. } = self.element;
-        let sum = |pattern| Isa::best().run(Sum::<ORDER> { emitters: self, point, pattern, attenuation });
+        let sum = |pattern| Isa::best().run(Sum::<ORDER>(self.heard(point, pattern)));
         match self.element.radiator() {
             Radiator::Monopole => sum(Pattern::Even),
-            Radiator::Piston(radius) => sum(Pattern::Piston { ka2: (wavenumber * radius).powi(2) }),
+            Radiator::Piston(radius) => sum(self.piston(radius)),
             Radiator::Disk(radius) => self.disks::<ORDER>(radius, point),
         }
+    }
+
+    /// Place and normal of a source.
+    pub(super) fn source(&self, n: usize) -> (DVec3, DVec3) {
+        let at = |values: &[Vec<f64>; 3]| DVec3::from_array([0, 1, 2].map(|axis| values[axis][n]));
+        (at(&self.places), at(&self.normals))
+    }
+
+    /// The waves of all sources at a point, each for itself; `false` for exact pistons, which have no closed form.
+    pub(super) fn waves(&self, point: DVec3, waves: &mut Waves) -> bool {
+        let pattern = match self.element.radiator() {
+            Radiator::Monopole => Pattern::Even,
+            Radiator::Piston(radius) => self.piston(radius),
+            Radiator::Disk(_) => return false,
+        };
+        waves.0.iter_mut().flatten().for_each(|values| values.resize(self.places[0].len(), 0.0));
+        Isa::best().run(Each { heard: self.heard(point, pattern), waves });
+        true
+    }
+
+    fn piston(&self, radius: f64) -> Pattern {
+        Pattern::Piston { ka2: (self.element.wavenumber * radius).powi(2) }
+    }
+
+    fn heard(&self, point: DVec3, pattern: Pattern) -> Heard<'_> {
+        Heard { emitters: self, point, pattern, attenuation: self.element.attenuation }
     }
 
     /// Of exact pistons: each a sum of points on its disk, and absorption that counts from its centre.
     fn disks<const ORDER: usize>(&self, radius: f64, point: DVec3) -> Derivatives {
         let Element { wavenumber, attenuation, .. } = self.element;
         let mut sum = Derivatives::default();
-        let at = |values: &[Vec<f64>; 3], n: usize| DVec3::from_array([0, 1, 2].map(|axis| values[axis][n]));
         for n in 0..self.places[0].len() {
             let played = Complex64::new(self.played[0][n], self.played[1][n]);
-            let (centre, normal) = (at(&self.places, n), at(&self.normals, n));
+            let (centre, normal) = self.source(n);
             let way = point - centre;
             let height = normal.dot(way);
             if played == Complex64::ZERO || height < -NEAREST {
@@ -176,8 +201,8 @@ impl Emitters {
                 nodes.push(place, normal, played * node.weight);
             }
             nodes.pad();
-            let pattern = Pattern::Even;
-            let wave = Isa::best().run(Sum::<ORDER> { emitters: &nodes, point, pattern, attenuation: 0.0 });
+            let heard = Heard { attenuation: 0.0, ..nodes.heard(point, Pattern::Even) };
+            let wave = Isa::best().run(Sum::<ORDER>(heard));
             sum += if attenuation == 0.0 { wave } else { wave.times(&decay(way, attenuation)) };
         }
         sum
@@ -218,75 +243,128 @@ enum Pattern {
     },
 }
 
-struct Sum<'a, const ORDER: usize> {
+/// The sources heard at a point.
+#[derive(Clone, Copy)]
+struct Heard<'a> {
     emitters: &'a Emitters,
     point: DVec3,
     pattern: Pattern,
     attenuation: f64,
 }
 
+/// The waves of a block of sources at a point, real and imaginary parts, with the ways and the normals.
+struct Block {
+    waves: [Wave; 2],
+    ways: [Lanes; 3],
+    normals: [Lanes; 3],
+}
+
+impl Heard<'_> {
+    fn blocks(&self) -> usize {
+        self.emitters.places[0].len() / LANES
+    }
+
+    #[inline(always)]
+    fn block<I: Instructions>(&self, block: usize) -> Block {
+        let Self { emitters, point, pattern, attenuation } = *self;
+        let wavenumber = emitters.element.wavenumber;
+        let places = axes!(A => block_of(&emitters.places[A], block));
+        let n = axes!(A => *block_of(&emitters.normals[A], block));
+        let played = [*block_of(&emitters.played[0], block), *block_of(&emitters.played[1], block)];
+        let d = axes!(A => lanes::<LANES>(|i| point[A] - places[A][i]));
+        let h = dot(&d, &n);
+        let heard = lanes::<LANES>(|i| if h[i] >= -NEAREST { 1.0 } else { 0.0 });
+        let up = lanes::<LANES>(|i| (NEAREST - h[i]).max(0.0));
+        let d = axes!(A => lanes::<LANES>(|i| d[A][i] + up[i] * n[A][i]));
+        let h = lanes::<LANES>(|i| h[i] + up[i]);
+        let q = dot(&d, &d);
+        let r = lanes::<LANES>(|i| q[i].sqrt());
+        let inverse = lanes::<LANES>(|i| 1.0 / q[i]);
+        let decayed = match attenuation {
+            0.0 => [1.0; LANES],
+            _ => lanes(|i| (-attenuation * r[i]).exp()),
+        };
+        // e^{-jkr}/r times the drive.
+        let half_turns = lanes::<LANES>(|i| -r[i] * (wavenumber / PI));
+        let rounded = lanes::<LANES>(|i| half_turns[i] + ROUNDER);
+        let f = lanes::<LANES>(|i| half_turns[i] - (rounded[i] - ROUNDER));
+        let f2 = lanes::<LANES>(|i| f[i] * f[i]);
+        let size = lanes::<LANES>(|i| heard[i] * decayed[i] * r[i] * inverse[i]);
+        let size = lanes::<LANES>(|i| f64::from_bits(size[i].to_bits() ^ (rounded[i].to_bits() << 63)));
+        let (c, s) = (horner::<I, 7>(&COSINE, &f2), horner::<I, 7>(&SINE, &f2));
+        let s = lanes::<LANES>(|i| f[i] * s[i]);
+        let part = lanes::<LANES>(|i| size[i] * s[i]);
+        let turn = [lanes::<LANES>(|i| size[i] - part[i] * s[i]), lanes::<LANES>(|i| part[i] * c[i])];
+        let wave = times(&turn, &played);
+        // Derivatives of e^{-γr}/r by Q over its value, γ = α + jk: (1/r d/dr)ⁿ.
+        let x = lanes::<LANES>(|i| attenuation * r[i]);
+        let y = lanes::<LANES>(|i| wavenumber * r[i]);
+        let i2 = lanes::<LANES>(|i| inverse[i] * inverse[i]);
+        let i3 = lanes::<LANES>(|i| i2[i] * inverse[i]);
+        let (x2, y2) = (lanes::<LANES>(|i| x[i] * x[i]), lanes::<LANES>(|i| y[i] * y[i]));
+        let g1 = [lanes(|i| -(x[i] + 1.0) * inverse[i]), lanes(|i| -y[i] * inverse[i])];
+        let g2 = [
+            lanes(|i| (x2[i] - y2[i] + 3.0 * x[i] + 3.0) * i2[i]),
+            lanes(|i| (2.0 * x[i] + 3.0) * y[i] * i2[i]),
+        ];
+        let g3 = [
+            lanes(|i| -(x[i] * (x2[i] - 3.0 * y2[i] + 15.0) + 6.0 * (x2[i] - y2[i]) + 15.0) * i3[i]),
+            lanes(|i| -y[i] * (3.0 * x2[i] - y2[i] + 12.0 * x[i] + 15.0) * i3[i]),
+        ];
+        let g = [wave, times(&wave, &g1), times(&wave, &g2), times(&wave, &g3)];
+        let pattern = match pattern {
+            Pattern::Even => Directivity::EVEN,
+            Pattern::Piston { ka2 } => Directivity::piston::<I>(ka2, &h, &inverse),
+        };
+        let re = pattern.product([&g[0][0], &g[1][0], &g[2][0], &g[3][0]]);
+        let im = pattern.product([&g[0][1], &g[1][1], &g[2][1], &g[3][1]]);
+        Block { waves: [re, im], ways: d, normals: n }
+    }
+}
+
+struct Sum<'a, const ORDER: usize>(Heard<'a>);
+
 impl<const ORDER: usize> Kernel for Sum<'_, ORDER> {
     type Output = Derivatives;
 
     #[inline(always)]
     fn run<I: Instructions>(self) -> Derivatives {
-        let Self { emitters, point, pattern, attenuation } = self;
-        let wavenumber = emitters.element.wavenumber;
         let mut sums = [[[0.0; LANES]; COUNT]; 2];
-        for block in 0..emitters.places[0].len() / LANES {
-            let places = axes!(A => block_of(&emitters.places[A], block));
-            let n = axes!(A => *block_of(&emitters.normals[A], block));
-            let played = [*block_of(&emitters.played[0], block), *block_of(&emitters.played[1], block)];
-            let d = axes!(A => lanes::<LANES>(|i| point[A] - places[A][i]));
-            let h = dot(&d, &n);
-            let heard = lanes::<LANES>(|i| if h[i] >= -NEAREST { 1.0 } else { 0.0 });
-            let up = lanes::<LANES>(|i| (NEAREST - h[i]).max(0.0));
-            let d = axes!(A => lanes::<LANES>(|i| d[A][i] + up[i] * n[A][i]));
-            let h = lanes::<LANES>(|i| h[i] + up[i]);
-            let q = dot(&d, &d);
-            let r = lanes::<LANES>(|i| q[i].sqrt());
-            let inverse = lanes::<LANES>(|i| 1.0 / q[i]);
-            let decayed = match attenuation {
-                0.0 => [1.0; LANES],
-                _ => lanes(|i| (-attenuation * r[i]).exp()),
-            };
-            // e^{-jkr}/r times the drive.
-            let half_turns = lanes::<LANES>(|i| -r[i] * (wavenumber / PI));
-            let rounded = lanes::<LANES>(|i| half_turns[i] + ROUNDER);
-            let f = lanes::<LANES>(|i| half_turns[i] - (rounded[i] - ROUNDER));
-            let f2 = lanes::<LANES>(|i| f[i] * f[i]);
-            let size = lanes::<LANES>(|i| heard[i] * decayed[i] * r[i] * inverse[i]);
-            let size = lanes::<LANES>(|i| f64::from_bits(size[i].to_bits() ^ (rounded[i].to_bits() << 63)));
-            let (c, s) = (horner::<I, 7>(&COSINE, &f2), horner::<I, 7>(&SINE, &f2));
-            let s = lanes::<LANES>(|i| f[i] * s[i]);
-            let part = lanes::<LANES>(|i| size[i] * s[i]);
-            let turn = [lanes::<LANES>(|i| size[i] - part[i] * s[i]), lanes::<LANES>(|i| part[i] * c[i])];
-            let wave = times(&turn, &played);
-            // Derivatives of e^{-γr}/r by Q over its value, γ = α + jk: (1/r d/dr)ⁿ.
-            let x = lanes::<LANES>(|i| attenuation * r[i]);
-            let y = lanes::<LANES>(|i| wavenumber * r[i]);
-            let i2 = lanes::<LANES>(|i| inverse[i] * inverse[i]);
-            let i3 = lanes::<LANES>(|i| i2[i] * inverse[i]);
-            let (x2, y2) = (lanes::<LANES>(|i| x[i] * x[i]), lanes::<LANES>(|i| y[i] * y[i]));
-            let g1 = [lanes(|i| -(x[i] + 1.0) * inverse[i]), lanes(|i| -y[i] * inverse[i])];
-            let g2 = [
-                lanes(|i| (x2[i] - y2[i] + 3.0 * x[i] + 3.0) * i2[i]),
-                lanes(|i| (2.0 * x[i] + 3.0) * y[i] * i2[i]),
-            ];
-            let g3 = [
-                lanes(|i| -(x[i] * (x2[i] - 3.0 * y2[i] + 15.0) + 6.0 * (x2[i] - y2[i]) + 15.0) * i3[i]),
-                lanes(|i| -y[i] * (3.0 * x2[i] - y2[i] + 12.0 * x[i] + 15.0) * i3[i]),
-            ];
-            let g = [wave, times(&wave, &g1), times(&wave, &g2), times(&wave, &g3)];
-            let pattern = match pattern {
-                Pattern::Even => Directivity::EVEN,
-                Pattern::Piston { ka2 } => Directivity::piston::<I>(ka2, &h, &inverse),
-            };
-            let vectors = Vectors::new(&d, &n);
-            add::<ORDER>(&mut sums[0], &pattern.product([&g[0][0], &g[1][0], &g[2][0], &g[3][0]]), &vectors);
-            add::<ORDER>(&mut sums[1], &pattern.product([&g[0][1], &g[1][1], &g[2][1], &g[3][1]]), &vectors);
+        for block in 0..self.0.blocks() {
+            let Block { waves: [re, im], ways, normals } = self.0.block::<I>(block);
+            let vectors = Vectors::new(&ways, &normals);
+            add::<ORDER>(&mut sums[0], &re, &vectors);
+            add::<ORDER>(&mut sums[1], &im, &vectors);
         }
         Derivatives(std::array::from_fn(|at| Complex64::new(total(&sums[0][at]), total(&sums[1][at]))))
+    }
+}
+
+/// Waves of single sources at a point: the pressure (Pa) and its slopes along the scene's axes (Pa/m), of each the
+/// real and the imaginary parts.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Waves(pub(super) [[Vec<f64>; 2]; 4]);
+
+struct Each<'a> {
+    heard: Heard<'a>,
+    waves: &'a mut Waves,
+}
+
+impl Kernel for Each<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        for block in 0..self.heard.blocks() {
+            let Block { waves, ways: d, normals: n } = self.heard.block::<I>(block);
+            let place = block * LANES..(block + 1) * LANES;
+            for (part, wave) in waves.iter().enumerate() {
+                let [x, y, z] = axes!(I => lanes::<LANES>(|l| wave.q[l] * d[I][l] + wave.h[l] * n[I][l]));
+                for (to, values) in self.waves.0.iter_mut().zip([wave.value, x, y, z]) {
+                    to[part][place.clone()].copy_from_slice(&values);
+                }
+            }
+        }
     }
 }
 

@@ -21,6 +21,7 @@ mod emitters;
 mod face;
 mod jacobian;
 mod row;
+mod slopes;
 mod transfer;
 
 use std::f64::consts::TAU;

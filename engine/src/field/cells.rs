@@ -1,9 +1,10 @@
 //! The cells of a plane, where squares of the pressure are formed: fine enough for twice its bandwidth.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use crate::acoustics::element::Radiator;
 use crate::acoustics::{Aperture, Face};
+use crate::field::Samples;
 use crate::field::interpolation::Resampling;
 use crate::scene::Plane;
 use crate::surface::Tank;
@@ -98,6 +99,14 @@ impl Cells {
         (0..count).map(move |i| (i as f64 + 0.5 - count as f64 / 2.0) * step)
     }
 
+    /// The centres of all cells, along a plane's axes.
+    pub fn points(&self, [x, y, _]: [DVec3; 3]) -> Samples {
+        Samples {
+            columns: self.places(0).map(|place| self.plane.centre + x * place).collect(),
+            rows: self.places(1).map(|place| y * place).collect(),
+        }
+    }
+
     /// Interpolation from the cells to `places` (m) along an axis.
     pub fn resampling(&self, axis: usize, places: impl Iterator<Item = f64>) -> Resampling {
         Resampling::new(self.in_cells(axis, places), self.half_width, self.beta)
@@ -167,8 +176,6 @@ fn smooth(least: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use std::f64::consts::TAU;
-
-    use glam::DVec3;
 
     use super::*;
     use crate::scene::{Board, Scene};

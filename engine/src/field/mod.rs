@@ -238,8 +238,7 @@ mod tests {
     use glam::{DVec2, dvec3};
 
     use super::*;
-    use crate::acoustics::element::NEAREST;
-    use crate::field::quantity::{NORMAL, Part};
+    use crate::field::quantity::Part;
     use crate::scene::{Array, Board, Scene};
 
     #[test]
@@ -336,36 +335,6 @@ mod tests {
                 let off = (slope - expected).norm();
                 assert!(off < 1e-5 * steepest, "{part:?}: {slope}, not {expected}");
             }
-        }
-    }
-
-    #[test]
-    fn neighbours_of_a_point_are_on_its_side_of_a_board_and_not_too_near_to_it() {
-        let array = Array { columns: 2, rows: 2, ..Array::default() };
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        for at in [0.0, 0.03] {
-            let boards = vec![Board { at: dvec3(0.02, 0.0, at), ..Board::default() }];
-            let aperture = Aperture::new(&Scene { array: array.clone(), boards, ..Scene::default() });
-            let around = slope::Around::new(NORMAL, axes, &aperture);
-            let neighbours = |height: f64| {
-                let point = dvec3(0.01, 0.0, at + height);
-                let around = around.points(&[point]);
-                assert_eq!(around.len(), 2);
-                let heights: Vec<_> = around.iter().map(|around| around.z - at).collect();
-                (heights, (around[0] + around[1]) / 2.0 - point)
-            };
-            for height in [-0.06, -0.03, -2e-5, -1.01e-5, -9e-6, 0.0, 9e-6, 1.01e-5, 0.01] {
-                let (heights, moved) = neighbours(height);
-                // Below the board's plane its elements are not heard.
-                let is_right = |&own: &f64| {
-                    if height < -NEAREST { own < -NEAREST } else { own > NEAREST * (1.0 - 1e-6) }
-                };
-                assert!(heights.iter().all(is_right), "{height:e}: {heights:?}");
-                assert!(moved.length() < 1e-12 || height.abs() < 1.5 * NEAREST, "{height:e}: {moved}");
-            }
-            // The lowest that are heard.
-            let lowest = neighbours(-NEAREST).0;
-            assert!(at > 0.0 || lowest.iter().all(|own| *own > 0.0), "{lowest:?}");
         }
     }
 

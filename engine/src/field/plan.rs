@@ -30,7 +30,7 @@ const USUAL_PIXELS: f64 = 1024.0 * 1024.0;
 /// The error limit, relative to the peak, of an exact map.
 pub const EXACT: f64 = 2e-5;
 /// Smallest error of f32, relative to the peak, on planes near elements.
-const F32_ERROR: f64 = 4e-6;
+pub const F32_ERROR: f64 = 4e-6;
 /// Rounding error of a path in f32: rad per turn.
 const F32_TURN_ERROR: f64 = 1.2e-7 * TAU;
 /// Limit of samples of a plane: the pixels of the largest map.

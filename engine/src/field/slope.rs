@@ -1,10 +1,10 @@
-//! Slopes of the pressure by central differences along a direction, where no grid provides them.
+//! Slopes of the pressure along a direction where no grid provides them: by differences in f32, and in f64 by the
+//! transfer's own slopes.
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
-use crate::acoustics::element::NEAREST;
 use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
 use crate::field::quantity::{Constants, Mean, Part, Quantity, Sound, narrow};
@@ -16,8 +16,6 @@ const STENCIL: [(f64, f64); 4] =
     [(-2.0, 1.0 / 12.0), (-1.0, -2.0 / 3.0), (1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)];
 /// Steps in a wavelength: truncation, 5e-5, and rounding are alike.
 const PER_WAVELENGTH: f64 = 32.0;
-/// Step in wavelengths for pressures in f64: relative error (kh)²/6 = 7e-8.
-const HAIR: f64 = 1e-4;
 /// Distance from the array, in wavelengths, within which slopes need f64: there an element's wave varies over its
 /// distance, not over a wavelength.
 const NEAR: f64 = 1.0;
@@ -69,33 +67,16 @@ pub fn part_on_cpu(
     slopes
 }
 
-/// Slopes along a direction at points, from pressures in f64.
+/// Slopes along a direction at points, in f64.
 fn slopes_in_f64(aperture: &Aperture, drive: &Drive, direction: DVec3, points: &[DVec3]) -> Vec<Complex32> {
-    let hair = HAIR * aperture.wavelength();
-    let (excitation, walls) = (drive.excitation(&aperture.driven), aperture.walls());
+    let excitation = drive.excitation(&aperture.driven);
     let counter = Gauge::current().count(points.len().div_ceil(RUN));
     let of_run = |points: &[DVec3]| {
         counter.add();
-        let around: Vec<_> =
-            points.iter().flat_map(|&point| beside(point, direction, hair, &walls)).collect();
-        let pressures = aperture.transfer(&around).pressure(&excitation);
-        let slope = |pair: &[Complex64; 2]| narrow((pair[0] - pair[1]) / (2.0 * hair));
-        pressures.as_chunks::<2>().0.iter().map(slope).collect::<Vec<_>>()
+        let sounds = aperture.transfer_with_slopes(points, &[direction]).pressure(&excitation);
+        sounds.into_iter().skip(1).step_by(2).map(narrow).collect::<Vec<_>>()
     };
     points.par_chunks(RUN).flat_map_iter(of_run).collect()
-}
-
-/// Neighbours of a point on both sides, both in front of the board or both behind it.
-fn beside(mut point: DVec3, direction: DVec3, hair: f64, walls: &[(DVec3, DVec3)]) -> [DVec3; 2] {
-    for (at, normal) in walls {
-        let (height, reach) = (normal.dot(point - at), hair * normal.dot(direction).abs());
-        let clear =
-            if height < -NEAREST { height.min(-NEAREST - 2.0 * reach) } else { height.max(NEAREST + reach) };
-        if clear != height {
-            point += normal * (clear - height);
-        }
-    }
-    [point + direction * hair, point - direction * hair]
 }
 
 /// The direction of a slope; the pressure has none.
@@ -108,47 +89,34 @@ fn direction(part: Part, [x, y, normal]: [DVec3; 3]) -> Option<DVec3> {
     }
 }
 
-/// Neighbours of points whose f64 pressures give the sound there: the reference for slopes.
+/// The f64 transfer of the sound to points: the reference of maps.
 #[derive(Clone, Debug)]
-pub struct Around {
+pub struct SoundTransfer {
     parts: u8,
-    axes: [DVec3; 3],
-    /// m, from a point to its neighbours.
-    hair: f64,
-    /// [`Aperture::walls`].
-    walls: Vec<(DVec3, DVec3)>,
+    /// Of the pressure at each point and, if any part is one, of the slopes among the parts.
+    transfer: Transfer,
 }
 
-impl Around {
-    /// For these parts of the sound, along the plane's axes and its normal.
-    pub fn new(parts: u8, axes: [DVec3; 3], aperture: &Aperture) -> Self {
-        Self { parts, axes, hair: HAIR * aperture.wavelength(), walls: aperture.walls() }
+impl SoundTransfer {
+    /// For these parts of the sound, along a plane's axes and its normal.
+    pub fn new(aperture: &Aperture, parts: u8, axes: [DVec3; 3], points: &[DVec3]) -> Self {
+        let directions: Vec<_> = Part::of(parts).filter_map(|part| direction(part, axes)).collect();
+        let transfer = match directions[..] {
+            [] => aperture.transfer(points),
+            _ => aperture.transfer_with_slopes(points, &directions),
+        };
+        Self { parts, transfer }
     }
 
-    /// The points expected by [`Around::sounds`], the same number for each.
-    pub fn points(&self, points: &[DVec3]) -> Vec<DVec3> {
-        let mut around = Vec::new();
-        for &point in points {
-            for part in Part::of(self.parts) {
-                match direction(part, self.axes) {
-                    None => around.push(point),
-                    Some(direction) => around.extend(beside(point, direction, self.hair, &self.walls)),
-                }
-            }
-        }
-        around
-    }
-
-    /// The mean of a quantity's formula at points over the drives with these excitations, of a transfer to [`Around::points`] of them.
+    /// The mean of a quantity's formula at every point over the drives with these excitations.
     pub fn means(
         &self,
-        transfer: &Transfer,
         excitations: &[Vec<Complex64>],
         (quantity, constants): (Quantity, &Constants<f64>),
     ) -> Vec<f64> {
         let (declaration, mut means) = (quantity.declaration(), Vec::new());
         for excitation in excitations {
-            let sounds = self.sounds(&transfer.pressure(excitation));
+            let sounds = self.sounds(excitation);
             means.resize(sounds.len(), Mean::default());
             for (mean, sound) in means.iter_mut().zip(sounds) {
                 mean.add(declaration, sound, constants, excitations.len());
@@ -157,22 +125,21 @@ impl Around {
         means.iter().map(|mean| mean.of(declaration)).collect()
     }
 
-    /// The sound at the points, from the pressures (Pa, peak) around them.
-    pub fn sounds(&self, pressures: &[Complex64]) -> Vec<Sound<f64>> {
-        let mut pressures = pressures.iter().copied();
-        let mut sounds = Vec::new();
-        while pressures.len() > 0 {
-            let mut next = || pressures.next().unwrap_or_default();
-            let mut sound = Sound::default();
-            for part in Part::of(self.parts) {
-                *sound.part_mut(part) = match part {
-                    Part::Pressure => next(),
-                    Part::AlongX | Part::AlongY | Part::Normal => (next() - next()) / (2.0 * self.hair),
-                };
-            }
-            sounds.push(sound);
-        }
-        sounds
+    /// The transfer of the pressure from every element to each point.
+    pub fn pressure_rows(&self) -> impl Iterator<Item = impl ExactSizeIterator<Item = Complex64> + Clone> {
+        let slopes = Part::of(self.parts).filter(|part| *part != Part::Pressure).count();
+        self.transfer.rows().step_by(1 + slopes)
+    }
+
+    /// The sound of one drive at every point.
+    pub fn sounds(&self, excitation: &[Complex64]) -> Vec<Sound<f64>> {
+        let slopes: Vec<_> = Part::of(self.parts).filter(|part| *part != Part::Pressure).collect();
+        let sound = |values: &[Complex64]| {
+            let mut sound = Sound { p: values[0], ..Sound::default() };
+            slopes.iter().zip(&values[1..]).for_each(|(&part, &slope)| *sound.part_mut(part) = slope);
+            sound
+        };
+        self.transfer.pressure(excitation).chunks_exact(1 + slopes.len()).map(sound).collect()
     }
 }
 
@@ -205,33 +172,6 @@ mod tests {
             for (slope, expected) in slopes.iter().zip(&expected) {
                 let off = Complex64::new(slope.re.into(), slope.im.into()) - expected;
                 assert!(off.norm() < 2e-4 * peak, "{part:?}: {slope} is not {expected}");
-            }
-        }
-    }
-
-    #[test]
-    fn neighbours_of_a_point_are_on_its_side_of_a_wall() {
-        const HAIR: f64 = 1e-6;
-        let (at, normal) = (dvec3(0.01, 0.0, 0.02), dvec3(0.6, 0.0, 0.8));
-        let along = dvec3(0.8, 0.0, -0.6) * 0.003 + DVec3::Y * 0.002;
-        for height in [-1e-3, -1.2e-5, -1.05e-5, -5e-6, 0.0, 1e-6, 1.05e-5, 1e-3] {
-            for direction in [DVec3::X, DVec3::Y, DVec3::Z, normal, -normal] {
-                let point = at + along + normal * height;
-                let pair = beside(point, direction, HAIR, &[(at, normal)]);
-                let place = format!("{height} m, towards {direction}");
-                assert!((pair[0] - pair[1]).distance(direction * 2.0 * HAIR) < 1e-12, "{place}: {pair:?}");
-                let heights = pair.map(|neighbour| normal.dot(neighbour - at));
-                let is_behind = height < -NEAREST;
-                let is_beside = |&own: &f64| {
-                    if is_behind { own < -NEAREST + 1e-12 } else { own > NEAREST - 1e-12 }
-                };
-                assert!(heights.iter().all(is_beside), "{place}: {heights:?}");
-                // Points near the wall are moved from it, as little as possible, and others not at all.
-                let moved = (pair[0] + pair[1]) / 2.0 - point;
-                let missing = if is_behind { 0.0 } else { (NEAREST - height).max(0.0) };
-                let most = if height.abs() < 2.0 * NEAREST { missing + 3.0 * HAIR } else { 1e-12 };
-                assert!(moved.length() < most, "{place}: {moved}");
-                assert!(moved.reject_from_normalized(normal).length() < 1e-12, "{place}: {moved}");
             }
         }
     }

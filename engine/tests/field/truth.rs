@@ -332,9 +332,11 @@ fn a_silent_map_has_no_error() {
     }
 }
 
-fn numbers() -> Range<usize> {
-    let Ok(named) = std::env::var("SONOGLYPH_MAPS") else { return 0..MAPS };
-    let number = |text: &str| text.parse::<usize>().expect("SONOGLYPH_MAPS is a number or a range, 40..50");
+/// The maps named by a variable, or the first `count`.
+pub fn numbers(variable: &str, count: usize) -> Range<usize> {
+    let Ok(named) = std::env::var(variable) else { return 0..count };
+    let number =
+        |text: &str| text.parse::<usize>().expect("a variable of maps is a number or a range, 40..50");
     match named.split_once("..") {
         Some((first, end)) => number(first)..number(end),
         None => number(&named)..number(&named) + 1,
@@ -343,7 +345,7 @@ fn numbers() -> Range<usize> {
 
 #[test]
 fn the_largest_error_of_all_pixels_is_within_the_tolerance() {
-    let numbers = numbers();
+    let numbers = numbers("SONOGLYPH_MAPS", MAPS);
     let next = AtomicUsize::new(numbers.start);
     let all = Mutex::new(BTreeMap::<_, Vec<(f64, f64)>>::new());
     let failures = Mutex::new(Vec::new());

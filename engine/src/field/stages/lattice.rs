@@ -55,14 +55,14 @@ impl Share {
         let Self { sums, lattice, between } = self;
         let (parts, constants) = (job.key.parts, job.request.constants().narrow());
         let formula = job.request.quantity.declaration().formula;
-        let Some(grid) = &job.site.plan.grid else { return };
+        let (Some(grid), Some(weights)) = (&job.site.plan.grid, &filled.weights) else { return };
         let (columns, count) = (grid.samples.columns.len(), filled.cells.count());
         sums.clear();
         sums.resize(count, 0.0);
         lattice.resize(parts, count);
         for samples in drives {
             for (part, values) in Part::of(parts).zip(&mut lattice.0) {
-                let [across, up] = filled.weights.of(part);
+                let [across, up] = weights.of(part);
                 interpolate(samples.of(part), columns, across, up, between, values);
             }
             sums.par_chunks_mut(RUN).enumerate().with_min_len(16).for_each(|(run, sums)| {

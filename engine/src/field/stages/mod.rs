@@ -16,6 +16,7 @@ mod probes;
 mod request;
 mod samples;
 mod site;
+mod weakest;
 mod work;
 
 use std::sync::Arc;
@@ -26,6 +27,7 @@ use crate::drive::Drive;
 use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
 use crate::field::plan::{Costs, promised};
+use crate::field::quantity::Declaration;
 use crate::field::vicinity::LeftOut;
 use crate::field::{Colouring, Evaluator, Gpu};
 use crate::gauge::Gauge;
@@ -148,16 +150,19 @@ impl Ground {
     fn refine(&mut self, request: &Request, exact: bool, costs: Costs, error: f64) -> bool {
         let times = error / promised(request.plane.tolerance);
         let Some((key, site)) = &self.site.value else { return false };
-        if times <= 1.0 || site.cells.is_none() {
+        if times <= 1.0 || site.cells.is_none() || key.is_direct() {
             return false;
         }
-        let of_liquid = request.quantity.declaration().of_liquid;
-        let by_pixels = || (!of_liquid).then(|| SiteKey::by_pixels(request, exact).direct());
-        let Some((key, made)) = key
-            .finer(times)
-            .into_iter()
-            .chain(by_pixels())
-            .find_map(|key| Some((key.clone(), Site::new(&key, costs).ok()?)))
+        let Declaration { of_liquid, is_root, .. } = *request.quantity.declaration();
+        // Roots fail where squares are interpolated, whatever the samples.
+        let last = match (of_liquid, is_root) {
+            (true, _) => key.direct(),
+            (false, true) => SiteKey::by_pixels(request, exact),
+            (false, false) => SiteKey::by_pixels(request, exact).direct(),
+        };
+        let finer = if is_root { None } else { key.finer(times) };
+        let Some((key, made)) =
+            finer.into_iter().chain([last]).find_map(|key| Some((key.clone(), Site::new(&key, costs).ok()?)))
         else {
             return false;
         };
@@ -438,7 +443,9 @@ impl Job<'_> {
             } else {
                 make(self, By::Cpu, &mut values)
             };
-            if made.2 == By::Cpu && self.is_too_far_off(made.0) {
+            // Roots of squares at cells are off by their interpolation: f64 does not mend them.
+            let is_root = self.request.quantity.declaration().is_root && self.site.cells.is_some();
+            if made.2 == By::Cpu && !is_root && self.is_too_far_off(made.0) {
                 made = make(self, By::CpuInF64, &mut values);
             }
             made
@@ -476,7 +483,8 @@ impl Job<'_> {
         let (evaluated, how) = match (self.frame, &self.site.cells) {
             (Frame::Pixels { raster, .. }, _) => (raster.evaluated(plan), raster.describe(plan)),
             (Frame::Cells { .. }, cells) => {
-                let sampled = plan.grid.as_ref().map_or(0, |grid| grid.samples.len());
+                let direct = cells.as_ref().map_or(0, |filled| filled.cells.count());
+                let sampled = plan.grid.as_ref().map_or(direct, |grid| grid.samples.len());
                 let cells = cells.as_ref().map_or_else(String::new, |filled| {
                     let ([columns, rows], step) = (filled.cells.counts, filled.cells.step);
                     format!("; squares at {columns} x {rows} cells of {:.2} mm", step * 1e3)

@@ -3,12 +3,14 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use glam::DVec3;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::field::interpolation::{Between, Resampling, interpolate};
-use crate::field::quantity::{Constants, Norm, Part, Sound};
-use crate::field::slope::{Around, part_on_cpu};
+use crate::field::plan::F32_ERROR;
+use crate::field::quantity::{Constants, Norm, PRESSURE, Part, Sound};
+use crate::field::slope::{SoundTransfer, part_on_cpu};
 use crate::field::stages::caustic::Caustic;
 use crate::field::stages::depression::Depression;
 use crate::field::stages::kept::Kept;
@@ -17,7 +19,7 @@ use crate::field::stages::probes::AtProbes;
 use crate::field::stages::request::Pressed;
 use crate::field::stages::samples::{Samples, Superposition, sampled};
 use crate::field::stages::site::{Filled, Frame, SiteKey, Weights};
-use crate::field::stages::{Job, Work};
+use crate::field::stages::{Job, Work, weakest};
 use crate::field::{self, Raster};
 use crate::gauge::Gauge;
 use crate::scene::Liquid;
@@ -129,10 +131,10 @@ impl OnCpu {
         let (width, height) = job.request.size;
         values.resize(width * height, 0.0);
         match job.frame {
-            Frame::Pixels { raster, weights: None } if double && has_differences(job) => {
+            Frame::Pixels { raster, weights: None } if double && (has_differences(job) || is_mean(job)) => {
                 self.work.superposition += 1;
                 self.work.forming += 1;
-                in_f64(job, raster, values)
+                in_f64(job, raster, values, &self.progress)
             }
             Frame::Pixels { raster, weights } => {
                 self.by_pixels(job, (raster, weights.as_ref()), double, values)
@@ -155,7 +157,7 @@ impl OnCpu {
         let drives = request.counted();
         let factor = request.part as f32 / drives.len() as f32;
         let rows_together = (BAND / raster.width).max(1);
-        let mut sounds = vec![Sound::default(); job.probes.places.len()];
+        let mut sounds = vec![vec![Sound::default(); job.probes.places.len()]; drives.len()];
         let is_of_pressure = declaration.norm == Norm::Pressure;
         let (mut loudest, mut largest) = ([0.0f32; 2], 0.0f32);
         if drives.len() > 1 {
@@ -204,7 +206,7 @@ impl OnCpu {
                 };
                 let runs = values[pixels.clone()].par_chunks_mut(RUN).enumerate().with_min_len(4);
                 largest = largest.max(runs.map(of_run).reduce(|| 0.0, f32::max));
-                for (sound, place) in sounds.iter_mut().zip(&job.probes.places) {
+                for (sound, place) in sounds[drive].iter_mut().zip(&job.probes.places) {
                     if pixels.contains(place) {
                         *sound = lattice.sound(parts, place - pixels.start);
                     }
@@ -230,14 +232,16 @@ impl OnCpu {
             (false, true) => [largest, 0.0],
             (false, false) => job.left_out.largest(values),
         };
-        let sounds = (drives.len() == 1).then_some(sounds);
-        Made {
-            peak,
-            left_out,
-            rounding: 0.0,
-            at_probes: AtProbes { values: at(values, &job.probes.places), sounds },
-            relative_to: peak,
-        }
+        let elsewhere = match is_mean(job) {
+            true => weakest::off_at_loudest(job, values).max(rounding(parts, double) * f64::from(peak)),
+            false => 0.0,
+        };
+        let at_probes = AtProbes {
+            values: at(values, &job.probes.places),
+            sounds: flow.is_none().then_some(sounds),
+            elsewhere,
+        };
+        Made { peak, left_out, rounding: 0.0, at_probes, relative_to: peak }
     }
 
     /// The sound of a drive at some rows of pixels.
@@ -315,15 +319,22 @@ impl OnCpu {
             Some(_) | None => (&self.cells.value[..], part),
         };
         self.work.interpolation += 1;
+        let mut elsewhere = 0.0;
         if declaration.of_light {
             self.work.caustic += 1;
             self.caustic.cast(job, &filled.cells, (shown, part), values);
         } else {
             let cells: Vec<_> = shown.iter().map(|&value| (value * part) as f32).collect();
             interpolate(&cells, filled.cells.counts[0], across, up, &mut self.between, values);
+            if declaration.is_root {
+                elsewhere = weakest::mend(job, (&cells, filled.cells.counts[0]), [across, up], values);
+            }
         }
         let runs = values.par_chunks_mut(RUN).with_min_len(16);
         let peak = runs.map(|values| finish(values, 1.0, declaration.is_root)).reduce(|| 0.0, f32::max);
+        if !declaration.is_root && !declaration.of_liquid {
+            elsewhere = weakest::off_at_loudest(job, values);
+        }
         let means = &self.cells.value;
         let places = &job.probes.places;
         let (values, relative_to) = if declaration.of_liquid {
@@ -333,15 +344,21 @@ impl OnCpu {
             (at(values, places), peak)
         };
         // Cells are farther than a wavelength from all elements.
-        let at_probes = AtProbes { values, sounds: None };
+        let at_probes = AtProbes { values, sounds: None, elsewhere };
         Made { peak, left_out: 0.0, rounding: 0.0, at_probes, relative_to }
     }
 
     /// The mean of the formula over the drives, at every cell.
     fn fill_cells(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey) {
-        let Some(grid) = &job.site.plan.grid else { return };
         let Self { superposition, shares, cells, progress, work, .. } = self;
         cells.update(key, |cells| {
+            let Some(grid) = &job.site.plan.grid else {
+                work.superposition += 1;
+                work.forming += 1;
+                let points = filled.cells.points(job.site.axes);
+                *cells = job.means(points.len(), |cell| points.point(cell));
+                return;
+            };
             cells.clear();
             cells.resize(filled.cells.count(), 0.0);
             let most = (MOST_SHARED_CELLS / cells.len()).clamp(1, SHARES);
@@ -415,25 +432,51 @@ fn has_differences(job: &Job<'_>) -> bool {
     matches!(job.request.quantity.declaration().norm, Norm::Difference | Norm::Energy)
 }
 
+/// Whether values are means over several drives, which share their waves in f64.
+fn is_mean(job: &Job<'_>) -> bool {
+    job.excitations.len() > 1
+}
+
+/// What f32 is off anywhere on a map, relative to its peak: differences lose more than sums.
+fn rounding(parts: u8, double: bool) -> f64 {
+    match (double, parts) {
+        (true, _) => 0.0,
+        (false, PRESSURE) => 2.0 * F32_ERROR,
+        (false, _) => 8.0 * F32_ERROR,
+    }
+}
+
 /// Every pixel in f64, up to its value.
-fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32]) -> Made {
-    /// Pixels processed together.
-    const TOGETHER: usize = 32;
-    let (quantity, constants) = (job.request.quantity, job.request.constants());
-    let aperture = &job.key.setting.aperture;
-    let around = Around::new(job.key.parts, job.site.axes, aperture);
+fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], progress: &Gauge) -> Made {
+    let quantity = job.request.quantity;
     let pixels = raster.pixels();
-    values.par_chunks_mut(TOGETHER).enumerate().for_each(|(run, values)| {
-        let points: Vec<_> = (0..values.len()).map(|i| pixels.point(run * TOGETHER + i)).collect();
-        let transfer = aperture.transfer(&around.points(&points));
-        let means = around.means(&transfer, job.excitations, (quantity, &constants));
-        for (value, mean) in values.iter_mut().zip(means) {
-            *value = quantity.exact_value(job.request.part * mean) as f32;
-        }
-    });
+    progress.tell(0, 1);
+    let means = progress.lead(|| job.means(pixels.len(), |pixel| pixels.point(pixel)));
+    progress.tell(1, 1);
+    for (value, mean) in values.iter_mut().zip(means) {
+        *value = quantity.exact_value(job.request.part * mean) as f32;
+    }
     let [peak, left_out] = job.left_out.largest(values);
-    let at_probes = AtProbes { values: at(values, &job.probes.places), sounds: None };
+    let at_probes = AtProbes { values: at(values, &job.probes.places), ..AtProbes::default() };
     Made { peak, left_out, rounding: 0.0, at_probes, relative_to: peak }
+}
+
+impl Job<'_> {
+    /// The mean of the formula over the drives at points, in f64.
+    pub(super) fn means(&self, count: usize, point: impl Fn(usize) -> DVec3 + Sync) -> Vec<f64> {
+        /// Points processed together.
+        const TOGETHER: usize = 32;
+        let (quantity, constants) = (self.request.quantity, self.request.constants());
+        let counter = Gauge::current().count(count);
+        let of_run = |run: usize| {
+            let run = run * TOGETHER..count.min((run + 1) * TOGETHER);
+            let points: Vec<_> = run.inspect(|_| counter.add()).map(&point).collect();
+            let aperture = &self.key.setting.aperture;
+            let sound = SoundTransfer::new(aperture, self.key.parts, self.site.axes, &points);
+            sound.means(self.excitations, (quantity, &constants))
+        };
+        (0..count.div_ceil(TOGETHER)).into_par_iter().flat_map_iter(of_run).collect()
+    }
 }
 
 impl FormedKey {

@@ -172,7 +172,7 @@ fn error(job: &Job<'_>, figures: &Gathered) -> f64 {
         if quantity.declaration().is_root { mean } else { factor * mean }
     };
     let values = figures.sounds.iter().map(|&sound| value(sound)).collect();
-    let at_probes = AtProbes { values, sounds: Some(figures.sounds.clone()) };
+    let at_probes = AtProbes { values, sounds: Some(vec![figures.sounds.clone()]), elsewhere: 0.0 };
     job.probes.error((job.request, job.excitations), &at_probes, figures.largest[0])
 }
 

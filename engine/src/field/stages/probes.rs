@@ -3,9 +3,9 @@
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::{Aperture, Transfer};
-use crate::field::quantity::{Mean, Norm, PRESSURE, Sound};
-use crate::field::slope::Around;
+use crate::acoustics::Aperture;
+use crate::field::quantity::{Constants, Mean, Norm, PRESSURE, Quantity, Sound};
+use crate::field::slope::SoundTransfer;
 use crate::field::stages::request::Request;
 use crate::field::stages::site::{Site, SiteKey};
 use crate::field::vicinity::LeftOut;
@@ -25,8 +25,8 @@ const FAINT: f64 = 0.01;
 pub(super) const MARGIN: f64 = 3.0;
 /// Sums in f32 are off by this part of the peak where the map is loudest, which may lie between the probes.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
-/// Rounding of a slope in f64, a difference over 1e-4 wavelengths, over that of the pressure.
-const OF_SLOPES: f64 = 1.6e3;
+/// Rounding of a slope in f64 over that of the pressure, both of the magnitudes of a plane wave.
+const OF_SLOPES: f64 = 4.0;
 
 /// Pixels, or cells of a liquid, with their f64 transfer from every element.
 #[derive(Debug)]
@@ -37,18 +37,21 @@ pub(super) struct Probes {
     counts: Vec<bool>,
     /// m; the longest path to any of them.
     farthest: f64,
-    around: Around,
-    /// To each probe, and to its neighbours for slopes.
-    transfer: Transfer,
+    sound: SoundTransfer,
 }
+
+/// The norm of the error of a sound.
+type SoundNorm = fn(Quantity, Sound<f64>, &Constants<f64>) -> f64;
 
 /// A map's results at its probes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AtProbes {
     /// The values; at cells of a liquid, the radiation pressure.
     pub(super) values: Vec<f32>,
-    /// The sound of a single drive formed at the pixels.
-    pub(super) sounds: Option<Vec<Sound>>,
+    /// The sound of every drive, of quantities formed at the pixels.
+    pub(super) sounds: Option<Vec<Vec<Sound>>>,
+    /// What any other pixel may be off, where that is known.
+    pub(super) elsewhere: f64,
 }
 
 impl Probes {
@@ -93,10 +96,9 @@ impl Probes {
             }
         }
         let aperture = &key.setting.aperture;
-        let around = Around::new(key.parts, site.axes, aperture);
-        let transfer = aperture.transfer(&around.points(&points));
+        let sound = SoundTransfer::new(aperture, key.parts, site.axes, &points);
         let counts = places.iter().map(|&place| !left_out.contains(place)).collect();
-        Self { places, counts, farthest: farthest(aperture, plane), around, transfer }
+        Self { places, counts, farthest: farthest(aperture, plane), sound }
     }
 
     /// An estimate of the largest deviation of all pixels, relative to `peak` or to a louder pixel itself: of the
@@ -107,11 +109,11 @@ impl Probes {
         got: &AtProbes,
         peak: f32,
     ) -> f64 {
-        let off = self.off((request, excitations), got, f64::from(peak));
+        let off = (MARGIN * self.off((request, excitations), got, f64::from(peak))).max(got.elsewhere);
         match peak {
-            0.0 if off < FAINTEST => 0.0,
+            0.0 if off < MARGIN * FAINTEST => 0.0,
             0.0 => f64::INFINITY,
-            peak => (MARGIN * off / f64::from(peak)).max(ROUNDING),
+            peak => (off / f64::from(peak)).max(ROUNDING),
         }
     }
 
@@ -120,9 +122,8 @@ impl Probes {
         let (quantity, constants) = (request.quantity, request.constants());
         let declaration = quantity.declaration();
         let wavenumber = request.aperture.element.wavenumber;
-        let around = self.transfer.points / self.places.len();
-        let rows = self.transfer.rows().enumerate().filter(|(row, _)| self.counts[row / around]);
-        let loudest = largest_sum(rows.map(|(_, row)| row), excitations);
+        let rows = self.sound.pressure_rows().zip(&self.counts).filter(|(_, counts)| **counts);
+        let loudest = largest_sum(rows.map(|(row, _)| row), excitations);
         let lost = if declaration.parts == PRESSURE { 1.0 } else { OF_SLOPES };
         let relative = lost * rounding_of_terms(wavenumber * self.farthest);
         let p = Complex64::from(loudest);
@@ -146,20 +147,29 @@ impl Probes {
         let part_of = |off: f64, own: f64| if own > peak && peak > 0.0 { off * peak / own } else { off };
         let (quantity, constants) = (request.quantity, request.constants());
         let declaration = quantity.declaration();
-        if let ([excitation], Some(sounds)) = (excitations, &got.sounds) {
-            let expected = self.sounds(excitation);
-            let norm = |sound: Sound<f64>| match declaration.norm {
-                Norm::Value => Some(quantity.exact_value((declaration.exact)(sound, &constants))),
-                Norm::Pressure => Some(sound.p.norm()),
-                Norm::Difference | Norm::Energy => None,
-            };
-            let off = expected
-                .iter()
-                .zip(sounds)
-                .map(|(expected, got)| Some(part_of(norm(expected.less(got))?, norm(*expected)?)));
-            if let Some(norms) = off.collect::<Option<Vec<_>>>() {
-                return norms.into_iter().fold(0.0, f64::max);
+        let norm: Option<SoundNorm> = match declaration.norm {
+            Norm::Value => {
+                Some(|quantity, sound, constants| (quantity.declaration().exact)(sound, constants))
             }
+            Norm::Pressure => Some(|_, sound, _| sound.p.norm()),
+            Norm::Difference | Norm::Energy => None,
+        };
+        if let (Some(norm), Some(sounds)) = (norm, &got.sounds) {
+            // Of the error, and of the sound itself.
+            let mut means = vec![[0.0; 2]; self.places.len()];
+            for (excitation, sounds) in excitations.iter().zip(sounds) {
+                let expected = self.sound.sounds(excitation);
+                for (means, (expected, got)) in means.iter_mut().zip(expected.iter().zip(sounds)) {
+                    for (mean, sound) in means.iter_mut().zip([expected.less(got), *expected]) {
+                        *mean += norm(quantity, sound, &constants) / excitations.len() as f64;
+                    }
+                }
+            }
+            let off = |means: [f64; 2]| {
+                let [off, own] = means.map(|mean| quantity.exact_value(mean));
+                part_of(off, own)
+            };
+            return means.into_iter().map(off).fold(0.0, f64::max);
         }
         let energy = |sound: &Sound<f64>| {
             let squares = sound.x.norm_sqr() + sound.y.norm_sqr() + sound.n.norm_sqr();
@@ -168,7 +178,7 @@ impl Probes {
         };
         let mut means = vec![Means::default(); self.places.len()];
         for excitation in excitations {
-            for (mean, sound) in means.iter_mut().zip(self.sounds(excitation)) {
+            for (mean, sound) in means.iter_mut().zip(self.sound.sounds(excitation)) {
                 mean.value.add(declaration, sound, &constants, excitations.len());
                 mean.square += energy(&sound) / excitations.len() as f64;
             }
@@ -186,11 +196,6 @@ impl Probes {
             }
         };
         means.into_iter().zip(&got.values).map(off).fold(0.0, f64::max)
-    }
-
-    /// The sound of one drive at the probes.
-    fn sounds(&self, excitation: &[Complex64]) -> Vec<Sound<f64>> {
-        self.around.sounds(&self.transfer.pressure(excitation))
     }
 }
 

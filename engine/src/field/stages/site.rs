@@ -23,6 +23,8 @@ const FINEST_SAMPLES: f64 = 2e-7;
 const FINEST_OF_POTENTIALS: f64 = 1e-3;
 /// The sound's part of the tolerance, if errors are differences of squares.
 const SHARE: f64 = 0.4;
+/// Pairs of a cell and an element that may be evaluated in f64.
+const MOST_DIRECT: usize = 1 << 27;
 /// Distance from the plane to the walls in capillary lengths: the outside changes the depression by a relative e^-14.
 const TO_THE_WALLS: f64 = 14.0;
 
@@ -53,11 +55,11 @@ pub(super) struct Site {
     pub(super) axes: [DVec3; 3],
 }
 
-/// Cells and their interpolation from the samples.
+/// Cells and their interpolation from the samples; without, each is evaluated.
 #[derive(Debug)]
 pub(super) struct Filled {
     pub(super) cells: Cells,
-    pub(super) weights: Weights,
+    pub(super) weights: Option<Weights>,
 }
 
 /// From samples to a lattice, across and up, of values and of slopes.
@@ -96,15 +98,13 @@ impl Weights {
 }
 
 impl SiteKey {
-    /// Squares of several drives or parts, and pressures on liquids, are formed at cells; everything else at the
-    /// pixels, including a single drive in exact maps.
+    /// Pressures on liquids, and in maps that are not exact squares of several drives or parts, are formed at cells;
+    /// everything else at the pixels.
     pub(super) fn new(request: &Request, exact: bool) -> Self {
         let declaration = request.quantity.declaration();
         let is_direct = exact || request.plane.tolerance == 0.0;
-        let by_cells = declaration.is_square
-            && (request.drives.len() > 1
-                || declaration.of_liquid
-                || (declaration.parts.count_ones() > 1 && !is_direct));
+        let is_sum = request.drives.len() > 1 || declaration.parts.count_ones() > 1;
+        let by_cells = declaration.is_square && (declaration.of_liquid || (is_sum && !is_direct));
         if by_cells { Self::by_cells(request, exact) } else { Self::by_pixels(request, exact) }
     }
 
@@ -123,19 +123,23 @@ impl SiteKey {
         let wanted = if exact { 0.0 } else { request.plane.tolerance };
         // Invalid tolerances are passed on for the plan to refuse.
         let tolerance = if (0.0..FINEST).contains(&wanted) { FINEST } else { wanted };
-        // A square with an error of a millionth of the largest has a root with an error of a thousandth near 0; but
-        // window leakage is much smaller there than at its worst.
+        // A square with an error of a millionth of the largest has a root with an error of a thousandth near 0:
+        // the rest of the way is mended pixel by pixel.
         let accuracy = if declaration.is_root { tolerance.powf(1.5).max(1e-8) } else { tolerance };
         let is_liquid = declaration.of_liquid;
         let margin = if is_liquid { TO_THE_WALLS * request.liquid.capillary_length() } else { 0.0 };
         Self::with(request, tolerance, Some(ByCells { margin, accuracy, is_liquid }))
     }
 
-    /// The same pixel by pixel, without samples.
+    /// The same without samples: pixel by pixel, or cell by cell.
     pub(super) fn direct(&self) -> Self {
         let mut direct = self.clone();
         direct.setting.plane.tolerance = 0.0;
         direct
+    }
+
+    pub(super) fn is_direct(&self) -> bool {
+        self.setting.plane.tolerance == 0.0
     }
 
     /// The same cells from finer samples, after an error `times` the promised one; `None` beyond the accuracy of f32
@@ -170,6 +174,14 @@ impl Site {
             return Err(FieldError::NotLevel);
         }
         let cells = Cells::new(aperture, plane, margin, accuracy).ok_or(FieldError::TooManyCells)?;
+        if key.is_direct() {
+            if cells.count().saturating_mul(aperture.positions.len()) > MOST_DIRECT {
+                return Err(FieldError::TooManyCells);
+            }
+            let reason = "every cell is evaluated: samples do not keep the tolerance".to_owned();
+            let plan = Plan { plane: cells.plane.clone(), grid: None, double: true, reason };
+            return Ok(Self { cells: Some(Filled { cells, weights: None }), plan, axes });
+        }
         let values = cells.count() * key.parts.count_ones() as usize;
         let mut plan =
             Plan::new(aperture, &cells.plane, costs.for_values(values)).ok_or(FieldError::NoPlane)?;
@@ -183,7 +195,7 @@ impl Site {
             return Err(FieldError::TooNear);
         }
         let weights = Weights::new(grid, key.parts, [&mut cells.places(0), &mut cells.places(1)]);
-        Ok(Self { cells: Some(Filled { cells, weights }), plan, axes })
+        Ok(Self { cells: Some(Filled { cells, weights: Some(weights) }), plan, axes })
     }
 }
 

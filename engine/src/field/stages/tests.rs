@@ -145,7 +145,7 @@ fn errors_of_differences_count_in_full_where_the_sound_is_loudest() {
         let job = ground.job(&request, false, Costs::CPU).unwrap();
         let values: Vec<_> = job.probes.places.iter().map(|&place| exact.values[place]).collect();
         let error = |values: Vec<f32>| {
-            let at_probes = AtProbes { values, sounds: None };
+            let at_probes = AtProbes { values, ..AtProbes::default() };
             job.probes.error((job.request, job.excitations), &at_probes, exact.peak)
         };
         assert!(error(values.clone()) < 1e-5);
