@@ -179,11 +179,13 @@ pub fn answer(flight: &Flight, from: DVec3, fastest: Option<Option<[f64; 2]>>) -
     value
 }
 
-/// Every moment as CSV, or as many of them as fit.
+/// Moments at an even rate and the last as CSV: all, or as many as fit.
 pub fn table(flight: &Flight) -> String {
     let mut text = "time,x,y,z,vx,vy,vz,wanted_x,wanted_y,wanted_z\n".to_owned();
     let apart = flight.moments.len().div_ceil(MOST_MOMENTS).max(1);
-    for moment in flight.moments.iter().step_by(apart) {
+    let last = flight.moments.len().saturating_sub(1);
+    let rows = flight.moments.iter().enumerate().filter(|(row, _)| row % apart == 0 || *row == last);
+    for (_, moment) in rows {
         let _ = write!(text, "{}", moment.time);
         for value in [moment.at, moment.velocity, moment.wanted].iter().flat_map(|vector| vector.to_array()) {
             let _ = write!(text, ",{value}");
