@@ -32,6 +32,13 @@ const THIRD: [[usize; 3]; 6] =
 pub struct Derivatives(pub(super) [Complex64; COUNT]);
 
 impl Derivatives {
+    pub const COUNT: usize = COUNT;
+
+    /// All of them, by their order and then by their axes.
+    pub fn values(&self) -> &[Complex64; COUNT] {
+        &self.0
+    }
+
     /// The derivatives of a field, from a function of the orders in x, y and z.
     pub fn of(derivative: impl Fn([u32; 3]) -> Complex64) -> Self {
         let along = |axes: &[usize]| {
@@ -107,6 +114,13 @@ impl Derivatives {
             }
         }
         product
+    }
+}
+
+impl From<[Complex64; COUNT]> for Derivatives {
+    /// From their values, in the order of [`Derivatives::values`].
+    fn from(values: [Complex64; COUNT]) -> Self {
+        Self(values)
     }
 }
 

@@ -121,7 +121,7 @@ impl Descent {
 }
 
 /// Σ a b in partial sums, for vectorisation.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     const LANES: usize = 8;
     let (a_runs, a_rest) = a.as_chunks::<LANES>();
     let (b_runs, b_rest) = b.as_chunks::<LANES>();

@@ -25,6 +25,8 @@ const FARTHEST: f64 = 0.5;
 const KEPT: f64 = 0.96;
 /// The same for a shape, whose weakest point fluctuates with the samples.
 const KEPT_OF_SHAPE: f64 = 0.85;
+/// The same for traps, whose stiffness also depends on their place.
+const KEPT_OF_TRAPS: f64 = 0.7;
 
 /// All frames of a cycle, or all drives in turn of a scene at rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -207,7 +209,7 @@ struct Link {
     found: Found,
     weights: Option<Vec<f64>>,
     /// The weakest pressure/target, times the largest target, over the RMS transfer to the foci: comparable for all
-    /// positions and target levels.
+    /// positions and target levels. Of traps: the weakest stiffness over the square of that transfer.
     part: f64,
     /// The most that this was since the last search.
     most: f64,
@@ -217,8 +219,14 @@ impl Link {
     fn new(problem: &Problem<'_>, settings: &Solver, mut excitation: Excitation, cold: bool) -> Self {
         let weights = excitation.weights.take();
         let found = Found::new(problem, settings, excitation, cold);
-        let weakest = found.weakest() * loudest(&found.foci);
-        let part = weakest / (found.turned_down * heard(problem)).max(f64::MIN_POSITIVE);
+        let most = (found.turned_down * heard(problem)).max(f64::MIN_POSITIVE);
+        let part = match &problem.traps {
+            Some(traps) => {
+                traps.weakest(problem.aperture, &found.u).into_iter().fold(f64::INFINITY, f64::min)
+                    / (most * most).max(f64::MIN_POSITIVE)
+            }
+            None => found.weakest() * loudest(&found.foci) / most,
+        };
         Self { found, weights, part, most: part }
     }
 
@@ -305,7 +313,11 @@ fn go_on(problem: &Problem<'_>, before: &Link, settings: &Solver) -> Result<Link
         return search();
     }
     let warm = Link::new(problem, settings, solver::excite_from(problem, &before.excitation()), false);
-    let kept = if problem.surroundings.is_some() { KEPT_OF_SHAPE } else { KEPT };
+    let kept = match (&problem.traps, &problem.surroundings) {
+        (Some(_), _) => KEPT_OF_TRAPS,
+        (None, Some(_)) => KEPT_OF_SHAPE,
+        (None, None) => KEPT,
+    };
     if warm.part >= kept * before.most {
         return Ok(Link { most: warm.part.max(before.most), ..warm });
     }

@@ -247,21 +247,18 @@ pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solution)) -> Result<Sol
     let _room = room::of_methods(scene, foci.len(), 1)?;
     let problem = unless_cancelled(Problem::of_scene(scene, &aperture, foci))?;
     let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
-    let excitation = match (scene.solver.method, &problem.surroundings) {
-        (Method::Best, Some(surroundings)) => {
+    let excitation = match (&problem.traps, scene.solver.method, &problem.surroundings) {
+        (Some(traps), _, _) => trap::best(&problem, traps, time),
+        (None, Method::Best, Some(surroundings)) => {
             shape::best_within(&problem, surroundings, time, &mut |found| {
                 so_far(solution(scene, &problem, &found, start.elapsed().as_secs_f64()));
             })
         }
-        (Method::Best, None) if problem.traps.is_none() => {
+        (None, Method::Best, None) => {
             let found = excite(&problem, Method::Best, scene.solver.iterations)?;
             iteration::search_on(&problem, found, time)
         }
-        (method, _) => excite(&problem, method, scene.solver.iterations)?,
-    };
-    let excitation = match &problem.traps {
-        Some(traps) if !time.is_zero() => trap::best(&problem, traps, time),
-        Some(_) | None => excitation,
+        (None, method, _) => excite(&problem, method, scene.solver.iterations)?,
     };
     let seconds = start.elapsed().as_secs_f64();
     let mut solution = solution(scene, &problem, &excitation, seconds);
@@ -272,7 +269,8 @@ pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solution)) -> Result<Sol
 }
 
 /// Solves within the time of a drag's frame: a shape's drive continues from the previous one, or is a first one,
-/// without [`Solution::figures`]. Of as many drives as pay it is the first. Other scenes are solved as usual.
+/// without [`Solution::figures`]; the drive of traps continues from the previous one. Of as many drives as pay it is
+/// the first. Other scenes are solved as usual.
 ///
 /// # Errors
 /// As [`solve`].
@@ -284,20 +282,18 @@ pub fn solve_on(scene: &Scene, before: Option<&Solution>) -> Result<Solution, So
     let mut problem = Problem::of_scene(scene, &aperture, outline::foci(scene)?);
     let drives = *problem.drives.start();
     let are_like = std::mem::replace(&mut problem.drives, drives..=drives);
-    let Some(surroundings) = problem.surroundings.as_ref().filter(|_| scene.solver.method == Method::Best)
-    else {
-        return solve(scene);
-    };
     let is_like = |before: &&Solution| {
         before.drive.phases.len() == aperture.positions.len() && are_like.contains(&(before.others.len() + 1))
     };
-    let excitation = match before.filter(is_like) {
-        Some(before) => {
+    let surroundings = problem.surroundings.as_ref().filter(|_| scene.solver.method == Method::Best);
+    let excitation = match (before.filter(is_like), surroundings) {
+        (Some(before), _) if problem.traps.is_some() || surroundings.is_some() => {
             let mut values = before.played(&aperture.driven);
             values.truncate(drives * aperture.driven.len());
             excite_from(&problem, &Excitation { values, iterations: 0, residual: None, weights: None })
         }
-        None => {
+        (_, None) => return solve(scene),
+        (_, Some(surroundings)) => {
             let mut search = Search::new(&problem, surroundings);
             let found = std::iter::from_fn(|| search.advance()).take(CALLS).last();
             found.unwrap_or_else(|| iteration::naive(&problem))

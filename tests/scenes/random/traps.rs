@@ -1,4 +1,4 @@
-//! What holds of every trap: its drive is no less stiff than the first, the maps show the bead's potential, and a move changes no force.
+//! What holds of every trap: its drive balances the weight or is no less stiff than the first, the maps show the bead's potential, and a move changes no force.
 
 use std::f64::consts::PI;
 
@@ -7,7 +7,9 @@ use sonoglyph::acoustics::{Aperture, Derivatives};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{Quantity, Request, Samples, Stages};
 use sonoglyph::force::Levitation;
-use sonoglyph::scene::{Bead, ElementModel, Material, Motion, MotionPath, Scene, Shape, Target, Trap};
+use sonoglyph::scene::{
+    Bead, ElementModel, Focus, Material, Motion, MotionPath, Part, Scene, Shape, Target, Trap,
+};
 use sonoglyph::solver::{Problem, trap};
 use strum::VariantArray;
 
@@ -71,8 +73,8 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, moved: &Moved, dice: &
         return;
     }
     count("traps");
-    the_drive_is_no_less_stiff_than_the_first(solved);
     let levitation = of(&solved.scene, &solved.aperture, &solved.solution.drive);
+    the_drive_balances_or_is_no_less_stiff_than_the_first(solved);
     moves_change_no_force(solved, &levitation, moved);
     the_map_is_the_beads_potential(&mut evaluators.cpu, solved, &levitation, dice);
     if let Some(gpu) = &mut evaluators.gpu {
@@ -91,17 +93,30 @@ fn energy(solved: &Solved, levitation: &Levitation, point: DVec3) -> f64 {
     arriving * arriving * (of_pressure.abs() + of_gradient.abs() * solved.oracle.wavenumber.powi(2))
 }
 
-fn the_drive_is_no_less_stiff_than_the_first(solved: &Solved) {
+fn the_drive_balances_or_is_no_less_stiff_than_the_first(solved: &Solved) {
     let Solved { scene, aperture, solution, .. } = solved;
     let problem = Problem::of_scene(scene, aperture, solution.foci.clone());
     let traps = problem.traps.as_ref().unwrap();
     let least = |u: &[_]| traps.weakest(aperture, u).into_iter().fold(f64::INFINITY, f64::min);
     let first = least(&trap::signature(&problem, traps));
     // Pressures in pascals turn the drive down, and stiffness goes with its square.
-    let square = solution.turned_down.powi(2);
-    let found = least(&solution.drive.excitation(&aperture.driven));
+    let mut drive = solution.drive.clone();
+    drive.amplitudes.iter_mut().for_each(|amplitude| *amplitude /= solution.turned_down);
+    let found = least(&drive.excitation(&aperture.driven));
     assert!(first.is_finite() && found.is_finite(), "{first} N/m, then {found}");
-    within("a trap's stiffness", first * square - found, 1e-9 * first.abs() * square + f64::MIN_POSITIVE);
+    let levitation = of(scene, aperture, &drive);
+    let lobes = solution.foci.chunk_by(|a, b| a.part == b.part);
+    let is_balanced = |lobes: &[Focus]| {
+        // The lobes of any kind have their trap in the middle.
+        let at = lobes.iter().map(|lobe| lobe.position).sum::<DVec3>() / lobes.len() as f64;
+        levitation.net(at).length() < 1e-6 * found / solved.oracle.wavenumber
+    };
+    let mut traps = lobes.filter(|lobes| matches!(lobes[0].part, Part::Trap(_)));
+    if found > 0.0 && traps.all(is_balanced) {
+        count("traps that hold");
+    } else {
+        within("a trap's stiffness", first - found, 1e-9 * first.abs() + f64::MIN_POSITIVE);
+    }
 }
 
 fn moves_change_no_force(solved: &Solved, levitation: &Levitation, moved: &Moved) {

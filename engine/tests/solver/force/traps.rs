@@ -1,4 +1,4 @@
-//! Traps as targets: never less stiff than their start, alone, together and beside foci.
+//! Traps as targets: in balance at their places, and stiff, alone, together and beside foci.
 
 use glam::{DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
@@ -27,6 +27,37 @@ fn weakest(scene: &Scene) -> [f64; 2] {
     let least = |u: &[_]| traps.weakest(&aperture, u).into_iter().fold(f64::INFINITY, f64::min);
     let solution = solver::solve(scene).unwrap();
     [least(&trap::signature(&problem, traps)), least(&solution.drive.excitation(&aperture.driven))]
+}
+
+#[test]
+fn one_board_holds_a_bead_at_its_place() {
+    let (mut scenes, mut stiffness) = (0, Vec::new());
+    for (size, pitch, element_radius, strength) in
+        [(16, 0.0105, 0.005, 3.4), (9, 0.01, 0.003, 6.0), (8, 0.0105, 0.005, 3.4), (12, 0.009, 0.004, 4.0)]
+    {
+        for (radius, z) in [(5e-4, 0.04), (1e-3, 0.05), (1e-3, 0.08), (1.5e-3, 0.06), (1.5e-3, 0.1)] {
+            let mut scene = Scene::default();
+            (scene.array.rows, scene.array.columns, scene.array.pitch) = (size, size, pitch);
+            (scene.array.element_radius, scene.array.strength) = (element_radius, strength);
+            // The smaller boards are too weak for places far away.
+            if size < 16 && z > 0.06 {
+                continue;
+            }
+            scene.bead.radius = radius;
+            scenes += 1;
+            let at = dvec3(if scenes % 2 == 0 { 0.004 } else { 0.0 }, 0.0, z);
+            scene.targets = vec![target(at, Trap::default())];
+            let solution = solver::solve(&scene).unwrap();
+            let levitation = Levitation::new(&scene, &Aperture::new(&scene), &solution.drives());
+            let hold = levitation.hold(at);
+            assert!(hold.holds(), "{size} x {size}, {radius} m at {at}: {hold:?}");
+            assert!(hold.rest.distance(at) < 1e-5, "{size} x {size}, {radius} m at {at}: {hold:?}");
+            stiffness.push(hold.modes[0].stiffness);
+        }
+    }
+    let mean = stiffness.iter().sum::<f64>() / stiffness.len() as f64;
+    println!("{scenes} scenes of one board hold their bead, with {:.3} mN/m on average", 1e3 * mean);
+    assert_eq!(scenes, 14);
 }
 
 #[test]
