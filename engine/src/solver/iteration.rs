@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use crate::acoustics::{PhaseJacobian, Phasors, Sums, Transfer};
 use crate::gauge::{self, Gauge};
 use crate::solver::cholesky::Factor;
-use crate::solver::{Excitation, Problem, starts, statistics};
+use crate::solver::{Excitation, Problem, contest, starts, statistics};
 
 /// Phases that the greedy search tries for every element.
 const GREEDY_LEVELS: usize = 16;
@@ -123,12 +123,17 @@ pub fn greedy(problem: &Problem<'_>, sweeps: u32) -> Excitation {
 }
 
 /// Focal phases from the strongest of several starts on the Gram matrix, then damped weighted iteration, then Gauss and
-/// Newton's steps to equal pressures.
+/// Newton's steps to equal pressures; a [`contest`] of starts where these differ much.
 pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
     let (transfer, targets) = (&problem.transfer, problem.targets());
-    let gram = transfer.gram(None);
-    let state = State::from_foci(transfer, starts::strongest(&gram, &targets, CLIMB, 0));
-    levelled(state, &targets, targets.clone(), iterations)
+    let climbed = starts::climbed(&transfer.gram(None), &targets, CLIMB, 0);
+    let state = State::from_foci(transfer, climbed.strongest());
+    let first = levelled(state, &targets, targets.clone(), iterations);
+    if contest::pays(problem, climbed.spread) {
+        contest::strongest(problem, first, climbed.each())
+    } else {
+        first
+    }
 }
 
 /// The strongest result of levelling from many batches of starts: slow, the baseline for `best`.
@@ -167,20 +172,22 @@ impl<'a> Further<'a> {
 
     fn next(&mut self, batch: usize) -> Excitation {
         let Self { transfer, targets, gram, iterations } = self;
-        let state = State::from_foci(transfer, starts::strongest(gram, targets, CLIMB, batch));
+        let state = State::from_foci(transfer, starts::climbed(gram, targets, CLIMB, batch).strongest());
         levelled(state, targets, targets.clone(), *iterations)
     }
 
     fn stronger(&mut self, best: Excitation, batch: usize) -> Excitation {
         let other = self.next(batch);
-        if self.weakest(&other) > self.weakest(&best) { other } else { best }
+        let weakest = |excitation: &Excitation| weakest(self.transfer, &self.targets, excitation);
+        if weakest(&other) > weakest(&best) { other } else { best }
     }
+}
 
-    fn weakest(&self, excitation: &Excitation) -> f64 {
-        let played: Vec<_> = excitation.values.iter().map(|&u| phase(u)).collect();
-        let relative = self.transfer.pressure(&played).into_iter().zip(&self.targets);
-        relative.map(|(p, target)| p.norm() / target).fold(f64::INFINITY, f64::min)
-    }
+/// The smallest pressure over its target when all elements play fully.
+pub fn weakest(transfer: &Transfer, targets: &[f64], excitation: &Excitation) -> f64 {
+    let played: Vec<_> = excitation.values.iter().map(|&u| phase(u)).collect();
+    let relative = transfer.pressure(&played).into_iter().zip(targets);
+    relative.map(|(p, target)| p.norm() / target).fold(f64::INFINITY, f64::min)
 }
 
 /// `best` for a problem near one that `before` solves: no start is searched for, and the phases move as little as they
@@ -196,28 +203,19 @@ pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) ->
     levelled(state, &targets, weights, iterations)
 }
 
-/// Weights, then levels, and keeps the levelled drive unless its weakest focus is weaker.
+/// Weights, then levels.
 fn levelled(mut state: State<'_, 1>, targets: &[f64], weights: Vec<f64>, iterations: u32) -> Excitation {
-    /// Tolerated loss of the weakest focus for equal pressures.
-    const LOSS: f64 = 0.02;
     let weights = Some(state.weigh(targets, weights, iterations));
-    let (weakest, weighted) = (state.weakest(targets), state.excitation());
-    state.level(targets);
-    let is_finite = state.pressure[0].iter().all(|p| p.is_finite());
-    let values = if is_finite && state.weakest(targets) >= (1.0 - LOSS) * weakest {
-        state.excitation()
-    } else {
-        weighted
-    };
-    Excitation { values, iterations, residual: None, weights }
+    Excitation { values: state.levelled(targets), iterations, residual: None, weights }
 }
 
 /// A uniform drive during iteration, and its pressures at the foci.
-struct State<'a, const CHANNELS: usize> {
-    transfer: &'a Transfer,
-    u: [Phasors; CHANNELS],
+#[derive(Clone)]
+pub struct State<'a, const CHANNELS: usize> {
+    pub transfer: &'a Transfer,
+    pub u: [Phasors; CHANNELS],
     /// H u after a step; before the next step, the values to propagate back.
-    pressure: [Phasors; CHANNELS],
+    pub pressure: [Phasors; CHANNELS],
     sums: Sums,
 }
 
@@ -231,12 +229,12 @@ impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
     }
 
     /// u ← ph(keep · u + H* p), p ← H u.
-    fn step(&mut self, keep: f64) {
+    pub fn step(&mut self, keep: f64) {
         self.transfer.drive_by(keep, &mut self.u, &mut self.pressure, &mut self.sums);
     }
 
     /// |p| of a focus.
-    fn modulus(&self, m: usize) -> f64 {
+    pub fn modulus(&self, m: usize) -> f64 {
         self.pressure.iter().map(|p| p.at(m).norm_sqr()).sum::<f64>().sqrt()
     }
 
@@ -251,14 +249,14 @@ impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
     }
 
     /// Pressures over their targets.
-    fn relative(&self, targets: &[f64]) -> impl Iterator<Item = f64> {
+    pub fn relative(&self, targets: &[f64]) -> impl Iterator<Item = f64> {
         targets.iter().enumerate().map(|(m, target)| self.modulus(m) / target)
     }
 
     /// Damped weighted Gerchberg-Saxton: weak foci get more weight. Returns the weights of the foci.
     ///
     /// The correction is the square root of the ratio: undamped, two foci oscillate forever.
-    fn weigh(&mut self, targets: &[f64], mut weights: Vec<f64>, iterations: u32) -> Vec<f64> {
+    pub fn weigh(&mut self, targets: &[f64], mut weights: Vec<f64>, iterations: u32) -> Vec<f64> {
         let count = targets.len() as f64;
         for _ in gauge::iterations(iterations) {
             let mean = self.relative(targets).sum::<f64>() / count;
@@ -281,22 +279,32 @@ impl<'a, const CHANNELS: usize> State<'a, CHANNELS> {
 }
 
 impl State<'_, 1> {
-    fn from_foci(transfer: &Transfer, pressure: Phasors) -> State<'_, 1> {
+    pub fn from_foci(transfer: &Transfer, pressure: Phasors) -> State<'_, 1> {
         State::new(transfer, [pressure])
     }
 
-    fn excitation(&self) -> Vec<Complex64> {
+    pub fn excitation(&self) -> Vec<Complex64> {
         self.u[0].to_vec(self.transfer.elements)
     }
 
     /// The smallest pressure over its target.
-    fn weakest(&self, targets: &[f64]) -> f64 {
+    pub fn weakest(&self, targets: &[f64]) -> f64 {
         self.relative(targets).fold(f64::INFINITY, f64::min)
     }
 
     /// Standard deviation over mean of the pressures over their targets.
     fn spread(&self, targets: &[f64]) -> f64 {
         statistics::spread(&self.relative(targets).collect::<Vec<_>>())
+    }
+
+    /// The levelled drive, unless its weakest focus is weaker than before.
+    pub fn levelled(mut self, targets: &[f64]) -> Vec<Complex64> {
+        /// Tolerated loss of the weakest focus for equal pressures.
+        const LOSS: f64 = 0.005;
+        let (weakest, before) = (self.weakest(targets), self.excitation());
+        self.level(targets);
+        let is_finite = self.pressure[0].iter().all(|p| p.is_finite());
+        if is_finite && self.weakest(targets) >= (1.0 - LOSS) * weakest { self.excitation() } else { before }
     }
 
     /// Levels the foci with the smallest change of phases: Gauss-Newton steps.

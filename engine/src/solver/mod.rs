@@ -8,6 +8,7 @@
 
 mod bidiagonal;
 mod cholesky;
+mod contest;
 mod descent;
 pub mod frames;
 mod inverse;

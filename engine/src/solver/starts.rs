@@ -8,6 +8,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::Phasors;
 use crate::simd::{Instructions, Isa, Kernel, fused};
+use crate::solver::statistics;
 
 /// Starts that climb side by side, one in each lane of a register.
 const STARTS: usize = 8;
@@ -17,31 +18,49 @@ const ROUNDING: f32 = 1e-5;
 /// Steps of the golden section are never near a fraction: 1/φ.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
 
-/// Gerchberg-Saxton on R = H H*: p ← A ph(R p) climbs to a maximum of the power p* R p that the foci can share. The
-/// strongest of several starts, as one complex pressure per focus.
+/// Gerchberg-Saxton on R = H H* from several starts: p ← A ph(R p) climbs to a maximum of the power p* R p that the foci
+/// can share.
 ///
 /// Equal phases are a fixed point of every symmetric set, and a poor one, so the starts are scattered; those of another
 /// `batch` are others.
-pub fn strongest(gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Phasors {
-    strongest_with(Isa::best(), gram, targets, iterations, batch)
+pub fn climbed(gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Climbed {
+    climbed_with(Isa::best(), gram, targets, iterations, batch)
 }
 
-fn strongest_with(isa: Isa, gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Phasors {
+/// The ends of climbs from several starts.
+pub struct Climbed {
+    lanes: Lanes,
+    strongest: usize,
+    /// Standard deviation over mean of the powers of the starts.
+    pub spread: f64,
+}
+
+impl Climbed {
+    /// The end with the largest power, as one complex pressure per focus.
+    pub fn strongest(&self) -> Phasors {
+        self.lanes.phasors(self.strongest)
+    }
+
+    /// All ends.
+    pub fn each(&self) -> impl Iterator<Item = Phasors> {
+        (0..STARTS).map(|start| self.lanes.phasors(start))
+    }
+}
+
+fn climbed_with(isa: Isa, gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Climbed {
     let count = targets.len();
     // Only phases are returned, so any scale, and f32, will do.
     let scale = (0..count).map(|m| gram.re[m * count + m]).fold(f64::MIN_POSITIVE, f64::max).recip();
     let loudest = targets.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
     let narrow = |values: &[f64]| values.iter().map(|value| (value * scale) as f32).collect::<Vec<_>>();
     let mut lanes = Lanes { re: vec![[0.0; STARTS]; count], im: vec![[0.0; STARTS]; count] };
-    for m in 0..count {
-        for start in 0..STARTS {
-            let number = batch * STARTS + start;
-            let phase = TAU * number as f64 * scatter(m + number);
-            lanes.re[m][start] = (targets[m] / loudest * phase.cos()) as f32;
-            lanes.im[m][start] = (targets[m] / loudest * phase.sin()) as f32;
+    for start in 0..STARTS {
+        for (m, p) in scattered(targets, batch * STARTS + start).enumerate() {
+            lanes.re[m][start] = (p.re / loudest) as f32;
+            lanes.im[m][start] = (p.im / loudest) as f32;
         }
     }
-    let powers = isa.run(Climb {
+    let [before, after] = isa.run(Climb {
         gram_re: &narrow(&gram.re),
         gram_im: &narrow(&gram.im),
         targets: &targets.iter().map(|target| (target / loudest) as f32).collect::<Vec<_>>(),
@@ -49,10 +68,15 @@ fn strongest_with(isa: Isa, gram: &Phasors, targets: &[f64], iterations: usize, 
         lanes: &mut lanes,
         iterations,
     });
-    let most = powers.iter().copied().fold(0.0, f32::max);
-    let best = powers.iter().position(|&power| power >= most * (1.0 - ROUNDING)).unwrap_or(0);
-    let of_best = |m: usize| Complex64::new(f64::from(lanes.re[m][best]), f64::from(lanes.im[m][best]));
-    (0..count).map(of_best).collect()
+    let most = after.iter().copied().fold(0.0, f32::max);
+    let strongest = after.iter().position(|&power| power >= most * (1.0 - ROUNDING)).unwrap_or(0);
+    Climbed { lanes, strongest, spread: statistics::spread(&before.map(f64::from)) }
+}
+
+/// A pressure per focus at its target, with phases that differ from number to number.
+pub fn scattered(targets: &[f64], number: usize) -> impl Iterator<Item = Complex64> {
+    let phase = move |m: usize| TAU * number as f64 * scatter(m + number);
+    targets.iter().enumerate().map(move |(m, target)| Complex64::from_polar(*target, phase(m)))
 }
 
 /// A low-discrepancy number in [0, 1).
@@ -66,6 +90,15 @@ struct Lanes {
     im: Vec<[f32; STARTS]>,
 }
 
+impl Lanes {
+    fn phasors(&self, start: usize) -> Phasors {
+        let p = |(re, im): (&[f32; STARTS], &[f32; STARTS])| {
+            Complex64::new(f64::from(re[start]), f64::from(im[start]))
+        };
+        self.re.iter().zip(&self.im).map(p).collect()
+    }
+}
+
 struct Climb<'a> {
     gram_re: &'a [f32],
     gram_im: &'a [f32],
@@ -76,16 +109,25 @@ struct Climb<'a> {
 }
 
 impl Kernel for Climb<'_> {
-    /// p* R p of every start.
-    type Output = [f32; STARTS];
+    /// p* R p of every start, before and after the iterations.
+    type Output = [[f32; STARTS]; 2];
 
     #[inline(always)]
-    fn run<I: Instructions>(mut self) -> [f32; STARTS] {
-        for _ in 0..self.iterations {
-            self.hear::<I>();
-            self.turn::<I>();
-        }
+    fn run<I: Instructions>(mut self) -> [[f32; STARTS]; 2] {
         self.hear::<I>();
+        let before = self.powers();
+        for _ in 0..self.iterations {
+            self.turn::<I>();
+            self.hear::<I>();
+        }
+        [before, self.powers()]
+    }
+}
+
+impl Climb<'_> {
+    /// p* R p of every start, with heard = R p.
+    #[inline(always)]
+    fn powers(&self) -> [f32; STARTS] {
         let mut powers = [0.0; STARTS];
         for m in 0..self.targets.len() {
             for start in 0..STARTS {
@@ -95,9 +137,7 @@ impl Kernel for Climb<'_> {
         }
         powers
     }
-}
 
-impl Climb<'_> {
     /// heard = R p, four foci at a time as long as possible.
     #[inline(always)]
     fn hear<I: Instructions>(&mut self) {
@@ -186,7 +226,7 @@ mod tests {
     }
 
     fn found(gram: &Phasors, targets: &[f64], iterations: usize, batch: usize) -> Vec<Complex64> {
-        strongest(gram, targets, iterations, batch).to_vec(targets.len())
+        climbed(gram, targets, iterations, batch).strongest().to_vec(targets.len())
     }
 
     #[test]
@@ -227,7 +267,7 @@ mod tests {
         let targets = [1.0, 2.5, 0.3, 7.0, 4.0];
         // Sets differ in how rough a root they begin with.
         for (isa, iterations) in Isa::available().into_iter().flat_map(|isa| [(isa, 1), (isa, 50)]) {
-            let found = strongest_with(isa, &row(5), &targets, iterations, 0);
+            let found = climbed_with(isa, &row(5), &targets, iterations, 0).strongest();
             for (p, target) in found.iter().zip(targets) {
                 let off = p.norm() / (target / 7.0) - 1.0;
                 assert!(off.abs() < 1e-6, "{}, {iterations}: {p} is off by {off}", isa.name());
@@ -239,7 +279,7 @@ mod tests {
     fn all_instruction_sets_take_the_first_of_equal_starts() {
         for isa in Isa::available() {
             for iterations in [1, 7, 50] {
-                let focus = strongest_with(isa, &row(1), &[2.0], iterations, 0).at(0);
+                let focus = climbed_with(isa, &row(1), &[2.0], iterations, 0).strongest().at(0);
                 assert!((focus - 1.0).norm() < 1e-6, "{}, {iterations}: {focus}", isa.name());
             }
         }

@@ -173,6 +173,73 @@ fn a_longer_search_is_never_weaker() {
     assert!(reached[3] > 0.98 * best, "{reached:?} and {best}");
 }
 
+/// Foci of grids, rings, a cube and an octahedron: 4 to 12 mm from one to the next, 0.1 to 0.2 m high.
+fn symmetric_sets() -> Vec<(String, Vec<DVec3>)> {
+    let grid = |columns: u32, rows: u32, apart: f64, height: f64| {
+        let place = move |i: u32, count: u32| apart * (f64::from(i) - f64::from(count - 1) / 2.0);
+        let row = move |j| (0..columns).map(move |i| dvec3(place(i, columns), place(j, rows), height));
+        (0..rows).flat_map(row).collect::<Vec<_>>()
+    };
+    let ring = |count: u32, radius: f64, height: f64| {
+        let at = |i: u32| (TAU * f64::from(i) / f64::from(count)).sin_cos();
+        (0..count).map(at).map(|(sin, cos)| dvec3(radius * cos, radius * sin, height)).collect()
+    };
+    let mut sets: Vec<(String, Vec<DVec3>)> = Vec::new();
+    for (columns, rows, apart, height) in [
+        (2, 2, 8e-3, 0.12),
+        (2, 4, 8e-3, 0.1),
+        (3, 3, 5e-3, 0.12),
+        (3, 3, 8e-3, 0.2),
+        (3, 4, 6e-3, 0.15),
+        (4, 4, 4e-3, 0.12),
+        (4, 4, 12e-3, 0.15),
+        (3, 7, 5e-3, 0.12),
+        (5, 5, 4e-3, 0.2),
+        (6, 6, 8e-3, 0.1),
+    ] {
+        let name = format!("{columns} x {rows}, {apart} m apart at {height} m");
+        sets.push((name, grid(columns, rows, apart, height)));
+    }
+    for (count, radius, height) in
+        [(4, 5.7e-3, 0.1), (5, 5.1e-3, 0.1), (6, 6e-3, 0.12), (8, 6.5e-3, 0.12), (10, 6.5e-3, 0.12)]
+    {
+        sets.push((format!("{count} on a ring of {radius} m at {height} m"), ring(count, radius, height)));
+    }
+    let cube = [0.116, 0.124].into_iter().flat_map(|height| grid(2, 2, 8e-3, height)).collect();
+    sets.push(("a cube".to_owned(), cube));
+    let tips = [DVec3::X, DVec3::Y, DVec3::Z].into_iter().flat_map(|axis| [axis, -axis]);
+    let octahedron = tips.map(|axis| dvec3(0.0, 0.0, 0.1) + 8e-3 * axis).collect();
+    sets.push(("an octahedron".to_owned(), octahedron));
+    sets
+}
+
+#[test]
+fn best_of_symmetric_foci_is_the_best_of_methods() {
+    let aperture = Aperture::new(&Scene::default());
+    for (name, places) in symmetric_sets() {
+        let foci = places.iter().map(|&position| Focus::new(position, 1.0)).collect();
+        let problem = Problem::new(&aperture, foci);
+        let weakest = |values: &[Complex64]| {
+            let played = with_moduli(values, std::iter::repeat(1.0));
+            problem.transfer.pressure(&played).iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min)
+        };
+        let best = weakest(&found(&problem, Method::Best, 0));
+        for method in [Method::Wgs, Method::Gs, Method::Gspat, Method::Greedy] {
+            let other = weakest(&found(&problem, method, 0));
+            assert!(best > 0.99 * other, "{name}: {best} Pa, and {method:?} has {other} Pa");
+        }
+        let searched = weakest(&solver::search(&problem, 12).values);
+        assert!(best > 0.99 * searched, "{name}: {best} Pa, and a search finds {searched} Pa");
+        // Moved, too, they keep it.
+        let moved = places.iter().map(|&at| Focus::new(at + dvec3(5e-4, 2e-4, 0.0), 1.0)).collect();
+        let moved = Problem::new(&aperture, moved);
+        let before = solver::excite(&problem, Method::Best, 0).unwrap();
+        let after = solver::excite_from(&moved, &before).values;
+        let kept = moved.transfer.pressure(&after).iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min);
+        assert!(kept > 0.95 * best, "{name}: {kept} of {best} Pa after a move");
+    }
+}
+
 #[test]
 fn figures_follow_their_definitions() {
     let target = |(&at, &pressure): (&DVec3, &f64)| Target { pressure, ..Target::new(Shape::Point { at }) };

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
-use crate::scene::{self, Cover, Focus, Liquid, Part, Plane, Scene, outline};
+use crate::scene::{self, Board, Cover, Focus, Liquid, Part, Plane, Scene, outline};
 
 /// Requirements outside the targets.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,21 +26,25 @@ impl Surroundings {
         Self { plane, quiet, zones: Vec::new(), areas: Vec::new(), liquid: None }
     }
 
-    /// The surroundings of a scene: its plane if these foci lie on it, otherwise a horizontal plane through them,
-    /// since a plane across a drawing cannot be quiet.
+    /// The surroundings of a scene: its plane if these foci lie on it and, for strokes, it is across the beam; otherwise
+    /// the plane through them parallel to the first board, since a plane along a beam cannot be quiet.
     pub fn new(scene: &Scene, foci: &[Focus]) -> Self {
         /// Wavelengths from one sample of a zone to the next.
         const SPACING: f64 = 0.4;
         /// Tolerated distance of foci from a plane, in wavelengths.
         const NEAR: f64 = 0.5;
+        /// Cosine of the steepest plane that counts as across the beam, 40° from the board.
+        const STEEPEST: f64 = 0.766;
+        let board = scene.boards.first().and_then(Board::axes).unwrap_or(DMat3::IDENTITY);
         let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));
+        let is_across = normal.dot(board.z_axis).abs() >= STEEPEST || foci.iter().any(Focus::is_of_area);
         let height = |focus: &Focus| (focus.position - scene.plane.centre).dot(normal).abs();
         let is_drawn_on = foci.iter().map(height).fold(0.0, f64::max) <= NEAR * scene.wavelength();
-        let plane = if is_drawn_on {
+        let plane = if is_across && is_drawn_on {
             scene.plane.clone()
         } else {
             let centre = foci.iter().map(|focus| focus.position).sum::<DVec3>() / foci.len() as f64;
-            Plane { centre, x_axis: DVec3::X, y_axis: DVec3::Y, ..scene.plane.clone() }
+            Plane { centre, x_axis: board.x_axis, y_axis: board.y_axis, ..scene.plane.clone() }
         };
         let points = |zone: &scene::Zone| zone.points(SPACING * scene.wavelength());
         let zones = scene.quiet.iter().map(|zone| Zone { points: points(zone), weight: zone.weight });
