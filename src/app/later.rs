@@ -1,7 +1,7 @@
 //! Values that take longer than a frame, computed on a thread.
 
 use std::borrow::Borrow;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Context;
 
@@ -11,6 +11,9 @@ use crate::gauge::Cancel;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::gauge::Gauge;
 use crate::scene::Scene;
+
+/// Values before the end of a computation that wait until they are collected.
+const KEPT: usize = 16;
 
 /// A value computed elsewhere, with its inputs. Of several requests only the latest is fulfilled.
 #[derive(Debug)]
@@ -59,7 +62,7 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
         if self.is_refused(key) {
             return;
         }
-        let (sender, receiver) = channel();
+        let (sender, receiver) = sync_channel(KEPT);
         let (own, ctx) = (key.clone(), ctx.clone());
         let make = move || {
             let send = |news| {
@@ -102,7 +105,7 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
         }
         #[cfg(target_arch = "wasm32")]
         if !self.is_refused(key) {
-            let (sender, receiver) = channel();
+            let (sender, receiver) = sync_channel(1);
             let ctx = ctx.clone();
             crate::app::worker::ask::<J>(key.borrow(), move |made| {
                 // The receiver may be gone.
@@ -168,7 +171,7 @@ mod tests {
     fn values_before_the_end_count_until_the_last_comes() {
         let ctx = Context::default();
         let mut later = Later::default();
-        let (go, wait) = channel();
+        let (go, wait) = sync_channel(1);
         later.ask_with(&1, &ctx, move |key, so_far| {
             so_far(key * 10);
             wait.recv().unwrap();
