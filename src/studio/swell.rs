@@ -140,7 +140,9 @@ impl Swell {
     /// A level surface again, before the onset.
     pub fn restart(&mut self) {
         self.waves.restart();
-        [&mut self.pictures, &mut self.frames, &mut self.knots].into_iter().for_each(|clock| clock.count = 0);
+        for clock in [&mut self.pictures, &mut self.frames, &mut self.knots] {
+            clock.count = 0;
+        }
     }
 
     /// The depth (m, positive down) of every cell at the next picture.
@@ -183,8 +185,6 @@ impl Swell {
 
 #[cfg(test)]
 mod tests {
-    use std::slice;
-
     use glam::{DVec2, DVec3};
 
     use super::*;
@@ -249,7 +249,7 @@ mod tests {
 
     #[test]
     fn frames_and_envelopes_act_at_their_own_times() {
-        const STEPS: u32 = 2048;
+        const STEPS: u32 = 1024;
         let mut stages = Stages::new(Evaluator::Cpu);
         for modulation in modulations() {
             for motion in [Motion::default(), circle(5, 37.7), circle(3, 400.0 / 3.0)] {
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn waves_of_a_motion_settle_about_the_mean_of_its_frames() {
+    fn waves_settle_about_the_mean_of_all_frames() {
         // Four pictures in a cycle of three frames.
         let mut scene = scene(circle(3, 100.0), Modulation::default());
         (scene.liquid.name, scene.liquid.viscosity) = (Some(LiquidName::Glycerol), Some(4.0));
@@ -305,7 +305,7 @@ mod tests {
         // A drive for each of the two.
         let drives = |scene: &Scene| at_rest(scene, &mut Stages::new(Evaluator::Cpu)).0.drives;
         let alone = |index: usize| {
-            let targets = slice::from_ref(&scene.targets[index]).to_vec();
+            let targets = vec![scene.targets[index].clone()];
             drives(&Scene { targets, ..scene.clone() })[0].clone()
         };
         let both = [alone(0), alone(1)];

@@ -103,7 +103,7 @@ fn remote_connections_give_the_token_in_the_address_or_first() {
 #[test]
 fn a_first_message_with_the_token_is_acted_upon() {
     let serving = Serving::new(TWO, with_token(Ipv4Addr::UNSPECIFIED.into()));
-    let mut first = |keys: &str| {
+    let first = |keys: &str| {
         let mut web = Web::new(&format!("ws://{}", serving.address("websocket")));
         let answer = web.ask(&format!("{{\"token\": \"{TOKEN}\", {keys}}}"));
         // The connection stays open.

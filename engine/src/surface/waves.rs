@@ -227,7 +227,7 @@ struct Steps {
 
 impl Steps {
     fn meet(&mut self, duration: Duration, modes: &[Mode]) {
-        let room = (MOST_BYTES / size_of_val(modes).max(1)).max(1);
+        let room = (MOST_BYTES / (modes.len() * size_of::<Step>())).max(1);
         match self.met.get_mut(&duration) {
             Some(Some(_)) => {}
             Some(number) if self.kept.len() < room => {
@@ -293,14 +293,14 @@ impl Step {
     }
 }
 
-/// Depth and speed of a mode at rest after a rise of its rest from -1/2 to 1/2 in a time, given its depth after a step of
-/// its rest by 1 and its speed over Ω² then.
+/// Depth and speed of a level mode after a rise of its rest from -1/2 to 1/2 in a time. `stepped` is its depth after a jump
+/// of its rest by 1 at the beginning, b as in [`Step`].
 fn rise(damping: f64, square: f64, time: f64, [stepped, b]: [f64; 2]) -> [f64; 2] {
-    /// Steps of a creeping mode's slow root in its time constant beyond which it follows no rise.
-    const STILL: f64 = 1e6;
+    /// A mode that lags behind by more times does not follow.
+    const MOST: f64 = 1e6;
     let lag = 2.0 * damping / (square * time);
-    // The lag of a mode that stands still is not a number.
-    if lag >= STILL || lag.is_nan() {
+    // A mode without a restoring force has no lag at all, but a NaN.
+    if !(0.0..MOST).contains(&lag) {
         return [0.0; 2];
     }
     [1.0 - lag * stepped - b / time - stepped / 2.0, stepped / time - square * b / 2.0]
@@ -507,7 +507,7 @@ mod tests {
                 waves.surface(&tank)
             };
             let whole = surface(1);
-            let largest = whole.iter().fold(0.0f64, |most, h| most.max(h.abs()));
+            let largest = pressed.0.iter().map(|h| h.abs()).sum::<f64>();
             for parts in [3, 40] {
                 let apart = surface(parts).iter().zip(&whole).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(apart < 1e-6 * largest, "{liquid:?}: {apart} of {largest}, {parts}");
