@@ -114,9 +114,12 @@ impl Live {
     fn solve(&mut self, scene: &Scene, wish: &Wish) -> Option<Work> {
         match self.beside.collect() {
             Some(Done { scene, found: Found::Still(found) }) => {
+                // The full drive of a shape replaces a quick one that is played.
                 let found = found.map(|found| match &self.last {
-                    Some(last) => Arc::new(Arc::unwrap_or_clone(found).turned_to(last)),
-                    None => found,
+                    Some(last) if found.figures.is_some() => {
+                        Arc::new(Arc::unwrap_or_clone(found).turned_to(last))
+                    }
+                    Some(_) | None => found,
                 });
                 if let Ok(found) = &found {
                     self.last = Some(Arc::clone(found));
