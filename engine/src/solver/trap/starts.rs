@@ -183,22 +183,4 @@ mod tests {
             assert!((strong - weak).norm() < 1e-9, "{strong} and {weak}");
         }
     }
-
-    #[test]
-    fn starts_differ_from_each_other() {
-        let scene = before_board(Trap::Twin);
-        let aperture = Aperture::new(&scene);
-        let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
-        let traps = problem.traps.as_ref().unwrap();
-        let mut all = vec![signature(&problem, traps)];
-        all.extend(others(&problem, traps));
-        all.extend((0..3).map(|number| scattered(16, number)));
-        assert_eq!(all.len(), KINDS.len() + 3);
-        for (i, one) in all.iter().enumerate() {
-            for (j, other) in all[..i].iter().enumerate() {
-                let along = one.iter().zip(other).map(|(u, v)| u * v.conj()).sum::<Complex64>().norm() / 16.0;
-                assert!(along < 0.95, "{i} and {j}: {along}");
-            }
-        }
-    }
 }

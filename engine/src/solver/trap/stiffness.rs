@@ -274,7 +274,7 @@ mod tests {
     use crate::solver::trap::tests::before_board;
     use crate::solver::trap::{Traps, signature};
 
-    /// A function at some phases beside its start, with a gravity (m/s²).
+    /// A function at some phases beside its start.
     fn beside_start<T>(scene: &Scene, try_out: impl Fn(&mut Stiffness<'_>, Vec<f64>) -> T) -> T {
         let aperture = Aperture::new(scene);
         let problem = Problem::of_scene(scene, &aperture, outline::foci(scene).unwrap());
