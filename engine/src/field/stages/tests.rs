@@ -108,7 +108,7 @@ fn cells_are_refined_only_after_errors_beyond_the_promised_one() {
 #[test]
 fn progress_runs_from_the_beginning_to_the_end_whatever_the_stages() {
     for (exact, quantity, least) in
-        [(false, Quantity::Rms, 2), (false, Quantity::Gorkov, 2), (true, Quantity::Rms, 100)]
+        [(false, Quantity::Rms, 2), (false, Quantity::Gorkov, 2), (true, Quantity::Rms, 4)]
     {
         let evaluator = if exact { Evaluator::Reference } else { Evaluator::Cpu };
         let mut stages = Stages::new(evaluator);
