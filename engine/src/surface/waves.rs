@@ -475,7 +475,7 @@ mod tests {
 
     /// Liquids whose modes swing, creep, stand still, and have no losses.
     fn liquids() -> [Liquid; 5] {
-        let named = |name| Liquid { name, ..Liquid::default() };
+        let named = |name| Liquid { name: Some(name), ..Liquid::default() };
         let inviscid = Liquid { viscosity: Some(0.0), ..Liquid::default() };
         let tar = Liquid { viscosity: Some(1e4), depth: 1e-5, ..Liquid::default() };
         [named(LiquidName::Water), named(LiquidName::Glycerol), thick_oil(), tar, inviscid]
