@@ -14,7 +14,7 @@ use crate::acoustics::{Phasors, Transfer};
 use crate::scene::Focus;
 use crate::solver::descent::{Descent, Function};
 use crate::solver::iteration::{self, State, phase};
-use crate::solver::{Excitation, Problem, starts};
+use crate::solver::{Excitation, Problem, starts, statistics};
 
 /// Scattered starts, beside climbed ones and equal phases.
 const SCATTERED: usize = 24;
@@ -88,6 +88,27 @@ pub fn strongest(
         ..first.clone()
     });
     found.filter(|found| weakest(found) > weakest(&first)).unwrap_or(first)
+}
+
+/// The drive for moved foci; where levelling leaves it uneven, the stronger of that and of a descent from `before`.
+pub fn followed(problem: &Problem<'_>, before: &Excitation, levelled: Excitation) -> Excitation {
+    /// Weakest focus over mean; foci that the array tells apart have more.
+    const EVEN: f64 = 0.9;
+    let (transfer, targets) = (&problem.transfer, &problem.targets()[..]);
+    let reached = transfer.pressure(&levelled.values);
+    let relative: Vec<_> = reached.iter().zip(targets).map(|(p, target)| p.norm() / target).collect();
+    if statistics::evenness(&relative) >= EVEN || before.values.len() != transfer.elements {
+        return levelled;
+    }
+    let equal = targets.iter().copied().map(Complex64::from).collect();
+    let mut entrant = Entrant::new(transfer, targets, equal);
+    for (n, u) in before.values.iter().enumerate() {
+        entrant.state.u[0].set(n, phase(*u));
+    }
+    let Entrant { state, weights } = entrant.descended(targets);
+    let found = Excitation { values: state.levelled(targets), weights: Some(weights), ..levelled.clone() };
+    let weakest = |found: &Excitation| iteration::weakest(transfer, targets, found);
+    if weakest(&found) > weakest(&levelled) { found } else { levelled }
 }
 
 /// A drive in the contest, and the weights of its foci.

@@ -200,7 +200,7 @@ pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) ->
     let phases = transfer.pressure(&before.values);
     let weighted = phases.iter().zip(&weights).map(|(p, weight)| phase(*p) * weight).collect();
     let state = State::from_foci(transfer, weighted);
-    levelled(state, &targets, weights, iterations)
+    contest::followed(problem, before, levelled(state, &targets, weights, iterations))
 }
 
 /// Weights, then levels.

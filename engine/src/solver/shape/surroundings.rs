@@ -126,6 +126,27 @@ mod tests {
     }
 
     #[test]
+    fn strokes_along_the_beam_are_judged_across_it() {
+        let place = DVec3::new(0.01, 0.0, 0.13);
+        let plane_of = |steep: f64, part: Part| {
+            let mut scene = Scene::default();
+            let (sin, cos) = steep.to_radians().sin_cos();
+            (scene.plane.centre, scene.plane.y_axis) = (place, DVec3::new(0.0, cos, sin));
+            let foci = [-0.02, 0.02].map(|x| Focus { part, ..Focus::new(place + DVec3::X * x, 1.0) });
+            (Surroundings::new(&scene, &foci).plane, scene.plane)
+        };
+        for steep in [30.0, 60.0, 90.0] {
+            let (plane, own) = plane_of(steep, Part::Stroke);
+            let flat = Plane { centre: place, x_axis: DVec3::X, y_axis: DVec3::Y, ..own.clone() };
+            assert!(plane.centre.distance(place) < 1e-12, "{steep}: {plane:?}");
+            let expected = if steep < 40.0 { own } else { flat };
+            assert_eq!([plane.x_axis, plane.y_axis], [expected.x_axis, expected.y_axis], "{steep}");
+        }
+        let (plane, own) = plane_of(90.0, Part::Area(0));
+        assert_eq!(plane, own);
+    }
+
+    #[test]
     fn zones_are_sampled_every_0_4_wavelengths() {
         let mut scene = Scene::default();
         let area = Area::Rectangle { width: 0.03, height: 0.02 };
