@@ -252,7 +252,7 @@ mod tests {
         }
         assert_eq!(post.desk.counts.unanswered.get(), 6);
         let generation = post.desk.generation();
-        post.desk.tell(Report { generation, ..Report::default() });
+        post.desk.tell(Report { generation, solved: generation, ..Report::default() });
         waiting.serve(&post);
         assert_eq!((waiting.who.len(), post.desk.counts.answers.get()), (0, MOST_WAITING as u64));
         assert_eq!(timeout(), usual);

@@ -211,7 +211,7 @@ fn searched<T>(search: impl Fn(&str) -> Option<T>) -> T {
 fn further_search_finds_no_weaker_drive() {
     let foci: String = (0..9)
         .map(|i| {
-            let (x, y) = (f64::from(i * 37 % 9) * 8e-3 - 0.03, f64::from(i * 23 % 9) * 7e-3 - 0.03);
+            let [x, y] = [0.618, 0.755].map(|step| (f64::from(i) * step) % 1.0 * 0.066 - 0.033);
             format!("[[target]]\nat = [{x}, {y}, 0.1]\n")
         })
         .collect();

@@ -146,6 +146,7 @@ impl LeftOut {
     }
 
     /// A bit for each of some points, set if it does not count.
+    #[cfg(feature = "gpu")]
     pub fn bits(&self, points: Range<usize>) -> Vec<u32> {
         let mut bits = vec![0; points.len().div_ceil(32)];
         for (run, is_near) in self.split(points.clone()) {

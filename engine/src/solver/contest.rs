@@ -1,4 +1,5 @@
-//! A contest of starts for sets of foci whose phases decide how strong a drive can be.
+//! `best` for separate foci: levelled iteration, and a contest of starts where their phases decide how strong a drive can
+//! be.
 //!
 //! The waves of close foci, and of foci at repeated distances as in grids and rings, add up to the same pattern on the
 //! array for many pairs of foci. Wherever they cancel, elements have nothing to play for, unless the focal phases suit
@@ -29,9 +30,32 @@ const STARTS_PER_DISTURBANCE: usize = 4;
 const DISTURBED: f64 = 0.15;
 const ITERATIONS: u32 = 10;
 
+/// Focal phases from the strongest of several starts on the Gram matrix, then damped weighted iteration, then Gauss and
+/// Newton's steps to equal pressures; a contest of starts where these differ much.
+pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
+    let (transfer, targets) = (&problem.transfer, problem.targets());
+    let climbed = starts::climbed(&transfer.gram(None), &targets, iteration::CLIMB, 0);
+    let state = State::from_foci(transfer, climbed.strongest());
+    let first = iteration::levelled(state, &targets, targets.clone(), iterations);
+    if pays(problem, climbed.spread) { strongest(problem, first, climbed.each()) } else { first }
+}
+
+/// `best` for a problem near one that `before` solves: no start is searched for, and the phases move as little as they
+/// must.
+pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) -> Excitation {
+    let (transfer, targets) = (&problem.transfer, problem.targets());
+    let weights = before.weights.clone().filter(|weights| weights.len() == targets.len());
+    let weights = weights.unwrap_or_else(|| targets.clone());
+    // The phases that the foci had, weighted as they were.
+    let phases = transfer.pressure(&before.values);
+    let weighted = phases.iter().zip(&weights).map(|(p, weight)| phase(*p) * weight).collect();
+    let state = State::from_foci(transfer, weighted);
+    followed(problem, before, iteration::levelled(state, &targets, weights, iterations))
+}
+
 /// Whether a contest is worth its time: where starts differ much in power (`spread`: standard deviation over mean), or
 /// distances are repeated.
-pub fn pays(problem: &Problem<'_>, spread: f64) -> bool {
+fn pays(problem: &Problem<'_>, spread: f64) -> bool {
     /// Of random sets, one in 200 has more.
     const EVEN: f64 = 0.2;
     problem.foci.len() > 2 && (spread > EVEN || is_regular(&problem.foci, problem.aperture.wavelength()))
@@ -52,11 +76,7 @@ fn is_regular(foci: &[Focus], wavelength: f64) -> bool {
 }
 
 /// The strongest drive of `first` and of all entrants.
-pub fn strongest(
-    problem: &Problem<'_>,
-    first: Excitation,
-    climbed: impl Iterator<Item = Phasors>,
-) -> Excitation {
+fn strongest(problem: &Problem<'_>, first: Excitation, climbed: impl Iterator<Item = Phasors>) -> Excitation {
     /// Of elements times foci times scattered starts: larger problems have fewer starts.
     const WORK: usize = 3_000_000;
     const FEWEST: usize = 4;
@@ -91,7 +111,7 @@ pub fn strongest(
 }
 
 /// The drive for moved foci; where levelling leaves it uneven, the stronger of that and of a descent from `before`.
-pub fn followed(problem: &Problem<'_>, before: &Excitation, levelled: Excitation) -> Excitation {
+fn followed(problem: &Problem<'_>, before: &Excitation, levelled: Excitation) -> Excitation {
     /// Weakest focus over mean; foci that the array tells apart have more.
     const EVEN: f64 = 0.9;
     let (transfer, targets) = (&problem.transfer, &problem.targets()[..]);

@@ -9,13 +9,13 @@ use num_complex::Complex64;
 use crate::acoustics::{PhaseJacobian, Phasors, Sums, Transfer};
 use crate::gauge::{self, Gauge};
 use crate::solver::cholesky::Factor;
-use crate::solver::{Excitation, Problem, contest, starts, statistics};
+use crate::solver::{Excitation, Problem, starts, statistics};
 
 /// Phases that the greedy search tries for every element.
 const GREEDY_LEVELS: usize = 16;
 /// Iterations on the Gram matrix, and the limit of final levelling steps, in `best`. Well separated foci need one or
 /// two.
-const CLIMB: usize = 50;
+pub const CLIMB: usize = 50;
 const LEVELLINGS: usize = 5;
 /// Relative standard deviation of the focal pressures at which levelling stops.
 const LEVEL: f64 = 3e-4;
@@ -122,20 +122,6 @@ pub fn greedy(problem: &Problem<'_>, sweeps: u32) -> Excitation {
     Excitation { values: u, iterations: sweeps, residual: None, weights: None }
 }
 
-/// Focal phases from the strongest of several starts on the Gram matrix, then damped weighted iteration, then Gauss and
-/// Newton's steps to equal pressures; a [`contest`] of starts where these differ much.
-pub fn best(problem: &Problem<'_>, iterations: u32) -> Excitation {
-    let (transfer, targets) = (&problem.transfer, problem.targets());
-    let climbed = starts::climbed(&transfer.gram(None), &targets, CLIMB, 0);
-    let state = State::from_foci(transfer, climbed.strongest());
-    let first = levelled(state, &targets, targets.clone(), iterations);
-    if contest::pays(problem, climbed.spread) {
-        contest::strongest(problem, first, climbed.each())
-    } else {
-        first
-    }
-}
-
 /// The strongest result of levelling from many batches of starts: slow, the baseline for `best`.
 pub fn search(problem: &Problem<'_>, batches: usize, iterations: u32) -> Excitation {
     let mut further = Further::new(problem, iterations);
@@ -190,21 +176,8 @@ pub fn weakest(transfer: &Transfer, targets: &[f64], excitation: &Excitation) ->
     relative.map(|(p, target)| p.norm() / target).fold(f64::INFINITY, f64::min)
 }
 
-/// `best` for a problem near one that `before` solves: no start is searched for, and the phases move as little as they
-/// must.
-pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) -> Excitation {
-    let (transfer, targets) = (&problem.transfer, problem.targets());
-    let weights = before.weights.clone().filter(|weights| weights.len() == targets.len());
-    let weights = weights.unwrap_or_else(|| targets.clone());
-    // The phases that the foci had, weighted as they were.
-    let phases = transfer.pressure(&before.values);
-    let weighted = phases.iter().zip(&weights).map(|(p, weight)| phase(*p) * weight).collect();
-    let state = State::from_foci(transfer, weighted);
-    contest::followed(problem, before, levelled(state, &targets, weights, iterations))
-}
-
 /// Weights, then levels.
-fn levelled(mut state: State<'_, 1>, targets: &[f64], weights: Vec<f64>, iterations: u32) -> Excitation {
+pub fn levelled(mut state: State<'_, 1>, targets: &[f64], weights: Vec<f64>, iterations: u32) -> Excitation {
     let weights = Some(state.weigh(targets, weights, iterations));
     Excitation { values: state.levelled(targets), iterations, residual: None, weights }
 }
@@ -300,7 +273,7 @@ impl State<'_, 1> {
     /// The levelled drive, unless its weakest focus is weaker than before.
     pub fn levelled(mut self, targets: &[f64]) -> Vec<Complex64> {
         /// Tolerated loss of the weakest focus for equal pressures.
-        const LOSS: f64 = 0.005;
+        const LOSS: f64 = 0.02;
         let (weakest, before) = (self.weakest(targets), self.excitation());
         self.level(targets);
         let is_finite = self.pressure[0].iter().all(|p| p.is_finite());

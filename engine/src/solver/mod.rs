@@ -390,7 +390,7 @@ pub fn excite(problem: &Problem<'_>, method: Method, iterations: u32) -> Result<
         Method::Greedy => iteration::greedy(problem, or(1)),
         Method::Best => match &problem.surroundings {
             Some(surroundings) => shape::best(problem, surroundings),
-            None => iteration::best(problem, or(20)),
+            None => contest::best(problem, or(20)),
         },
     })
 }
@@ -405,7 +405,7 @@ pub fn excite_from(problem: &Problem<'_>, before: &Excitation) -> Excitation {
     }
     match &problem.surroundings {
         Some(surroundings) => shape::best_from(problem, surroundings, &before.values),
-        None => iteration::best_from(problem, before, ITERATIONS),
+        None => contest::best_from(problem, before, ITERATIONS),
     }
 }
 

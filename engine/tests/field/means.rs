@@ -121,7 +121,7 @@ fn expected(request: &Request) -> Vec<f64> {
     let pixels = Samples::on_plane(plane, size.0, size.1).unwrap();
     let constants = Constants::new(air, bead, aperture.element.wavenumber, 0.0);
     let declaration = quantity.declaration();
-    let mut means = vec![0.0; pixels.len()];
+    let mut means = vec![[0.0; 3]; pixels.len()];
     for drive in drives.iter() {
         let sounds: Vec<Sound<f64>> = if declaration.parts == PRESSURE {
             let pressures = reference::pressure(aperture, drive, &pixels).into_iter();
@@ -136,10 +136,19 @@ fn expected(request: &Request) -> Vec<f64> {
             (0..pixels.len()).map(sound).collect()
         };
         for (mean, sound) in means.iter_mut().zip(sounds) {
-            *mean += (declaration.exact)(sound, &constants) / drives.len() as f64;
+            // Of a vector the mean has the length.
+            let own = match &declaration.flow {
+                Some(flow) => (flow.exact)(sound, &constants),
+                None => [(declaration.exact)(sound, &constants), 0.0, 0.0],
+            };
+            mean.iter_mut().zip(own).for_each(|(mean, own)| *mean += own / drives.len() as f64);
         }
     }
-    means.into_iter().map(|mean| quantity.exact_value(part * mean)).collect()
+    let value = |mean: [f64; 3]| match declaration.flow {
+        Some(_) => DVec3::from(mean).length(),
+        None => mean[0],
+    };
+    means.into_iter().map(|mean| quantity.exact_value(part * value(mean))).collect()
 }
 
 #[test]

@@ -325,7 +325,7 @@ mod tests {
         beside_start(&scene, |function, x| {
             let places = function.places;
             let net = |x: &[f64]| places.net(&places.sounds(&phasors(x)));
-            assert!(net(&x).iter().any(|net| net.abs() > places.load), "{:?}", net(&x));
+            assert!(net(&x).iter().any(|net| net.abs() > 0.1 * places.load), "{:?}", net(&x));
             let balanced = function.balanced(&x).expect("a balance");
             assert!(net(&balanced).iter().all(|net| net.abs() < 1e-6 * places.load), "{:?}", net(&balanced));
         });
