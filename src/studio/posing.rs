@@ -22,10 +22,10 @@ pub fn posed(scene: &Scene) -> Scene {
     }
 }
 
-/// A scene in motion has one drive per frame, at rest too.
+/// Only areas at rest have several drives by themselves; a scene in motion has one per frame, at rest too.
 fn turns(scene: &Scene) -> Turns {
     match scene.solver.frames {
-        Turns::Auto if motion::moves(scene) => Turns::Count(1),
+        Turns::Auto if !scene.has_areas() || motion::moves(scene) => Turns::Count(1),
         turns => turns,
     }
 }

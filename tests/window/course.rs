@@ -111,10 +111,11 @@ fn a_moving_focus_has_harmonics_of_its_cycle() {
 fn a_waveform_is_chosen_from_a_file() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open_on_motion();
+    let before = scene(&screen).modulation.shape;
     pick(&mut screen, "Amplitude modulation", "file");
     let editor = screen.state().editor();
     assert!(matches!(editor.dialog, Some(Dialog::Path { purpose: Purpose::Waveform, .. })));
-    assert_eq!(scene(&screen).modulation.shape, Envelope::Off, "unchanged until a file is chosen");
+    assert_eq!(scene(&screen).modulation.shape, before, "unchanged until a file is chosen");
     let path = folder.path().join("buzz.wav");
     std::fs::write(&path, "no sound").unwrap();
     answer(&mut screen, Purpose::Waveform, &path);

@@ -172,7 +172,7 @@ fn force_on_a_plane_near_the_array_is_that_of_the_whole_plane() {
     let folder = tempfile::tempdir().unwrap();
     let near = scene_at(0.006);
     std::fs::write(folder.path().join("scene.toml"), file::write(&near)).unwrap();
-    let force = printed(folder.path(), "radiation", "Pa, ");
+    let force = printed(folder.path(), "radiation", "elements, ");
     let mut screen = open(near);
     screen.get_by_label("Liquid").click();
     key(&mut screen, Key::Num3);
