@@ -178,8 +178,10 @@ pub fn weakest(transfer: &Transfer, targets: &[f64], excitation: &Excitation) ->
 
 /// Weights, then levels.
 pub fn levelled(mut state: State<'_, 1>, targets: &[f64], weights: Vec<f64>, iterations: u32) -> Excitation {
+    /// Tolerated loss of the weakest focus for equal pressures.
+    const LOSS: f64 = 0.02;
     let weights = Some(state.weigh(targets, weights, iterations));
-    Excitation { values: state.levelled(targets), iterations, residual: None, weights }
+    Excitation { values: state.levelled(targets, LOSS), iterations, residual: None, weights }
 }
 
 /// A uniform drive during iteration, and its pressures at the foci.
@@ -270,14 +272,12 @@ impl State<'_, 1> {
         statistics::spread(&self.relative(targets).collect::<Vec<_>>())
     }
 
-    /// The levelled drive, unless its weakest focus is weaker than before.
-    pub fn levelled(mut self, targets: &[f64]) -> Vec<Complex64> {
-        /// Tolerated loss of the weakest focus for equal pressures.
-        const LOSS: f64 = 0.02;
+    /// The levelled drive, unless its weakest focus loses more than this part of its pressure.
+    pub fn levelled(mut self, targets: &[f64], loss: f64) -> Vec<Complex64> {
         let (weakest, before) = (self.weakest(targets), self.excitation());
         self.level(targets);
         let is_finite = self.pressure[0].iter().all(|p| p.is_finite());
-        if is_finite && self.weakest(targets) >= (1.0 - LOSS) * weakest { self.excitation() } else { before }
+        if is_finite && self.weakest(targets) >= (1.0 - loss) * weakest { self.excitation() } else { before }
     }
 
     /// Levels the foci with the smallest change of phases: Gauss-Newton steps.

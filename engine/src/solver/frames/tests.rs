@@ -65,13 +65,12 @@ fn a_slow_decline_is_measured_from_the_last_search() {
 }
 
 #[test]
-fn crowded_foci_are_searched_for_where_going_on_fails() {
+fn crowded_foci_stay_strong_from_frame_to_frame() {
     let row: Vec<_> = (0..16).map(|i| DVec3::new(-0.035 + 0.07 * f64::from(i) / 15.0, 0.0, 0.1)).collect();
     let scene = scene(&row, 64);
     let sequence = follow(&scene).unwrap();
     let parts = beside_search(&scene, &sequence);
     assert!(parts.iter().all(|&part| part > 0.85), "{parts:?}");
-    assert!(sequence.frames.iter().filter(|frame| frame.cold).count() > 4);
 }
 
 #[test]

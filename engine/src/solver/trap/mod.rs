@@ -122,7 +122,11 @@ pub fn best(problem: &Problem<'_>, traps: &Traps, time: Duration) -> Excitation 
     } else if is_alone {
         starts.extend(starts::standing(problem, traps));
     }
-    let mut best = climb(&places, &starts);
+    // Constraints of many traps slow a descent down; beside each other stiff traps are nearly in balance.
+    let mut best = if is_alone { climb(&places, &starts) } else { settled(&places, &starts[0]) };
+    if !best.found.holds() && !is_alone {
+        best = best.or(climb(&places, &starts));
+    }
     if !best.found.holds() && !tries_all {
         best = best.or(climb(&places, &starts::others(problem, traps).collect::<Vec<_>>()));
     }
@@ -181,6 +185,15 @@ fn stiffest<'a>(places: &'a Places<'a>, start: &[Complex64]) -> Climb<'a> {
             return climb;
         }
     }
+}
+
+/// The stiffest drive without balance, and then the balanced phases nearest to it.
+fn settled<'a>(places: &'a Places<'a>, start: &[Complex64]) -> Climb<'a> {
+    let mut climb = stiffest(places, start);
+    if let Some(x) = climb.function.balanced(&climb.found.x) {
+        climb.found.raise(Found::new(places, x, true));
+    }
+    climb
 }
 
 /// A start on its way.
