@@ -278,7 +278,8 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
         }
         Diagram::Map(_) | Diagram::Drive => {
             let mut picture = drawn.picture;
-            if let Some(remark) = map::remark(quantity, &drawn.map) {
+            let has_room = picture.width.min(picture.height) >= SMALLEST_SHEET;
+            if let Some(remark) = map::remark(quantity, &drawn.map).filter(|_| has_room) {
                 relief::label(&mut picture, &remark)?;
             }
             picture
