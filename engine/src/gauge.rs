@@ -200,7 +200,7 @@ mod tests {
                 iterations(9)
                     .inspect(|&i| {
                         if i == at {
-                            cancel.cancel()
+                            cancel.cancel();
                         }
                     })
                     .count()
