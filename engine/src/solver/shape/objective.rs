@@ -13,14 +13,12 @@
 use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::descent::Function;
 use crate::solver::shape::picture::{Picture, Slope};
-use crate::solver::shape::real::{LANES, Real, Waves, lanes};
+use crate::solver::shape::real::{FAINT, LANES, Real, Waves, lanes, power};
 use crate::solver::shape::samples::Samples;
 use crate::solver::shape::table::Table;
 
 /// Floor of the intensity relative to the mean |p|².
 const LEAST: f64 = 1e-6;
-/// Powers of smaller parts of the loudest |p|² underflow in f32, and are negligible.
-pub(super) const FAINT: f64 = 2e-3;
 /// Stiffness of the penalty for lost strength.
 const STIFFNESS: f64 = 30.0;
 
@@ -379,22 +377,6 @@ fn squares<T: Real, I: Instructions>(p: &[Waves<T>], block: usize) -> [T; LANES]
         sum = lanes(|i| T::fused::<I>(im[i], im[i], part[i]));
     }
     sum
-}
-
-/// By squares of squares; the exponent is a constant once this is inlined.
-#[inline(always)]
-pub(super) fn power<T: Real>(base: &[T; LANES], exponent: usize) -> [T; LANES] {
-    let (mut power, mut square, mut rest) = ([T::of(1.0); LANES], *base, exponent);
-    while rest > 0 {
-        if rest % 2 == 1 {
-            let before = power;
-            power = lanes(|i| before[i] * square[i]);
-        }
-        let before = square;
-        square = lanes(|i| before[i] * before[i]);
-        rest /= 2;
-    }
-    power
 }
 
 #[cfg(test)]

@@ -9,8 +9,7 @@
 use std::f64::consts::TAU;
 
 use crate::simd::{Instructions, Isa, Kernel};
-use crate::solver::shape::objective::{FAINT, power};
-use crate::solver::shape::real::{LANES, Real, Waves, lanes};
+use crate::solver::shape::real::{FAINT, LANES, Real, Waves, lanes, power};
 use crate::solver::shape::response::Response;
 use crate::solver::shape::samples::Samples;
 use crate::solver::starts::scatter;

@@ -7,6 +7,8 @@ use crate::simd::{Instructions, fused, fused64};
 
 /// Numbers processed together.
 pub const LANES: usize = 8;
+/// Powers of smaller parts of the loudest |p|² underflow in f32, and are negligible.
+pub const FAINT: f64 = 2e-3;
 
 /// f32 or f64.
 pub trait Real:
@@ -131,4 +133,20 @@ impl<T: Real> Waves<T> {
     pub fn exchange(&mut self) {
         std::mem::swap(&mut self.re, &mut self.im);
     }
+}
+
+/// By squares of squares; the exponent is a constant once this is inlined.
+#[inline(always)]
+pub fn power<T: Real>(base: &[T; LANES], exponent: usize) -> [T; LANES] {
+    let (mut power, mut square, mut rest) = ([T::of(1.0); LANES], *base, exponent);
+    while rest > 0 {
+        if rest % 2 == 1 {
+            let before = power;
+            power = lanes(|i| before[i] * square[i]);
+        }
+        let before = square;
+        square = lanes(|i| before[i] * before[i]);
+        rest /= 2;
+    }
+    power
 }
