@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 SCENES = Path(__file__).parent.parent.parent / "assets" / "scenes"
-#: Scenes and quantities. The liquid is within the map's own tolerance of f64 only, because of its cells.
-MAPS = [("hit", "rms"), ("five-points", "rms"), ("heart", "rms"), ("water-heart", "depression"), ("two-boards", "rms")]
+#: Scenes of one drive, and quantities. The liquid is within the map's own tolerance of f64 only, because of its cells.
+MAPS = [("hit", "rms"), ("five-points", "rms"), ("heart", "rms"), ("water-three-points", "depression"), ("two-boards", "rms")]
 DRAGS = [("focus-centre", "rms"), ("five-points", "rms"), ("five-points", "phase"), ("hit", "rms"), ("water-circle", "depression"),
          ("two-boards", "rms")]
 #: Relative to the peak.
