@@ -24,7 +24,8 @@ use stiffness::{Places, Stiffness, phasors};
 
 /// Steps of a descent between corrections of the multipliers.
 const STEPS: usize = 20;
-/// Corrections of every start, of the best few, and of the best; and how many the best few are.
+/// Corrections of every start (and of phases that settled into balance), of the best few, and of the best; and how many
+/// the best few are.
 const EACH: usize = 2;
 const MORE: usize = 3;
 const LAST: usize = 5;
@@ -187,11 +188,14 @@ fn stiffest<'a>(places: &'a Places<'a>, start: &[Complex64]) -> Climb<'a> {
     }
 }
 
-/// The stiffest drive without balance, and then the balanced phases nearest to it.
+/// The stiffest drive without balance, then the balanced phases nearest to it, and from there with its multipliers.
 fn settled<'a>(places: &'a Places<'a>, start: &[Complex64]) -> Climb<'a> {
     let mut climb = stiffest(places, start);
     if let Some(x) = climb.function.balanced(&climb.found.x) {
+        climb.function.estimate(&x);
+        climb.descent = Descent::new(x.clone(), &mut climb.function);
         climb.found.raise(Found::new(places, x, true));
+        climb.go(EACH);
     }
     climb
 }

@@ -163,6 +163,24 @@ impl<'a> Stiffness<'a> {
         self.largest = largest;
     }
 
+    /// The multipliers with which phases in balance are nearest to a minimum, by least squares, and the first penalty
+    /// (Nocedal & Wright, equation 18.22).
+    pub fn estimate(&mut self, x: &[f64]) {
+        let places = self.places;
+        let u = phasors(x);
+        let rows = self.jacobian(&u, &places.sounds(&u));
+        self.multipliers.fill(0.0);
+        self.penalty = PENALTY;
+        self.largest = f64::INFINITY;
+        let mut gradient = vec![0.0; x.len()];
+        self.evaluate(x, &mut gradient);
+        let against: Vec<_> = rows.iter().map(|row| -dot(row, &gradient)).collect();
+        if let Some(factor) = normal(&rows) {
+            let scale = self.per_force();
+            self.multipliers = factor.solve(&against).iter().map(|own| own / scale).collect();
+        }
+    }
+
     /// The nearest phases at which force and weight are in balance at every trap, by Newton's steps of least length;
     /// `None` where they lead to no balance.
     pub fn balanced(&self, x: &[f64]) -> Option<Vec<f64>> {
@@ -180,11 +198,7 @@ impl<'a> Stiffness<'a> {
                 return Some(x);
             }
             let rows = self.jacobian(&u, &sounds);
-            let trace = rows.iter().map(|row| dot(row, row)).sum::<f64>();
-            // Dependent rows leave the matrix singular, with no change along them.
-            let entry =
-                |i: usize, j: usize| dot(&rows[i], &rows[j]) + if i == j { 1e-13 * trace } else { 0.0 };
-            let back = Factor::new(rows.len(), entry)?.solve(&net);
+            let back = normal(&rows)?.solve(&net);
             let mut step = vec![0.0; x.len()];
             for (row, back) in rows.iter().zip(&back) {
                 step.iter_mut().zip(row).for_each(|(step, slope)| *step -= back * slope);
@@ -205,6 +219,13 @@ impl<'a> Stiffness<'a> {
         };
         sounds.iter().enumerate().flat_map(of).collect()
     }
+}
+
+/// The products of rows with each other. Dependent rows would leave the matrix singular.
+fn normal(rows: &[Vec<f64>]) -> Option<Factor> {
+    let trace = rows.iter().map(|row| dot(row, row)).sum::<f64>();
+    let entry = |i: usize, j: usize| dot(&rows[i], &rows[j]) + if i == j { 1e-13 * trace } else { 0.0 };
+    Factor::new(rows.len(), entry)
 }
 
 /// e^{jx}
@@ -328,6 +349,29 @@ mod tests {
             assert!(net(&x).iter().any(|net| net.abs() > 0.1 * places.load), "{:?}", net(&x));
             let balanced = function.balanced(&x).expect("a balance");
             assert!(net(&balanced).iter().all(|net| net.abs() < 1e-6 * places.load), "{:?}", net(&balanced));
+        });
+    }
+
+    #[test]
+    fn estimated_multipliers_leave_no_slope_towards_other_forces() {
+        let mut scene = before_board(Trap::Twin);
+        (scene.array.rows, scene.array.columns, scene.array.strength) = (8, 8, 6.0);
+        scene.bead.radius = 0.001;
+        beside_start(&scene, |function, x| {
+            let x = function.balanced(&x).expect("a balance");
+            let rows = function.jacobian(&phasors(&x), &function.places.sounds(&phasors(&x)));
+            let mut steepest = || {
+                let mut gradient = vec![0.0; x.len()];
+                function.evaluate(&x, &mut gradient);
+                let of = |row: &Vec<f64>| {
+                    dot(row, &gradient).abs() / (dot(row, row) * dot(&gradient, &gradient)).sqrt()
+                };
+                let steepest = rows.iter().map(of).fold(0.0, f64::max);
+                function.estimate(&x);
+                steepest
+            };
+            let [before, after] = [steepest(), steepest()];
+            assert!(before > 0.01 && after < 1e-6, "{before}, {after}");
         });
     }
 
