@@ -19,7 +19,7 @@ use sonoglyph::field::Request;
 use sonoglyph::field::volume::{Block, Lattice, MOST_POINTS, MOST_POINTS_ALONG};
 use sonoglyph::force::Levitation;
 use sonoglyph::gauge::Gauge;
-use sonoglyph::scene::{self, Method, file, motion};
+use sonoglyph::scene::{self, FORMAT, Method, file, motion};
 use sonoglyph::solver::{self, frames};
 use sonoglyph::studio::{opening, output, probe, reach, space};
 use strum::VariantNames;
@@ -70,7 +70,7 @@ impl Scene {
     fn of_tables(mut tables: Value, folder: PathBuf) -> PyResult<Self> {
         if let Some(keys) = tables.as_object_mut() {
             *keys = std::mem::take(keys).into_iter().map(|(key, value)| (singular(key), value)).collect();
-            keys.entry("format").or_insert_with(|| file::FORMAT.into());
+            keys.entry("format").or_insert_with(|| FORMAT.into());
         }
         let text = toml::to_string(&tables).map_err(|error| PyValueError::new_err(error.to_string()))?;
         Self::of_text(&text, folder)

@@ -4,22 +4,21 @@ pub mod conditions;
 pub mod drawings;
 pub mod field;
 pub mod foci;
+mod report;
 pub mod shapes;
 pub mod solve;
 pub mod stability;
 pub mod time;
 
-use std::path::{Path, PathBuf};
-
-use anyhow::Context;
-use clap::{Args, ValueEnum};
-use comfy_table::{CellAlignment, Table};
-use serde_json::Value;
-
 use crate::echo;
 use crate::picture::chart::Chart;
 use crate::picture::export;
 use crate::studio::output::{self, Files, note, say};
+use anyhow::Context;
+use clap::{Args, ValueEnum};
+use std::path::{Path, PathBuf};
+
+pub use report::Report;
 
 #[derive(Debug, Args)]
 pub struct BenchArgs {
@@ -45,18 +44,6 @@ enum Subject {
     /// Solver methods on ill-conditioned sets of foci
     Stability,
     All,
-}
-
-/// Results of a benchmark.
-#[derive(Debug)]
-pub struct Report {
-    pub header: Vec<&'static str>,
-    pub rows: Vec<Vec<String>>,
-    /// Explanations of the columns, a paragraph each.
-    pub notes: Vec<String>,
-    pub records: Vec<Value>,
-    /// Charts with their file names without extension.
-    pub charts: Vec<(String, Chart)>,
 }
 
 /// A subject, its key in the JSON, the names of its charts, and its benchmark.
@@ -105,32 +92,4 @@ pub fn run(args: &BenchArgs) -> anyhow::Result<()> {
 fn draw(path: &Path, chart: &Chart) -> anyhow::Result<()> {
     output::write(path, &export::png(&chart.draw()?)?)?;
     say!("{}", echo::path(path))
-}
-
-impl Report {
-    /// Prints the table without empty columns, and the notes.
-    ///
-    /// # Errors
-    /// Standard output cannot be written.
-    pub fn show(&self) -> anyhow::Result<()> {
-        let mut table = Table::new();
-        let is_shown = |column: &usize| self.rows.iter().any(|row| row[*column] != "-");
-        let columns: Vec<_> = (0..self.header.len()).filter(is_shown).collect();
-        table.set_header(columns.iter().map(|&column| self.header[column]));
-        table.add_rows(self.rows.iter().map(|row| columns.iter().map(|&column| &row[column])));
-        for (&index, column) in columns.iter().zip(table.column_iter_mut()) {
-            if self.holds_numbers(index) {
-                column.set_cell_alignment(CellAlignment::Right);
-            }
-        }
-        say!("{table}")?;
-        self.notes.iter().try_for_each(|line| say!("{line}"))
-    }
-
-    /// Whether a column is aligned to the right.
-    pub fn holds_numbers(&self, column: usize) -> bool {
-        let is_number =
-            |cell: &String| cell == "exact" || cell.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-        self.rows.iter().filter_map(|row| row.get(column)).all(is_number)
-    }
 }

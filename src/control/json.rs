@@ -10,7 +10,7 @@ use crate::control::refusal::{EditError, Number};
 use crate::control::table::{self, Table};
 use crate::echo;
 use crate::field::Quantity;
-use crate::scene::file;
+use crate::scene::{FORMAT, file};
 
 /// Bytes of a message, at most.
 pub const LONGEST: usize = 1 << 20;
@@ -125,7 +125,7 @@ fn read_as<T: for<'de> Deserialize<'de>>(key: &str, value: Value) -> Result<T, E
 /// A whole scene, with the tables and keys of the file; `format` is optional.
 fn scene_of(mut tables: Value) -> Result<crate::scene::Scene, EditError> {
     let Some(keys) = tables.as_object_mut() else { return wrong("scene: a scene is an object, {…}") };
-    keys.entry("format").or_insert_with(|| file::FORMAT.into());
+    keys.entry("format").or_insert_with(|| FORMAT.into());
     let scene = file::from_tables(tables);
     admitted(scene.map_err(|error| EditError::Value(format!("scene: {error}")))?)
 }

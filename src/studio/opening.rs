@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use crate::picture::grey;
-use crate::scene::check::{Key, KeyError, check};
+use crate::scene::check::check;
 use crate::scene::file::{self, FileError};
-use crate::scene::{Array, Elements, Grey, Modulation, Pixels, Scene, Shape, Target};
+use crate::scene::{Array, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Shape, Target};
 use crate::source;
 use crate::studio::{arrays, elements, waveform};
 

@@ -5,14 +5,13 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 
 use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
-use crate::scene::range::{count, direction, finite, length, point, refuse, within};
+use crate::scene::range::{Key, KeyError, count, direction, finite, length, point, refuse, within};
 use crate::scene::space::Front;
 use crate::scene::{
     Area, Array, ElementModel, Envelope, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath,
     Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Trap, Turns, Zone, space,
 };
 
-pub use crate::scene::range::{Key, KeyError};
 pub use crate::scene::space::MOST_ELEMENTS;
 
 /// Limit of focal points per scene; the solver's work grows with its cube.

@@ -5,11 +5,13 @@ use std::path::Path;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use crate::scene::check::{Key, KeyError, check};
+use crate::scene::check::check;
+use crate::scene::content::FORMAT;
 use crate::scene::inline;
 use crate::scene::location::misread;
 pub use crate::scene::location::{FileError, located};
 use crate::scene::motion::MotionTable;
+use crate::scene::range::{Key, KeyError};
 use crate::scene::strict::Strict;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
@@ -19,7 +21,6 @@ use crate::scene::{
 use crate::source;
 
 /// The version of the file format that this program reads and writes.
-pub const FORMAT: u32 = 1;
 /// Limit of a file's size in bytes; the largest scene is smaller, and reading needs eighty times as much memory.
 pub const LONGEST: u64 = 2 << 20;
 

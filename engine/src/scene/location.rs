@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use toml::de::{DeTable, DeValue};
 
 use crate::echo;
-use crate::scene::check::{Key, KeyError};
+use crate::scene::range::{Key, KeyError};
 
 /// Errors of reading a scene file.
 #[derive(Debug, thiserror::Error)]

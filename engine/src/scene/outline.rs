@@ -9,8 +9,9 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use crate::scene::check::{Key, KeyError, MOST_FOCI};
+use crate::scene::check::MOST_FOCI;
 use crate::scene::cover::Patch;
+use crate::scene::range::{Key, KeyError};
 use crate::scene::run::{self, Run, Vertex};
 use crate::scene::{Cover, Focus, Part, Sampling, Scene, Shape, Target, stroke};
 

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use glam::DVec3;
 
-use crate::scene::check::{Key, KeyError};
+use crate::scene::range::{Key, KeyError};
 
 /// Cosine of the angle beyond which a vertex is a corner: 30°. Segments of the stroke font's arcs turn by 6°.
 const CORNER_COS: f64 = 0.866;

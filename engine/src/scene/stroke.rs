@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use crate::scene::check::{Key, KeyError};
+use crate::scene::range::{Key, KeyError};
 use crate::scene::run::Vertex;
 use crate::scene::{Shape, Target, font};
 

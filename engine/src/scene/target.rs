@@ -5,9 +5,9 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use strum::{EnumString, IntoStaticStr, VariantNames};
 
-use crate::scene::check::{Key, KeyError};
 use crate::scene::motion::MotionTable;
 use crate::scene::pixels::Pixels;
+use crate::scene::range::{Key, KeyError};
 use crate::scene::{Motion, Trap};
 
 /// A shape that becomes focal points.

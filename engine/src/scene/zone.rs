@@ -6,7 +6,7 @@ use glam::{DQuat, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantNames};
 
-use crate::scene::check::{Key, KeyError};
+use crate::scene::range::{Key, KeyError};
 
 /// Limit of samples per zone; larger zones are sampled more coarsely.
 const MOST_POINTS: f64 = 4096.0;

@@ -14,8 +14,9 @@ use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::gauge::{Counter, Gauge};
 use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
+use crate::solver::run::{Played, unless_cancelled};
 use crate::solver::steps::{PhaseSteps, phase_steps};
-use crate::solver::{self, Excitation, Played, Problem, SolveError, room, statistics};
+use crate::solver::{self, Excitation, Problem, SolveError, room, statistics};
 
 /// Limit of a focus' displacement between keyframes, in wavelengths, if there are frames between them.
 const STRIDE: f64 = 0.15;
@@ -132,7 +133,7 @@ fn limited<T>(
     of: usize,
     solve: impl FnOnce() -> Result<T, SolveError>,
 ) -> Result<T, SolveError> {
-    all.share(of).lead(|| solver::unless_cancelled(solve()?))
+    all.share(of).lead(|| unless_cancelled(solve()?))
 }
 
 /// The drives in turn, as frames.

@@ -12,7 +12,7 @@ use crate::drive::Drive;
 use crate::echo;
 use crate::field::{Map, Quantity, Request, Samples, Stages};
 use crate::picture::numbers;
-use crate::scene::{Method, Scene, file};
+use crate::scene::{FORMAT, Method, Scene, file};
 use crate::solver;
 use crate::studio::findings::Findings;
 use crate::studio::output::Files;
@@ -79,7 +79,7 @@ impl Task {
         let mut tables: Value = serde_json::from_str(text.trim_end()).map_err(misplaced)?;
         let Some(keys) = tables.as_object_mut() else { bail!("a scene is an object, {{…}}") };
         *id = keys.remove("id");
-        keys.entry("format").or_insert_with(|| file::FORMAT.into());
+        keys.entry("format").or_insert_with(|| FORMAT.into());
         let mut scene = file::from_tables(tables)?;
         opening::load(&mut scene, Path::new(""))?;
         self.files().reads_files_of(&scene)?;

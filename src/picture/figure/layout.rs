@@ -5,7 +5,8 @@ use strum::{EnumString, IntoStaticStr, VariantArray};
 use crate::field::contour::Line;
 use crate::picture::Picture;
 use crate::picture::figure::axes::{round_step, steps};
-use crate::picture::figure::{Anchor, BLACK, Figure, Ink, Mark, font};
+use crate::picture::figure::mark::{Anchor, BLACK, Ink, Mark};
+use crate::picture::figure::{Figure, font};
 
 /// Heights of letters, mm: 9, 8 and 7 points.
 pub const TITLE: f64 = 3.175;

@@ -8,7 +8,8 @@ use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use subsetter::GlyphRemapper;
 use ttf_parser::{RawFace, Tag};
 
-use crate::picture::figure::{Anchor, Figure, Ink, Mark, font};
+use crate::picture::figure::mark::{Anchor, Ink, Mark};
+use crate::picture::figure::{Figure, font};
 use crate::picture::{Picture, PictureError};
 
 /// Points in a millimetre.

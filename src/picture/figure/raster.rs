@@ -4,7 +4,8 @@ use png::{BitDepth, ColorType, PixelDimensions, Unit};
 use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
 use ttf_parser::OutlineBuilder;
 
-use crate::picture::figure::{Anchor, Figure, Ink, Mark, font};
+use crate::picture::figure::mark::{Anchor, Ink, Mark};
+use crate::picture::figure::{Figure, font};
 use crate::picture::{Picture, PictureError};
 
 /// A PNG with its physical size.

@@ -5,7 +5,8 @@ use glam::DVec2;
 
 use crate::picture::Picture;
 use crate::picture::figure::layout::{CAPITAL, GAP, MARGIN, NUMBER, RULE, TALLEST, TITLE};
-use crate::picture::figure::{Anchor, BLACK, Figure, Mark, Paper};
+use crate::picture::figure::mark::{Anchor, BLACK, Mark};
+use crate::picture::figure::{Figure, Paper};
 use crate::picture::relief::{self, PAPER, Place};
 
 /// Parts of the picture's width above the surface, where waves may rise, and below it, for its front.

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::picture::figure::{Figure, Ink, Mark};
+use crate::picture::figure::Figure;
+use crate::picture::figure::mark::{Ink, Mark};
 use crate::picture::{PictureError, export};
 
 /// The SVG; lengths are in mm.

@@ -7,7 +7,8 @@ use glam::DVec3;
 use crate::force::Outcome;
 use crate::scene::{Bead, Material, Shape};
 use crate::studio::levitation;
-use crate::ui::panels::{MM, Unit, choice, fact, form, given, number, still_plot, variants};
+use crate::ui::panels::form::{choice, given, still_plot, variants};
+use crate::ui::panels::{MM, Unit, fact, form, number};
 use crate::ui::{BeadPlace, Editor, Levitated, Shown, measure, section, theme};
 
 /// Points of the screen.

@@ -7,7 +7,8 @@ use glam::{DQuat, DVec3};
 
 use crate::scene::{Board, Elements, Reflector, Scene};
 use crate::studio::presets::KNOWN;
-use crate::ui::panels::{PLAIN, caption, choice, coordinates, form, number};
+use crate::ui::panels::form::{choice, coordinates};
+use crate::ui::panels::{PLAIN, caption, form, number};
 use crate::ui::{Dialog, Editor, Purpose};
 
 /// Lower limit of positions, mm.

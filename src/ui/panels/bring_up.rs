@@ -7,7 +7,7 @@ use crate::device::profile::Profile;
 use crate::studio::bring_up::{Finding, Verdict};
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
 use crate::ui::bring_up::{BringUp, Step};
-use crate::ui::panels::heading;
+use crate::ui::panels::form::heading;
 use crate::ui::{Editor, theme};
 
 /// The steps, or a button that starts them.

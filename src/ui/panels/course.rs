@@ -5,7 +5,8 @@ use egui_plot::{Line, PlotPoints};
 use glam::DVec3;
 
 use crate::studio::time_course;
-use crate::ui::panels::{choice, fact, form, heading, still_plot};
+use crate::ui::panels::form::{choice, heading, still_plot};
+use crate::ui::panels::{fact, form};
 use crate::ui::{Course, CoursePlace, Editor, Shown, measure, section, theme};
 
 /// Points of the screen.

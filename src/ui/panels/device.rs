@@ -8,7 +8,8 @@ use crate::rounding;
 use crate::scene::motion;
 use crate::studio::felt::Offer;
 use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
-use crate::ui::panels::{bring_up, caption, choice, count, fact, form, heading, others};
+use crate::ui::panels::form::{choice, count, heading};
+use crate::ui::panels::{bring_up, caption, fact, form, others};
 use crate::ui::{Command, Editor, Shown, theme};
 
 /// Bits per second that the most usual adapters have.

@@ -5,7 +5,8 @@ use egui::{Color32, Sense, Ui};
 use crate::field::colouring::phase_index;
 use crate::picture::ColourMap;
 use crate::studio::probe::Reading;
-use crate::ui::panels::{choice, fact, form, heading};
+use crate::ui::panels::form::{choice, heading};
+use crate::ui::panels::{fact, form};
 use crate::ui::{Editor, Shown, Sound, element_map};
 
 /// Numbers of phases per period of boards.

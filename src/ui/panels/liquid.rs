@@ -6,7 +6,8 @@ use crate::field::Quantity;
 use crate::rounding::{digits, pascals_at_most};
 use crate::scene::{Light, LiquidName};
 use crate::studio::liquid;
-use crate::ui::panels::{MM, Unit, choice, fact, form, given, heading, number, variants};
+use crate::ui::panels::form::{choice, given, heading, variants};
+use crate::ui::panels::{MM, Unit, fact, form, number};
 use crate::ui::view::Cut;
 use crate::ui::{Editor, Shown, theme};
 

@@ -6,6 +6,7 @@ mod bring_up;
 pub mod course;
 mod device;
 mod drive;
+mod form;
 mod liquid;
 mod modulation;
 mod motion;
@@ -16,31 +17,12 @@ mod scene;
 mod solver;
 mod target;
 
-use std::ops::RangeInclusive;
-
-use egui::{Align, Label, Layout, Response, ScrollArea, Ui, Vec2b};
-use egui_plot::Plot;
-use glam::DVec3;
+use crate::ui::{Command, Editor, Panel, Shown};
+use egui::{ScrollArea, Ui};
 use strum::VariantArray;
 
+pub use form::{DEGREES, MM, PLAIN, Unit, bare_number, caption, fact, form, number, value};
 pub use target::{point, sampling};
-
-use crate::ui::number::{self, Look};
-use crate::ui::{Command, Editor, Panel, Shown, segments, theme};
-
-/// Display of a number: factor and suffix.
-#[derive(Clone, Copy)]
-pub struct Unit {
-    per: f64,
-    suffix: &'static str,
-    decimals: usize,
-    /// Change per point of dragging, in the displayed unit.
-    speed: f64,
-}
-
-pub const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
-pub const PLAIN: Unit = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
-pub const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.add_space(4.0);
@@ -73,171 +55,4 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
         }
         ui.add_space(12.0);
     });
-}
-
-fn heading(ui: &mut Ui, text: &str) -> Response {
-    ui.add_space(12.0);
-    let response = ui.label(theme::heading(text));
-    ui.add_space(2.0);
-    response
-}
-
-/// Two columns: names and values.
-pub fn form(ui: &mut Ui, id: &str, rows: impl FnOnce(&mut Ui)) {
-    egui::Grid::new(id).num_columns(2).spacing([12.0, 5.0]).min_col_width(104.0).show(ui, rows);
-}
-
-/// The name of a row.
-pub fn caption(ui: &mut Ui, name: &str) -> Response {
-    let name = theme::label(name, ui.visuals());
-    ui.label(name)
-}
-
-/// The value of a row: all values of a page end at its right edge.
-pub fn value<R>(ui: &mut Ui, add: impl FnOnce(&mut Ui) -> R) -> R {
-    ui.with_layout(Layout::right_to_left(Align::Center), add).inner
-}
-
-/// A row with an editable number. Unreadable text changes nothing, and values out of range are clamped; both with a
-/// message.
-pub fn number(
-    ui: &mut Ui,
-    (name, tip): (&str, &str),
-    value: &mut f64,
-    unit: Unit,
-    range: RangeInclusive<f64>,
-) -> Response {
-    let label = caption(ui, name).on_hover_text(tip);
-    let response = self::value(ui, |ui| bare_number(ui, value, unit, range));
-    let response = response.labelled_by(label.id).on_hover_text(tip);
-    ui.end_row();
-    response
-}
-
-/// The number alone.
-pub fn bare_number(ui: &mut Ui, value: &mut f64, unit: Unit, range: RangeInclusive<f64>) -> Response {
-    let mut shown = *value * unit.per;
-    let Unit { suffix, decimals, speed, per } = unit;
-    let look = Look { unit: suffix, has_suffix: true, decimals, speed, name: None };
-    let response = number::field(ui, &mut shown, &look, range.start() * per..=range.end() * per);
-    if response.changed() && shown.is_finite() {
-        *value = (shown / per).clamp(*range.start(), *range.end());
-    }
-    response
-}
-
-/// The same for whole numbers.
-fn count(ui: &mut Ui, (name, tip): (&str, &str), value: &mut u32, range: RangeInclusive<u32>) -> Response {
-    let label = caption(ui, name).on_hover_text(tip);
-    let response = self::value(ui, |ui| bare_count(ui, value, range));
-    let response = response.labelled_by(label.id).on_hover_text(tip);
-    ui.end_row();
-    response
-}
-
-/// The whole number alone.
-fn bare_count(ui: &mut Ui, value: &mut u32, range: RangeInclusive<u32>) -> Response {
-    let mut shown = f64::from(*value);
-    let look = Look { unit: "", has_suffix: false, decimals: 0, speed: 0.1, name: None };
-    let response = number::field(ui, &mut shown, &look, f64::from(*range.start())..=f64::from(*range.end()));
-    if response.changed() && shown.is_finite() {
-        *value = (shown.round() as u32).clamp(*range.start(), *range.end());
-    }
-    response
-}
-
-/// A row with a read-only value; a click copies it.
-pub fn fact(ui: &mut Ui, (name, tip): (&str, &str), value: impl Into<String>) {
-    caption(ui, name).on_hover_text(tip);
-    self::value(ui, |ui| {
-        let value = value.into();
-        let is_cut = segments::text_width(ui, &value) > ui.available_width();
-        let tip = if is_cut { format!("{value}\n{tip}") } else { tip.to_owned() };
-        ui.add_space(ui.spacing().button_padding.x);
-        let label = Label::new(&value).truncate().show_tooltip_when_elided(false).selectable(false);
-        if ui.add(label.sense(egui::Sense::CLICK)).on_hover_text(tip).clicked() {
-            ui.ctx().copy_text(value);
-        }
-    });
-    ui.end_row();
-}
-
-/// All values of an enum, with their names.
-fn variants<T: Copy + VariantArray>(name: fn(T) -> &'static str) -> Vec<(T, &'static str)> {
-    T::VARIANTS.iter().map(|&value| (value, name(value))).collect()
-}
-
-/// A choice among a few.
-fn choice<T: Copy + PartialEq>(ui: &mut Ui, (name, tip): (&str, &str), value: &mut T, choices: &[(T, &str)]) {
-    let label = caption(ui, name).on_hover_text(tip);
-    let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
-    let list = self::value(ui, |ui| {
-        egui::ComboBox::from_id_salt(name).selected_text(current).height(320.0).show_ui(ui, |ui| {
-            for (choice, name) in choices {
-                ui.selectable_value(value, *choice, *name);
-            }
-        })
-    });
-    list.response.labelled_by(label.id).on_hover_text(tip);
-    ui.end_row();
-}
-
-/// A derived number that can be overridden.
-fn given(
-    ui: &mut Ui,
-    (name, tip): (&str, &str),
-    value: &mut Option<f64>,
-    otherwise: f64,
-    unit: Unit,
-    range: RangeInclusive<f64>,
-) {
-    let mut is_given = value.is_some();
-    ui.checkbox(&mut is_given, name).on_hover_text(format!("{tip}. Ticked: as given here"));
-    self::value(ui, |ui| {
-        if is_given {
-            let number = value.get_or_insert(otherwise);
-            bare_number(ui, number, unit, range).accessible_name(name);
-        } else {
-            *value = None;
-            // Indented like the numbers in fields.
-            ui.add_space(ui.spacing().button_padding.x);
-            ui.label(format!("{:.*}{}", unit.decimals, otherwise * unit.per, unit.suffix));
-        }
-    });
-    ui.end_row();
-}
-
-/// A static plot from 0 upwards that shows all values, of this height in points.
-fn still_plot(id: &str, height: f32) -> Plot<'_> {
-    Plot::new(id)
-        .height(height)
-        .allow_zoom(false)
-        .allow_drag(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .auto_bounds(Vec2b::TRUE)
-        .include_y(0.0)
-        .show_grid(true)
-}
-
-/// Turns -0.00 into 0.
-fn without_sign_on_zero(value: f64) -> f64 {
-    if value.abs() < 5e-3 { 0.0 } else { value }
-}
-
-/// Three numbers in mm, z not below `lowest` mm.
-fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
-    ui.spacing_mut().item_spacing.x = 4.0;
-    // Wide enough for most numbers, so that rows of points align.
-    ui.spacing_mut().interact_size.x = 46.0;
-    for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
-        let mut shown = without_sign_on_zero(*value * 1e3);
-        let least = if axis == "z" { lowest } else { -2000.0 };
-        let name = format!("{name} {axis}");
-        let look = Look { unit: "mm", has_suffix: false, decimals: 2, speed: 0.25, name: Some(&name) };
-        let response = number::field(ui, &mut shown, &look, least..=2000.0).on_hover_text(axis);
-        if response.changed() && shown.is_finite() {
-            *value = shown.clamp(least, 2000.0) * 1e-3;
-        }
-    }
 }

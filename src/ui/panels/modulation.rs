@@ -5,9 +5,8 @@ use egui::Ui;
 use crate::echo;
 use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
 use crate::scene::{Envelope, Law, Modulation, Tone};
-use crate::ui::panels::{
-    DEGREES, Unit, bare_number, caption, choice, fact, form, heading, number, value, variants,
-};
+use crate::ui::panels::form::{choice, heading, variants};
+use crate::ui::panels::{DEGREES, Unit, bare_number, caption, fact, form, number, value};
 use crate::ui::{Dialog, Editor, Purpose};
 
 const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 1, speed: 1.0 };

@@ -3,11 +3,11 @@
 use egui::Ui;
 
 use crate::rounding::{at_most, milliseconds};
-use crate::scene::motion;
-use crate::scene::{MotionPath, Scene};
+use crate::scene::{MotionPath, Scene, motion};
 use crate::solver::frames::Frame;
+use crate::ui::panels::form::heading;
 use crate::ui::panels::path::{self, Figures};
-use crate::ui::panels::{course, fact, form, heading, modulation};
+use crate::ui::panels::{course, fact, form, modulation};
 use crate::ui::{Editor, Shown};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {

@@ -2,7 +2,8 @@
 
 use egui::{RichText, Ui};
 
-use crate::ui::panels::{fact, form, heading};
+use crate::ui::panels::form::heading;
+use crate::ui::panels::{fact, form};
 use crate::ui::{Command, IN_PAGE, Shown};
 
 pub fn show(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {

@@ -8,9 +8,8 @@ use strum::VariantArray;
 
 use crate::scene::check::FACTORS;
 use crate::scene::{Easing, Keyframe, Motion, MotionPath, Scene, Tempo, motion};
-use crate::ui::panels::{
-    DEGREES, MM, PLAIN, Unit, bare_number, choice, coordinates, count, fact, form, heading, number, variants,
-};
+use crate::ui::panels::form::{choice, coordinates, count, heading, variants};
+use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_number, fact, form, number};
 
 /// Of a cycle, between two keyframes.
 const APART: f64 = 1e-4;

@@ -4,7 +4,7 @@ use egui::Ui;
 use egui_plot::{HLine, Line, PlotPoints};
 
 use crate::scene::Part;
-use crate::ui::panels::{heading, still_plot};
+use crate::ui::panels::form::{heading, still_plot};
 use crate::ui::{Sound, theme};
 
 /// Positions (mm) along all strokes in sequence, with the pressure relative to the target's mean; a curve per stroke.

@@ -7,9 +7,8 @@ use strum::VariantArray;
 use crate::acoustics::Air;
 use crate::scene::{ElementModel, Listener, Target};
 use crate::studio::probe;
-use crate::ui::panels::{
-    MM, PLAIN, Unit, bead, boards, choice, count, fact, form, given, heading, number, target,
-};
+use crate::ui::panels::form::{choice, count, given, heading};
+use crate::ui::panels::{MM, PLAIN, Unit, bead, boards, fact, form, number, target};
 use crate::ui::{Editor, Shown, clipboard, edit, element_map, group, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {

@@ -6,7 +6,8 @@ use crate::rounding::{millimetres, milliseconds, percent_at_least};
 use crate::scene::{Aim, Amplitudes, Method, Pressures, Turns};
 use crate::solver::{Figures, Quality, Solution};
 use crate::studio::convention::Convention;
-use crate::ui::panels::{PLAIN, choice, count, fact, form, heading, number, profile, variants};
+use crate::ui::panels::form::{choice, count, heading, variants};
+use crate::ui::panels::{PLAIN, fact, form, number, profile};
 use crate::ui::{Command, Editor, Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {

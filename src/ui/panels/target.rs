@@ -5,13 +5,10 @@ use glam::DVec3;
 
 use crate::scene::check::{MOST_FOCI, MOST_LETTERS};
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, Trap, font};
-use crate::ui::edit;
+use crate::ui::panels::form::{bare_count, choice, coordinates, count, variants};
 use crate::ui::panels::path::{self, Figures};
-use crate::ui::panels::{
-    DEGREES, MM, PLAIN, Unit, bare_count, bare_number, caption, choice, coordinates, count, form, number,
-    value, variants,
-};
-use crate::ui::theme;
+use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_number, caption, form, number, value};
+use crate::ui::{edit, theme};
 
 /// Initial spacing of an outline's focal points, m.
 const SPACING: f64 = 0.01;

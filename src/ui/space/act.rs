@@ -7,8 +7,9 @@ use glam::{DVec2, DVec3};
 
 use crate::field::volume::Camera;
 use crate::scene::{Target, outline};
+use crate::ui::space::Stage;
 use crate::ui::space::handle::{self, Handle};
-use crate::ui::space::{Held, Stage};
+use crate::ui::space::view::Held;
 use crate::ui::tool::Tool;
 use crate::ui::{Editor, Shown, canvas, group};
 

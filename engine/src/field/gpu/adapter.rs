@@ -1,7 +1,8 @@
 //! GPU adapters: enumeration and selection.
 
 use crate::field::GpuError;
-use crate::field::gpu::Gpu;
+use crate::field::gpu::device::Gpu;
+use crate::field::gpu::tuning::{AdapterInfo, Kind};
 
 /// Interfaces that compute. Without OpenGL, which offers the same adapters with half of their limits; closing it beside
 /// Vulkan devices of other threads deadlocked NVIDIA's driver (580.159).
@@ -9,62 +10,9 @@ const BACKENDS: wgpu::Backends = wgpu::Backends::PRIMARY;
 
 #[cfg(not(target_arch = "wasm32"))]
 const NONE: &str = "no graphics driver offers one";
+
 #[cfg(target_arch = "wasm32")]
 const NONE: &str = "the browser offers none by WebGPU";
-
-/// Description of an adapter for the user.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct AdapterInfo {
-    pub name: String,
-    /// Vulkan, Metal, Dx12 or BrowserWebGpu.
-    pub backend: String,
-    pub driver: String,
-    pub kind: Kind,
-}
-
-/// Kinds of adapter, the best first.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
-    Discrete,
-    Integrated,
-    Virtual,
-    Other,
-    /// A software adapter on the CPU: correct, but slower than our own CPU evaluator.
-    Software,
-}
-
-impl AdapterInfo {
-    pub(super) fn new(adapter: &wgpu::Adapter) -> Self {
-        let info = adapter.get_info();
-        // Browsers may hide the name.
-        let name = if info.name.is_empty() { "WebGPU".to_owned() } else { info.name };
-        Self {
-            name,
-            backend: format!("{:?}", info.backend),
-            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
-            kind: match info.device_type {
-                wgpu::DeviceType::DiscreteGpu => Kind::Discrete,
-                wgpu::DeviceType::IntegratedGpu => Kind::Integrated,
-                wgpu::DeviceType::VirtualGpu => Kind::Virtual,
-                wgpu::DeviceType::Other => Kind::Other,
-                wgpu::DeviceType::Cpu => Kind::Software,
-            },
-        }
-    }
-}
-
-impl std::fmt::Display for AdapterInfo {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let kind = match self.kind {
-            Kind::Discrete => "discrete GPU",
-            Kind::Integrated => "integrated GPU",
-            Kind::Virtual => "virtual GPU",
-            Kind::Other => "other adapter",
-            Kind::Software => "software adapter",
-        };
-        write!(f, "{} ({kind}, {}, {})", self.name, self.backend, self.driver)
-    }
-}
 
 /// Every adapter that a driver offers, the best first.
 #[cfg(not(target_arch = "wasm32"))]

@@ -5,10 +5,11 @@ use num_complex::Complex32;
 use wgpu::{BindingResource, BufferUsages};
 
 use crate::field::GpuError;
+use crate::field::gpu::device::Step;
 use crate::field::gpu::program::{DirectParams, FormParams, Program};
 use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::tuning::WORKGROUP;
-use crate::field::gpu::{Gpu, Reading, Step};
+use crate::field::gpu::{Gpu, Reading};
 use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, Part, Quantity, Sound};
 use crate::field::vicinity::LeftOut;
@@ -105,24 +106,29 @@ impl Forming {
     }
 }
 
-/// The values of sounds.
-pub(super) fn form(
-    gpu: &Gpu,
-    quantity: Quantity,
-    sounds: &[Sound],
-    constants: &Constants,
-) -> Result<Vec<f32>, GpuError> {
-    let parts: Vec<Complex32> = Part::of(quantity.declaration().parts)
-        .flat_map(|part| sounds.iter().copied().map(move |mut sound| *sound.part_mut(part)))
-        .collect();
-    let sound = gpu.filled("sound", bytemuck::cast_slice(&parts), BufferUsages::STORAGE);
-    let mut forming = Forming::new(gpu, quantity, sounds.len());
-    forming.take(gpu, &sound, [sounds.len(), 1], 0, &LeftOut::default().bits(0..sounds.len()));
-    forming.set(gpu, constants, 1.0);
-    let mut encoder = gpu.encoder();
-    for step in &forming.steps {
-        step.run(&mut encoder.begin_compute_pass(&Default::default()));
+impl Gpu {
+    /// The value of every sound. Blocks.
+    ///
+    /// # Errors
+    /// The device was lost or has not enough memory.
+    pub fn form(
+        &self,
+        quantity: Quantity,
+        sounds: &[Sound],
+        constants: &Constants,
+    ) -> Result<Vec<f32>, GpuError> {
+        let parts: Vec<Complex32> = Part::of(quantity.declaration().parts)
+            .flat_map(|part| sounds.iter().copied().map(move |mut sound| *sound.part_mut(part)))
+            .collect();
+        let sound = self.filled("sound", bytemuck::cast_slice(&parts), BufferUsages::STORAGE);
+        let mut forming = Forming::new(self, quantity, sounds.len());
+        forming.take(self, &sound, [sounds.len(), 1], 0, &LeftOut::default().bits(0..sounds.len()));
+        forming.set(self, constants, 1.0);
+        let mut encoder = self.encoder();
+        for step in &forming.steps {
+            step.run(&mut encoder.begin_compute_pass(&Default::default()));
+        }
+        let bytes = Reading::new(self, encoder, &forming.values).wait(self)?;
+        Ok(bytemuck::cast_slice(&bytes)[..sounds.len()].to_vec())
     }
-    let bytes = Reading::new(gpu, encoder, &forming.values).wait(gpu)?;
-    Ok(bytemuck::cast_slice(&bytes)[..sounds.len()].to_vec())
 }

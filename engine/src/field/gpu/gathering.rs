@@ -3,9 +3,10 @@
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
+use crate::field::gpu::Gpu;
+use crate::field::gpu::device::Step;
 use crate::field::gpu::program::{GatherParams, Program};
 use crate::field::gpu::tuning::WORKGROUP;
-use crate::field::gpu::{Gpu, Step};
 use crate::field::quantity::{Part, Sound};
 
 /// The results of a map for panels.

@@ -3,9 +3,10 @@
 use wgpu::{BindingResource, TextureUsages};
 
 use crate::field::colouring::{Colouring, SMALLEST, Scale};
+use crate::field::gpu::Gpu;
+use crate::field::gpu::device::Step;
 use crate::field::gpu::program::{PictureParams, Program};
 use crate::field::gpu::tuning::WORKGROUP;
-use crate::field::gpu::{Gpu, Step};
 
 /// A picture on the GPU, r, g, b, a in 8 bits each; of a map row 0 is at the smallest y, of space at the top.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use crate::field::colouring::{SMALLEST, Scale};
 use crate::field::gpu::tuning::{Tuning, WORKGROUP};
 use crate::field::quantity::{Norm, PRESSURE, Part, Quantity};
 use crate::field::sources::{COSINE, MOST_NODES, SINE};
-use crate::field::volume::sampling::BRICK;
+use crate::field::volume::bricks::BRICK;
 use crate::field::volume::{march, scenery};
 
 /// Number of element vectors in a uniform buffer of 16 KiB, available on all adapters.

@@ -2,9 +2,10 @@
 
 use wgpu::{BindingResource, BufferUsages};
 
+use crate::field::gpu::Gpu;
+use crate::field::gpu::device::Step;
 use crate::field::gpu::program::{InterpolationParams, Program};
 use crate::field::gpu::tuning::WORKGROUP;
-use crate::field::gpu::{Gpu, Step};
 use crate::field::interpolation::Resampling;
 
 /// The layout of samples and pixels of an interpolation.

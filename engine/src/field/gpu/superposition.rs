@@ -9,9 +9,10 @@ use bytemuck::Zeroable;
 use num_complex::Complex32;
 use wgpu::BufferUsages;
 
+use crate::field::gpu::device::Step;
 use crate::field::gpu::program::{FieldProgram, Params, Program, UNIFORM_ELEMENTS, Waves};
 use crate::field::gpu::tuning::MOST_GROUPS;
-use crate::field::gpu::{Gpu, Reading, Step};
+use crate::field::gpu::{Gpu, Reading};
 use crate::field::sources::MOST_NODES;
 use crate::field::{GpuError, Samples, Sources, Wave};
 
@@ -142,18 +143,24 @@ impl Superposition {
     }
 }
 
-/// The field of all boards at their samples, in pieces that fit a buffer.
-pub(super) fn pressure(gpu: &Gpu, faces: &[Sources<'_>]) -> Result<Vec<Complex32>, GpuError> {
-    let mut sum = Vec::new();
-    for face in faces {
-        let field = of_face(gpu, face)?;
-        if sum.is_empty() {
-            sum = field;
-        } else {
-            sum.iter_mut().zip(field).for_each(|(sum, p)| *sum += p);
+impl Gpu {
+    /// Complex pressure (Pa, peak) of all boards together at every sample, in pieces that fit a
+    /// buffer. Waits for it.
+    ///
+    /// # Errors
+    /// The device was lost or has not enough memory.
+    pub fn pressure(&self, faces: &[Sources<'_>]) -> Result<Vec<Complex32>, GpuError> {
+        let mut sum = Vec::new();
+        for face in faces {
+            let field = of_face(self, face)?;
+            if sum.is_empty() {
+                sum = field;
+            } else {
+                sum.iter_mut().zip(field).for_each(|(sum, p)| *sum += p);
+            }
         }
+        Ok(sum)
     }
-    Ok(sum)
 }
 
 fn of_face(gpu: &Gpu, sources: &Sources<'_>) -> Result<Vec<Complex32>, GpuError> {
@@ -242,7 +249,7 @@ mod tests {
                 let phases = (0..elements).map(|n| 0.7 * (n * n) as f64).collect();
                 let drive = Drive { amplitudes: vec![1.0; elements], phases };
                 let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
-                let field = pressure(&gpu, &sources).unwrap();
+                let field = gpu.pressure(&sources).unwrap();
                 let expected = reference::pressure(&aperture, &drive, &samples);
                 assert_eq!(field.len(), expected.len(), "{name}");
                 let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);

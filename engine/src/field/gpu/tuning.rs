@@ -1,7 +1,5 @@
 //! Work sizes per kind of adapter: values that suit software adapters starve hardware.
 
-use crate::field::gpu::adapter::Kind;
-
 /// Invocations in a workgroup, except of the field in slices.
 pub const WORKGROUP: u32 = 64;
 /// Limit of invocations in a workgroup on all adapters.
@@ -74,5 +72,59 @@ impl Tuning {
             (true, _) => [16, 1],
             (false, _) => [4, 1],
         }
+    }
+}
+
+/// Description of an adapter for the user.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdapterInfo {
+    pub name: String,
+    /// Vulkan, Metal, Dx12 or BrowserWebGpu.
+    pub backend: String,
+    pub driver: String,
+    pub kind: Kind,
+}
+
+/// Kinds of adapter, the best first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    Discrete,
+    Integrated,
+    Virtual,
+    Other,
+    /// A software adapter on the CPU: correct, but slower than our own CPU evaluator.
+    Software,
+}
+
+impl AdapterInfo {
+    pub(super) fn new(adapter: &wgpu::Adapter) -> Self {
+        let info = adapter.get_info();
+        // Browsers may hide the name.
+        let name = if info.name.is_empty() { "WebGPU".to_owned() } else { info.name };
+        Self {
+            name,
+            backend: format!("{:?}", info.backend),
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
+            kind: match info.device_type {
+                wgpu::DeviceType::DiscreteGpu => Kind::Discrete,
+                wgpu::DeviceType::IntegratedGpu => Kind::Integrated,
+                wgpu::DeviceType::VirtualGpu => Kind::Virtual,
+                wgpu::DeviceType::Other => Kind::Other,
+                wgpu::DeviceType::Cpu => Kind::Software,
+            },
+        }
+    }
+}
+
+impl std::fmt::Display for AdapterInfo {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let kind = match self.kind {
+            Kind::Discrete => "discrete GPU",
+            Kind::Integrated => "integrated GPU",
+            Kind::Virtual => "virtual GPU",
+            Kind::Other => "other adapter",
+            Kind::Software => "software adapter",
+        };
+        write!(f, "{} ({kind}, {}, {})", self.name, self.backend, self.driver)
     }
 }

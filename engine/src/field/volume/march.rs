@@ -5,7 +5,7 @@ use glam::{UVec3, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use crate::field::volume::Volume;
-use crate::field::volume::sampling::BRICK;
+use crate::field::volume::bricks::BRICK;
 use crate::field::volume::scenery::{
     Body, DISC, DOT, LINE, MOST_MET, PANEL, SLICE, Shot, ShotParams, TILE, Thing,
 };

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::scene::check::KeyError;
 use crate::scene::motion::track::Track;
+use crate::scene::range::KeyError;
 use crate::scene::run::Vertex;
 use crate::scene::{Focus, Shape, Target, outline};
 

@@ -2,13 +2,14 @@
 
 use glam::DVec3;
 
-use crate::scene::check::{KeyError, MOST_FOCI};
+use crate::scene::check::MOST_FOCI;
 use crate::scene::motion::Round;
 use crate::scene::motion::course::Course;
 use crate::scene::motion::cycle::{self, Cycle, Group, cycle};
 use crate::scene::motion::limits::{
     behind, check_group, check_memory, check_steps, check_turns, key, refuse, steps,
 };
+use crate::scene::range::KeyError;
 use crate::scene::run::Vertex;
 use crate::scene::space::Front;
 use crate::scene::{Focus, MotionPath, Scene, Shape, Target, outline};

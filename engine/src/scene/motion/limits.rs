@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 
-use crate::scene::check::{Key, KeyError, RATES};
+use crate::scene::check::RATES;
 use crate::scene::motion::cycle::Group;
+use crate::scene::range::{Key, KeyError};
 use crate::scene::space::Front;
 use crate::scene::{Focus, MotionPath, Scene, Tempo};
 

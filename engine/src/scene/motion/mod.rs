@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
-use crate::scene::check::{Key, KeyError};
+use crate::scene::range::{Key, KeyError};
 use crate::scene::run::Vertex;
 
 pub use cycle::{Cycle, Group, cycle, has_dynamics, moves, runs};

@@ -3,107 +3,50 @@
 
 mod starts;
 mod stiffness;
+mod traps;
 
-use std::cmp::Ordering;
-
-use web_time::{Duration, Instant};
-
-use glam::DVec3;
-use num_complex::Complex64;
-use rayon::prelude::*;
-
-use crate::acoustics::{Air, Aperture, Emitters};
-use crate::force::{Sphere, modes};
 use crate::gauge::Gauge;
-use crate::scene::{Focus, Part, Scene, Shape, Trap};
 use crate::solver::descent::Descent;
 use crate::solver::{Excitation, Problem, iteration};
+use num_complex::Complex64;
+use rayon::prelude::*;
+use std::cmp::Ordering;
+use stiffness::{Places, Stiffness, phasors};
+use web_time::{Duration, Instant};
 
 pub use starts::signature;
-use stiffness::{Places, Stiffness, phasors};
+pub use traps::Traps;
 
 /// Steps of a descent between corrections of the multipliers.
 const STEPS: usize = 20;
+
 /// Corrections of every start (and of phases that settled into balance), of the best few, and of the best; and how many
 /// the best few are.
 const EACH: usize = 2;
+
 const MORE: usize = 3;
+
 const LAST: usize = 5;
+
 const FEW: usize = 3;
+
 /// Corrections of a drive that goes on from a frame before.
 const ONWARD: usize = 2;
+
 /// Scattered starts of a trap before a single board.
 const SCATTERED: usize = 3;
+
 /// Steps towards stiffness where nothing carries the bead: while some trap pushes it away, and otherwise.
 const PATIENCE: usize = 400;
+
 const YIELDING: usize = 60;
 
-/// The traps of a scene, and the bead.
-#[derive(Clone, Debug)]
-pub struct Traps {
-    sphere: Sphere,
-    /// N, towards -z.
-    load: f64,
-    traps: Vec<Wanted>,
-}
-
-/// One of them.
-#[derive(Clone, Debug)]
-struct Wanted {
-    trap: Trap,
-    charge: i32,
-    at: DVec3,
-    /// From the trap's axes to the scene's.
-    turn: glam::DQuat,
-    /// Its lobes among the foci.
-    foci: std::ops::Range<usize>,
-}
-
-impl Traps {
-    /// The traps whose lobes are foci; `None` without traps.
-    pub fn of_scene(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Option<Self> {
-        let air = Air::new(&scene.medium, scene.array.frequency);
-        let mut traps: Vec<Wanted> = Vec::new();
-        let mut start = 0;
-        while start < foci.len() {
-            let Part::Trap(index) = foci[start].part else {
-                start += 1;
-                continue;
-            };
-            let target = &scene.targets[index];
-            let Shape::Trap { trap, charge, .. } = target.shape else {
-                start += 1;
-                continue;
-            };
-            let lobes = trap.lobes(charge, aperture.wavelength());
-            let range = start..(start + lobes.len()).min(foci.len());
-            let turn = target.turn();
-            // Motions move the lobes; the trap moves with them.
-            let places = range.clone().zip(&lobes).map(|(i, lobe)| foci[i].position - turn * lobe.at);
-            let at = places.sum::<DVec3>() / range.len() as f64;
-            start = range.end;
-            traps.push(Wanted { trap, charge, at, turn, foci: range });
-        }
-        let sphere = Sphere::new(&scene.bead, &air, aperture.element.wavenumber);
-        (!traps.is_empty()).then(|| Self { sphere, load: sphere.load(scene.liquid.gravity), traps })
-    }
-
-    fn places<'a>(&self, problem: &'a Problem<'_>, first: &[Complex64]) -> Places<'a> {
-        let is_lobe = |i: &usize| self.traps.iter().any(|trap| trap.foci.contains(i));
-        let foci = (0..problem.foci.len()).filter(|i| !is_lobe(i)).collect();
-        let at: Vec<_> = self.traps.iter().map(|trap| trap.at).collect();
-        Places::new(problem, (self.sphere, self.load), &at, foci, first)
-    }
-
-    /// The weakest stiffness (N/m) of each trap under a drive.
-    pub fn weakest(&self, aperture: &Aperture, excitation: &[Complex64]) -> Vec<f64> {
-        let emitters = Emitters::new(aperture, excitation);
-        let of = |trap: &Wanted| {
-            let stiffness = self.sphere.stiffness(&emitters.derivatives(trap.at));
-            modes(&((stiffness + stiffness.transpose()) * 0.5))[0].stiffness
-        };
-        self.traps.iter().map(of).collect()
-    }
+/// The functions of a drive whose minimum is that of the traps; foci beside them keep their pressure of a first drive.
+fn places<'a>(traps: &Traps, problem: &'a Problem<'_>, first: &[Complex64]) -> Places<'a> {
+    let is_lobe = |i: &usize| traps.traps.iter().any(|trap| trap.foci.contains(i));
+    let foci = (0..problem.foci.len()).filter(|i| !is_lobe(i)).collect();
+    let at: Vec<_> = traps.traps.iter().map(|trap| trap.at).collect();
+    Places::new(problem, (traps.sphere, traps.load), &at, foci, first)
 }
 
 /// The drive of traps with the largest smallest stiffness in balance of force and weight at every trap, from several
@@ -111,7 +54,7 @@ impl Traps {
 pub fn best(problem: &Problem<'_>, traps: &Traps, time: Duration) -> Excitation {
     let (begun, gauge) = (Instant::now(), Gauge::current());
     let named = signature(problem, traps);
-    let places = traps.places(problem, &named);
+    let places = places(traps, problem, &named);
     let elements = named.len();
     let mut starts = vec![named];
     let is_between = traps.traps.iter().any(|trap| starts::is_between(problem.aperture, trap));
@@ -152,7 +95,7 @@ pub fn best(problem: &Problem<'_>, traps: &Traps, time: Duration) -> Excitation 
 /// The same from another drive, of a frame before: the phases change as little as balance and stiffness allow.
 pub fn best_from(problem: &Problem<'_>, traps: &Traps, before: &[Complex64]) -> Excitation {
     let start: Vec<_> = before.iter().map(|u| iteration::phase(*u)).collect();
-    let places = traps.places(problem, &start);
+    let places = places(traps, problem, &start);
     let mut onward = Climb::new(&places, &start);
     onward.go(ONWARD);
     if onward.found.holds() { onward.into_excitation() } else { best(problem, traps, Duration::ZERO) }
@@ -289,9 +232,13 @@ impl Found {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::acoustics::Aperture;
     use crate::drive::Drive;
     use crate::force::Levitation;
+    use crate::force::modes;
     use crate::scene::{Bead, Target, outline};
+    use crate::scene::{Scene, Shape, Trap};
+    use glam::DVec3;
 
     /// A trap before a board of 4 x 4 elements.
     pub(super) fn before_board(trap: Trap) -> Scene {

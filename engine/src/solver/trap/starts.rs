@@ -10,7 +10,8 @@ use crate::acoustics::Aperture;
 use crate::gauge;
 use crate::scene::Trap;
 use crate::solver::starts::scatter;
-use crate::solver::trap::{Traps, Wanted};
+use crate::solver::trap::Traps;
+use crate::solver::trap::traps::Wanted;
 use crate::solver::{Problem, iteration};
 
 /// Weighted Gerchberg-Saxton's steps on lobes.

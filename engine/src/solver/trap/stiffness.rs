@@ -293,7 +293,7 @@ mod tests {
     use crate::acoustics::Aperture;
     use crate::scene::{Bead, Board, Scene, Shape, Target, Trap, outline};
     use crate::solver::trap::tests::before_board;
-    use crate::solver::trap::{Traps, signature};
+    use crate::solver::trap::{Traps, places, signature};
 
     /// A function at some phases beside its start.
     fn beside_start<T>(scene: &Scene, try_out: impl Fn(&mut Stiffness<'_>, Vec<f64>) -> T) -> T {
@@ -301,7 +301,7 @@ mod tests {
         let problem = Problem::of_scene(scene, &aperture, outline::foci(scene).unwrap());
         let traps = problem.traps.as_ref().unwrap();
         let start = signature(&problem, traps);
-        let places = traps.places(&problem, &start);
+        let places = places(traps, &problem, &start);
         let x = start.iter().enumerate().map(|(n, u)| u.arg() + 0.3 * (n as f64).sin()).collect();
         try_out(&mut Stiffness::new(&places, &start), x)
     }
@@ -390,7 +390,7 @@ mod tests {
         let problem = Problem::of_scene(&scene, &aperture, outline::foci(&scene).unwrap());
         let traps = problem.traps.as_ref().unwrap();
         let start = signature(&problem, traps);
-        let places = traps.places(&problem, &start);
+        let places = places(traps, &problem, &start);
         let keeps = |power: f64| {
             let u: Vec<_> = start.iter().map(|u| u * power.sqrt()).collect();
             places.keeps_foci(&u)
@@ -409,7 +409,7 @@ mod tests {
         let problem = Problem::of_scene(&scene, &aperture, foci);
         let traps: &Traps = problem.traps.as_ref().unwrap();
         let start = signature(&problem, traps);
-        let places = traps.places(&problem, &start);
+        let places = places(traps, &problem, &start);
         assert!(matches!(places.foci[..], [(_, square)] if square == 0.0), "{:?}", places.foci);
         assert!(places.keeps_foci(&start));
     }

@@ -1,0 +1,461 @@
+//! The elements of all boards with their images in reflectors.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3};
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::acoustics::air::Air;
+use crate::acoustics::element::Element;
+use crate::acoustics::face;
+use crate::acoustics::face::{Face, Layout, Pose};
+use crate::acoustics::row::Rows;
+use crate::acoustics::transfer::Transfer;
+use crate::scene::{Placed, Reflector, Scene};
+
+/// The array as a radiator: boards of equal elements at known positions, the driven ones, and their images in
+/// reflectors.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Aperture {
+    pub element: Element,
+    /// m, of every element, board after board.
+    pub positions: Vec<DVec3>,
+    /// Unit vectors: the directions in which they radiate.
+    pub normals: Vec<DVec3>,
+    /// m, between neighbours.
+    pub pitch: f64,
+    /// Indices into `positions` of the driven elements, in ascending order.
+    pub driven: Vec<usize>,
+    /// The boards, and after them their images, the loudest first.
+    pub faces: Vec<Face>,
+    /// A bound on the sound of the reflections that a series leaves out, relative to the board's own sound.
+    pub remainder: f64,
+    /// The reflectors, behind which there is no sound.
+    pub mirrors: Vec<Reflector>,
+}
+
+impl Aperture {
+    pub fn new(scene: &Scene) -> Self {
+        let array = &scene.array;
+        let air = Air::new(&scene.medium, array.frequency);
+        let element = Element {
+            model: array.element,
+            wavenumber: TAU * array.frequency / air.sound_speed,
+            radius: array.element_radius,
+            strength: array.strength,
+            attenuation: air.attenuation,
+        };
+        let placed = array.places();
+        let (layout, columns) = match array.file {
+            Some(_) => {
+                (Layout { normals: placed.iter().map(|it| it.normal).collect(), ..flat(&placed) }, None)
+            }
+            None => (flat(&placed), Some(array.columns as usize)),
+        };
+        let (layout, own) = Layout { columns, ..layout }.level();
+        let (layout, standing) = (Arc::new(layout), scene.standing());
+        let poses: Vec<_> = standing.iter().map(Pose::of).collect();
+        let board = |(number, pose): (usize, &Pose)| {
+            Face::board(pose.after(&own), Arc::clone(&layout), number * placed.len())
+        };
+        let mut faces: Vec<_> = poses.iter().enumerate().map(board).collect();
+        let mirrors = scene.mirrors();
+        let (images, remainder) = face::images(&faces, &mirrors, &standing, array.reflectivity);
+        faces.extend(images);
+        let all = || poses.iter().flat_map(|pose| placed.iter().map(move |it| (pose, it)));
+        let off: std::collections::HashSet<_> = array.off.iter().copied().collect();
+        Self {
+            element,
+            positions: all().map(|(pose, it)| pose.world(it.at)).collect(),
+            normals: all().map(|(pose, it)| pose.world_direction(it.normal)).collect(),
+            pitch: array.pitch,
+            driven: (0..scene.elements()).filter(|n| !off.contains(n)).collect(),
+            faces,
+            remainder,
+            mirrors,
+        }
+    }
+
+    /// The same elements at other positions in z = 0 (m), all driven, without reflectors.
+    pub fn with_elements(&self, positions: Vec<DVec3>) -> Self {
+        let layout = Layout { positions: positions.clone(), normals: Vec::new(), columns: None };
+        Self {
+            normals: vec![DVec3::Z; positions.len()],
+            driven: (0..positions.len()).collect(),
+            faces: vec![Face::board(Pose::HOME, Arc::new(layout), 0)],
+            positions,
+            remainder: 0.0,
+            mirrors: Vec::new(),
+            ..*self
+        }
+    }
+
+    /// m
+    pub fn wavelength(&self) -> f64 {
+        TAU / self.element.wavenumber
+    }
+
+    /// The boards without their images.
+    pub fn boards(&self) -> impl Iterator<Item = &Face> {
+        self.faces.iter().take_while(|face| face.is_direct())
+    }
+
+    /// Columns and rows of the array, if it is a single flat board centred in z = 0 without reflections.
+    pub fn lattice(&self) -> Option<[usize; 2]> {
+        match &self.faces[..] {
+            [face] if face.pose == Pose::HOME => {
+                face.layout.columns.map(|columns| [columns, self.positions.len() / columns])
+            }
+            _ => None,
+        }
+    }
+
+    /// The incident sound on a reflector, half of the total pressure there: sources on its sound side, without its
+    /// own images, scaled by (1 + coefficient)/2.
+    pub fn incident_on(&self, mirror: &Reflector) -> Self {
+        let heard = self.faces.iter().filter(|face| mirror.height(face.pose.world(DVec3::ZERO)) > 0.0);
+        let gain = f64::midpoint(1.0, mirror.coefficient);
+        let faces = heard.map(|face| Face { gain: gain * face.gain, ..face.clone() }).collect();
+        Self { faces, ..self.clone() }
+    }
+
+    /// m: the farthest element from the middle of its board, along x and along y of the board.
+    pub fn reach(&self) -> DVec2 {
+        let of_board = |board: &Face| {
+            let (low, high) = board.corners();
+            low.abs().max(high.abs())
+        };
+        self.boards().map(of_board).fold(DVec2::ZERO, DVec2::max)
+    }
+
+    /// The planes behind which some elements are silent: a point and the direction of radiation of each.
+    pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
+        let of_face = |face: &Face| {
+            let elements = if face.layout.is_flat() { 0..1 } else { 0..face.layout.positions.len() };
+            let wall = |n: usize| {
+                let at = if face.layout.is_flat() { DVec3::ZERO } else { face.layout.positions[n] };
+                (face.pose.world(at), face.pose.world_direction(face.layout.normal(n)))
+            };
+            elements.map(wall).collect::<Vec<_>>()
+        };
+        self.faces.iter().flat_map(of_face).collect()
+    }
+
+    /// The box around the centres of a board's driven elements, in its own coordinates: its smallest and its largest
+    /// corner, m. `None` without driven elements.
+    pub fn extent(&self, board: &Face) -> Option<(DVec3, DVec3)> {
+        let driven = &self.driven[board.among(&self.driven)];
+        let places = driven.iter().map(|&n| board.layout.positions[n - board.first]);
+        let grow = |(low, high): (DVec3, DVec3), at: DVec3| (low.min(at), high.max(at));
+        (!driven.is_empty()).then(|| places.fold((DVec3::MAX, DVec3::MIN), grow))
+    }
+
+    /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; including reflections.
+    pub fn transfer(&self, points: &[DVec3]) -> Transfer {
+        let mut transfer = Transfer::zeros(points.len(), self.driven.len());
+        Rows::new(self).fill(points, &mut transfer);
+        transfer
+    }
+
+    /// [`Transfer::in_turn`] at many points, without room for their transfer.
+    ///
+    /// # Panics
+    /// Other than a value per driven element and drive.
+    pub fn pressures(&self, points: &[DVec3], drives: &[Complex64]) -> Vec<Complex64> {
+        /// Points per task of a thread.
+        const TASK: usize = 128;
+        /// Rows of some hundred elements that stay in the nearest cache, with their drive.
+        const RUN: usize = 4;
+        let rows = Rows::new(self);
+        let room = |points: usize| Transfer::zeros(points, self.driven.len());
+        let drives: Vec<_> =
+            drives.chunks(self.driven.len().max(1)).map(|drive| room(0).played(drive)).collect();
+        let of_task = |(points, pressures): (&[DVec3], &mut [Complex64])| {
+            let mut transfer = room(RUN.min(points.len()));
+            for (points, to) in points.chunks(RUN).zip(pressures.chunks_mut(RUN)) {
+                rows.fill(points, &mut transfer);
+                to.copy_from_slice(&transfer.taking_turns(&drives));
+            }
+        };
+        let mut pressures = vec![Complex64::ZERO; points.len()];
+        if points.len() <= TASK {
+            of_task((points, &mut pressures));
+        } else {
+            points.par_chunks(TASK).zip(pressures.par_chunks_mut(TASK)).for_each(of_task);
+        }
+        pressures
+    }
+
+    /// The resolution (m) near a point: λ/(2 NA), NA the sine of half the angle subtended by the wider side of the
+    /// widest board.
+    pub fn resolution(&self) -> impl Fn(DVec3) -> f64 {
+        let boards: Vec<_> =
+            self.boards().filter_map(|board| Some((board.pose, self.extent(board)?))).collect();
+        let wavelength = self.wavelength();
+        move |point| {
+            let widest = |(pose, (low, high)): &(Pose, (DVec3, DVec3))| {
+                let point = pose.local(point);
+                let half_angle = |low: f64, high: f64, x: f64| {
+                    (((high - x) / point.z).atan() - ((low - x) / point.z).atan()) / 2.0
+                };
+                half_angle(low.x, high.x, point.x).max(half_angle(low.y, high.y, point.y)).sin()
+            };
+            let widest = boards.iter().map(widest).fold(1e-6, f64::max);
+            wavelength / (2.0 * widest)
+        }
+    }
+}
+
+/// Elements of a board that all radiate along z.
+pub fn flat(placed: &[Placed]) -> Layout {
+    Layout { positions: placed.iter().map(|it| it.at).collect(), normals: Vec::new(), columns: None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::acoustics::{Clearance, Emitters, element};
+    use crate::scene::{Array, Board, ElementModel, Elements, Placed};
+
+    #[test]
+    fn elements_are_numbered_row_by_row_and_centred() {
+        let array = Array { rows: 3, columns: 4, pitch: 0.01, ..Array::default() };
+        let Aperture { positions, .. } = Aperture::new(&Scene { array, ..Scene::default() });
+        assert_eq!(positions.len(), 12);
+        assert!(positions[0].distance(DVec3::new(-0.015, -0.01, 0.0)) < 1e-15);
+        assert!(positions[1].distance(DVec3::new(-0.005, -0.01, 0.0)) < 1e-15, "x runs fastest");
+        assert!(positions[11].distance(DVec3::new(0.015, 0.01, 0.0)) < 1e-15);
+    }
+
+    #[test]
+    fn elements_that_are_off_have_no_column() {
+        let mut scene = Scene::default();
+        scene.array.off = vec![3, 3, 255];
+        let aperture = Aperture::new(&scene);
+        assert_eq!(aperture.driven.len(), 254);
+        assert!(!aperture.driven.contains(&3));
+        let point = DVec3::new(0.0, 0.0, 0.1);
+        assert_eq!(
+            aperture.transfer(&[point]).at(0, 3),
+            Aperture::new(&Scene::default()).transfer(&[point]).at(0, 4)
+        );
+    }
+
+    #[test]
+    fn elements_in_a_level_plane_are_flat_at_any_height() {
+        for height in [0.0, 0.03, -0.2] {
+            let at = |n: i32| DVec3::new(0.01 * f64::from(n % 3), 0.01 * f64::from(n / 3), height);
+            let placed = (0..9).map(|n| Placed { at: at(n), normal: DVec3::Z }).collect();
+            let placed = Elements::new(placed, None);
+            let array = Array { placed, file: Some("raised.csv".to_owned()), ..Array::default() };
+            let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+            assert!(aperture.faces[0].layout.is_flat(), "{height} m");
+            for (n, position) in (0..9).zip(&aperture.positions) {
+                assert!(position.distance(at(n)) < 1e-15, "{height} m: {position}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_in_the_plane_of_a_board_hears_it_as_one_just_above() {
+        let mut scene =
+            Scene { array: Array { rows: 4, columns: 4, ..Array::default() }, ..Scene::default() };
+        for model in [ElementModel::Point, ElementModel::Piston] {
+            scene.array.element = model;
+            let emitters = Emitters::new(&Aperture::new(&scene), &[Complex64::ONE; 16]);
+            let at = |height: f64| emitters.derivatives(DVec3::new(0.013, -0.022, height * element::NEAREST));
+            let expected = at(1.0);
+            for height in [0.5, 0.0, -0.5] {
+                for (own, expected) in at(height).0.iter().zip(&expected.0) {
+                    let off = (own - expected).norm();
+                    assert!(off <= 1e-9 * expected.norm(), "{model:?} {height}: {own}, not {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn sound_on_a_reflector_is_half_of_the_total() {
+        let ceiling = Reflector { point: DVec3::Z * 0.2, normal: DVec3::NEG_Z, coefficient: 0.4 };
+        let array = Array { rows: 2, columns: 3, ..Array::default() };
+        let total = Aperture::new(&Scene { array, reflectors: vec![ceiling.clone()], ..Scene::default() });
+        let points = [DVec3::new(0.01, -0.02, 0.2), DVec3::new(-0.05, 0.03, 0.2)];
+        let (own, total) = (total.incident_on(&ceiling).transfer(&points), total.transfer(&points));
+        for (row, point) in points.iter().enumerate() {
+            for (own, total) in own.row(row).zip(total.row(row)) {
+                assert!((2.0 * own - total).norm() < 1e-9 * total.norm(), "{point}: {own} of {total}");
+            }
+        }
+    }
+
+    #[test]
+    fn every_value_of_a_transfer_has_its_place() {
+        let mut transfer = Transfer::zeros(3, 5);
+        let value = |point: usize, element: usize| Complex64::new(1.0 + point as f64, element as f64);
+        (0..15).for_each(|i| transfer.set(i / 5, i % 5, value(i / 5, i % 5)));
+        for (point, row) in transfer.rows().enumerate() {
+            assert!(row.enumerate().all(|(element, own)| own == value(point, element)), "{transfer:?}");
+        }
+    }
+
+    #[test]
+    fn walls_touch_the_elements() {
+        let placed = |at: DVec3| Placed { at, normal: (DVec3::Z * 0.1 - at).normalize_or_zero() };
+        let bowl = [(-0.05, 0.02), (0.0, 0.0), (0.04, 0.015)].map(|(x, z)| placed(DVec3::new(x, 0.0, z)));
+        let placed = Elements::new(bowl.to_vec(), None);
+        let array = Array { placed, file: Some("bowl.csv".to_owned()), ..Array::default() };
+        let curved = Aperture::new(&Scene { array, ..Scene::default() });
+        let walls = curved.walls();
+        assert_eq!(walls.len(), 3);
+        for ((at, direction), (position, normal)) in
+            walls.iter().zip(curved.positions.iter().zip(&curved.normals))
+        {
+            assert!(at.distance(*position) < 1e-12 && direction.distance(*normal) < 1e-12, "{at} {position}");
+        }
+        let flat = Aperture::new(&Scene::default());
+        let [(at, direction)] = flat.walls()[..] else { panic!("{:?}", flat.walls()) };
+        assert!(flat.positions.iter().all(|position| (position - at).dot(direction).abs() < 1e-12));
+    }
+
+    #[test]
+    fn the_resolution_is_that_of_the_aperture() {
+        let mut scene = Scene::default();
+        scene.array.pitch = 0.01;
+        let aperture = Aperture::new(&scene);
+        let na = (0.075f64 / 0.1).atan().sin();
+        let expected = aperture.wavelength() / (2.0 * na);
+        assert!((aperture.resolution()(DVec3::new(0.0, 0.0, 0.1)) - expected).abs() < 1e-12);
+    }
+
+    #[test]
+    fn pressures_are_the_transfer_times_drives_in_turn() {
+        let mut scene =
+            Scene { array: Array { rows: 3, columns: 7, ..Array::default() }, ..Scene::default() };
+        let mirror = Reflector { point: DVec3::Z * 0.2, normal: -DVec3::Z, coefficient: 0.7 };
+        for reflectors in [vec![], vec![mirror]] {
+            scene.reflectors = reflectors;
+            let aperture = Aperture::new(&scene);
+            let points: Vec<_> =
+                (0..37).map(|i| DVec3::new(0.002 * f64::from(i) - 0.03, 0.01, 0.12)).collect();
+            let drives: Vec<_> = (0..42).map(|n| Complex64::from_polar(1.0, f64::from(n * n))).collect();
+            for drives in [&drives[..21], &drives] {
+                let expected = aperture.transfer(&points).in_turn(drives);
+                assert_eq!(aperture.pressures(&points, drives), expected);
+                for (row, expected) in expected.iter().enumerate() {
+                    let of_drive = |drive: &[Complex64]| {
+                        aperture.transfer(&points).row(row).zip(drive).map(|(h, u)| h * u).sum::<Complex64>()
+                    };
+                    let squares = drives.chunks(21).map(|drive| of_drive(drive).norm_sqr());
+                    let rms = (squares.sum::<f64>() / (drives.len() / 21) as f64).sqrt();
+                    assert!((expected.norm() - rms).abs() < 1e-9 * rms);
+                    assert!((expected / of_drive(&drives[..21])).arg().abs() < 1e-9);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_series_of_reflections_leaves_out_what_comes_after_the_last() {
+        for (reflectivity, coefficient) in
+            [(0.0, 1.0), (0.5, 1.0), (0.98, 1.0), (0.999, -0.999), (1.0, 0.9999)]
+        {
+            let array = Array { rows: 2, columns: 2, reflectivity, ..Array::default() };
+            let reflectors = vec![Reflector { coefficient, ..Reflector::default() }];
+            let aperture = Aperture::new(&Scene { array, reflectors, ..Scene::default() });
+            let both: f64 = reflectivity * coefficient;
+            let last = (aperture.faces.len() - 2) / 2;
+            // A geometric series of sources, each farther away than the one before.
+            let rest = both.abs().powi(last as i32 + 1) / (1.0 - both.abs()) / (2 * last + 3) as f64;
+            let least = if last < 2000 { 0.0 } else { rest * (1.0 - 1e-9) };
+            assert!(
+                (least..=rest * (1.0 + 1e-9)).contains(&aperture.remainder),
+                "{both}: {}",
+                aperture.remainder
+            );
+            assert!(last == 2000 || rest < 1e-13, "{both}: {last}");
+        }
+    }
+
+    #[test]
+    fn sound_on_a_reflector_comes_from_the_boards_and_their_images_in_others() {
+        let array = Array { rows: 2, columns: 3, ..Array::default() };
+        let wall = Reflector { point: DVec3::X * 0.1, normal: DVec3::NEG_X, coefficient: -0.5 };
+        let ceiling = Reflector { point: DVec3::Z * 0.2, normal: DVec3::NEG_Z, coefficient: 0.4 };
+        let aperture = |reflectors: Vec<Reflector>| {
+            Aperture::new(&Scene { array: array.clone(), reflectors, ..Scene::default() })
+        };
+        let without = aperture(vec![wall.clone()]);
+        let with = aperture(vec![wall, ceiling.clone()]).incident_on(&ceiling);
+        let points = [DVec3::new(0.01, -0.02, 0.2), DVec3::new(-0.05, 0.03, 0.2)];
+        let (own, expected) = (with.transfer(&points), without.transfer(&points));
+        for (row, point) in points.iter().enumerate() {
+            for (own, expected) in own.row(row).zip(expected.row(row)) {
+                assert!((own - expected * 0.7).norm() < 1e-12 * expected.norm(), "{point}: {own} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn elements_of_bowls_and_domes_are_silent_behind_themselves() {
+        let at = |n: i32| DVec3::new(0.01 * f64::from(n % 3 - 1), 0.012 * f64::from(n / 3 - 1), 0.0);
+        let points: Vec<_> = (0..48)
+            .map(|i| DVec3::new(0.01 * f64::from(i % 4) - 0.015, 0.01 * f64::from(i / 4 % 4) - 0.015, 0.0))
+            .zip([-0.002, 0.001, 0.004].into_iter().cycle())
+            .map(|(point, z)| point.with_z(z))
+            .collect();
+        for bend in [10.0, -10.0] {
+            let placed = |at: DVec3| Placed {
+                at: at.with_z(bend * at.length_squared()),
+                normal: (DVec3::Z - at * (4.0 * bend)).normalize_or_zero(),
+            };
+            let placed = Elements::new((0..9).map(|n| placed(at(n))).collect(), None);
+            let array = Array { placed, file: Some("bowl.csv".to_owned()), ..Array::default() };
+            let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+            let transfer = aperture.transfer(&points);
+            let mut silent = 0;
+            for (row, point) in points.iter().enumerate() {
+                let elements = aperture.positions.iter().zip(&aperture.normals).zip(transfer.row(row));
+                for ((position, normal), own) in elements {
+                    let expected = aperture.element.towards(*point - *position, *normal);
+                    let off = (own - expected).norm();
+                    assert!(off <= 1e-9 * expected.norm(), "{point} of {position}: {own}, not {expected}");
+                    silent += usize::from(expected == Complex64::ZERO);
+                }
+            }
+            assert!((20..9 * points.len() - 20).contains(&silent), "{bend}: {silent}");
+        }
+    }
+
+    #[test]
+    fn images_are_no_boards() {
+        let board = |z: f64| Board { at: DVec3::Z * z, ..Board::default() };
+        let array = Array { rows: 2, columns: 2, ..Array::default() };
+        let boards = vec![board(0.0), board(-0.1)];
+        let reflectors =
+            vec![Reflector { point: DVec3::Z * 0.2, normal: DVec3::NEG_Z, ..Reflector::default() }];
+        let aperture = Aperture::new(&Scene { array, boards, reflectors, ..Scene::default() });
+        assert_eq!((aperture.boards().count(), aperture.faces.len()), (2, 4));
+        // Between the image of a board, at 0.4 m, and the boards.
+        assert!((Clearance::new(&aperture).at(DVec3::Z * 0.15) - 0.15).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_resolution_beside_the_axis_is_that_of_the_angle_between_the_ends() {
+        let array = Array { rows: 4, columns: 8, pitch: 0.01, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        for point in [DVec3::new(0.02, 0.0, 0.05), DVec3::new(-0.06, 0.01, 0.08), DVec3::new(0.3, 0.02, 0.03)]
+        {
+            let angle = |ends: [DVec3; 2]| {
+                let [a, b] = ends.map(|end| end - point);
+                a.angle_between(b)
+            };
+            let across = angle([-0.035, 0.035].map(|x| DVec3::new(x, point.y, 0.0)));
+            let up = angle([-0.015, 0.015].map(|y| DVec3::new(point.x, y, 0.0)));
+            let expected = aperture.wavelength() / (2.0 * (across.max(up) / 2.0).sin());
+            let own = aperture.resolution()(point);
+            assert!((own / expected - 1.0).abs() < 1e-9, "{point}: {own}, not {expected}");
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The elements of a board: a grid or a table, and how each radiates.
+
+use serde::{Deserialize, Serialize};
+use strum::VariantArray;
+
+use crate::scene::board::{Elements, Placed};
+use crate::scene::solver::is_zero;
+
+/// An array of equal elements, in rows and columns or at tabulated positions, radiating towards its own +z.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Array {
+    pub rows: u32,
+    pub columns: u32,
+    /// m, centre to centre
+    pub pitch: f64,
+    /// m
+    pub element_radius: f64,
+    /// Hz
+    pub frequency: f64,
+    /// Pa·m, peak, on axis at full drive
+    pub strength: f64,
+    pub element: ElementModel,
+    /// Elements that are not driven.
+    pub off: Vec<usize>,
+    /// A table of elements instead of rows, columns and pitch, relative to the scene file.
+    #[serde(rename = "elements", skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+    /// The content of that table.
+    #[serde(skip)]
+    pub placed: Elements,
+    /// Pressure reflection coefficient of the array's own face.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub reflectivity: f64,
+}
+
+impl Default for Array {
+    fn default() -> Self {
+        Self {
+            rows: 16,
+            columns: 16,
+            pitch: 0.0105,
+            element_radius: 0.005,
+            frequency: 40_000.0,
+            strength: 3.4,
+            element: ElementModel::Piston,
+            off: Vec::new(),
+            file: None,
+            placed: Elements::default(),
+            reflectivity: 0.0,
+        }
+    }
+}
+
+impl Array {
+    /// Number of elements of one board, driven or not.
+    pub fn elements(&self) -> usize {
+        self.placed.get().map_or(self.rows as usize * self.columns as usize, <[Placed]>::len)
+    }
+}
+
+/// How one element radiates.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, VariantArray)]
+#[serde(rename_all = "kebab-case")]
+pub enum ElementModel {
+    /// Far field of a baffled circular piston, the paper's equation (1).
+    Piston,
+    /// The baffled circular piston itself, near field too.
+    ExactPiston,
+    /// The same strength in every direction.
+    Point,
+}

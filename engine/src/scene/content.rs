@@ -1,0 +1,102 @@
+//! The content of a scene file, as plain data in SI units.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+use crate::scene::array::Array;
+use crate::scene::bead::Bead;
+use crate::scene::board::{Board, Reflector};
+use crate::scene::liquid::Liquid;
+use crate::scene::medium::Medium;
+use crate::scene::modulation::Modulation;
+use crate::scene::motion::Motion;
+use crate::scene::plane::Plane;
+use crate::scene::solver::{Aim, Method, Solver};
+use crate::scene::target::Target;
+use crate::scene::zone::Zone;
+
+/// The format of scene files.
+pub const FORMAT: u32 = 1;
+
+/// The content of a scene file.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Scene {
+    pub format: u32,
+    pub medium: Medium,
+    pub array: Array,
+    /// The boards of the array; element numbers continue from board to board. Without boards the array lies in z = 0.
+    #[serde(rename = "board", skip_serializing_if = "Vec::is_empty")]
+    pub boards: Vec<Board>,
+    #[serde(rename = "reflector", skip_serializing_if = "Vec::is_empty")]
+    pub reflectors: Vec<Reflector>,
+    #[serde(rename = "target")]
+    pub targets: Vec<Target>,
+    /// Quiet zones, in addition to the rest of the plane.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub quiet: Vec<Zone>,
+    pub solver: Solver,
+    pub plane: Plane,
+    pub liquid: Liquid,
+    #[serde(skip_serializing_if = "Bead::is_default")]
+    pub bead: Bead,
+    pub modulation: Modulation,
+    pub motion: Motion,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub listener: Option<Listener>,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            format: FORMAT,
+            medium: Medium::default(),
+            array: Array::default(),
+            boards: Vec::new(),
+            reflectors: Vec::new(),
+            targets: Vec::new(),
+            quiet: Vec::new(),
+            solver: Solver::default(),
+            plane: Plane::default(),
+            liquid: Liquid::default(),
+            bead: Bead::default(),
+            modulation: Modulation::default(),
+            motion: Motion::default(),
+            listener: None,
+        }
+    }
+}
+
+impl Scene {
+    /// Whether the targets prescribe a liquid's depression.
+    pub fn aims_at_depression(&self) -> bool {
+        self.solver.target == Aim::Depression && self.solver.method == Method::Best
+    }
+
+    /// Whether |p|² or a depression is prescribed over areas.
+    pub fn has_areas(&self) -> bool {
+        self.aims_at_depression() || self.targets.iter().any(|target| target.visible && target.is_area())
+    }
+
+    /// Whether named files are not yet loaded; without them the scene has no foci.
+    pub fn is_incomplete(&self) -> bool {
+        self.lacks_pixels() || self.array.lacks_elements()
+    }
+
+    /// Whether visible pictures are not yet loaded.
+    pub fn lacks_pixels(&self) -> bool {
+        self.targets.iter().any(|target| target.visible && target.lacks_pixels())
+    }
+
+    /// m, of the carrier.
+    pub fn wavelength(&self) -> f64 {
+        self.medium.speed_of_sound() / self.array.frequency
+    }
+}
+
+/// The position of an ear.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Listener {
+    /// m
+    pub at: DVec3,
+}

@@ -1,0 +1,48 @@
+//! Focal points, and samples of strokes and areas.
+
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+
+/// A focal point, or a sample of a stroke or an area.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Focus {
+    /// m
+    pub position: DVec3,
+    /// Target pressure: relative to the other foci, or Pa (peak), depending on [`Solver::pressures`].
+    pub target: f64,
+    /// The origin of the focus.
+    pub part: Part,
+}
+
+/// The origin of a focus.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Part {
+    /// A focal point of its own.
+    Point,
+    /// A sample of a continuous stroke.
+    Stroke,
+    /// A sample of an area: of the scene's target with this number.
+    Area(usize),
+    /// A lobe of a trap: of the scene's target with this number.
+    Trap(usize),
+}
+
+impl Focus {
+    /// A separate focal point; position in m.
+    pub fn new(position: DVec3, target: f64) -> Self {
+        Self { position, target, part: Part::Point }
+    }
+
+    /// Whether it is a separate focal point rather than a sample of a stroke or an area.
+    pub fn is_separate(&self) -> bool {
+        match self.part {
+            Part::Point | Part::Trap(_) => true,
+            Part::Stroke | Part::Area(_) => false,
+        }
+    }
+
+    /// Whether it is a sample of an area.
+    pub fn is_of_area(&self) -> bool {
+        matches!(self.part, Part::Area(_))
+    }
+}

@@ -1,0 +1,69 @@
+//! The traps of a scene, and their figures.
+
+use glam::DVec3;
+use num_complex::Complex64;
+
+use crate::acoustics::{Air, Aperture, Emitters};
+use crate::force::{Sphere, modes};
+use crate::scene::{Focus, Part, Scene, Shape, Trap};
+
+/// The traps of a scene, and the bead.
+#[derive(Clone, Debug)]
+pub struct Traps {
+    pub sphere: Sphere,
+    /// N, towards -z.
+    pub load: f64,
+    pub traps: Vec<Wanted>,
+}
+
+/// One of them.
+#[derive(Clone, Debug)]
+pub struct Wanted {
+    pub trap: Trap,
+    pub charge: i32,
+    pub at: DVec3,
+    /// From the trap's axes to the scene's.
+    pub turn: glam::DQuat,
+    /// Its lobes among the foci.
+    pub foci: std::ops::Range<usize>,
+}
+
+impl Traps {
+    /// The traps whose lobes are foci; `None` without traps.
+    pub fn of_scene(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Option<Self> {
+        let air = Air::new(&scene.medium, scene.array.frequency);
+        let mut traps: Vec<Wanted> = Vec::new();
+        let mut start = 0;
+        while start < foci.len() {
+            let Part::Trap(index) = foci[start].part else {
+                start += 1;
+                continue;
+            };
+            let target = &scene.targets[index];
+            let Shape::Trap { trap, charge, .. } = target.shape else {
+                start += 1;
+                continue;
+            };
+            let lobes = trap.lobes(charge, aperture.wavelength());
+            let range = start..(start + lobes.len()).min(foci.len());
+            let turn = target.turn();
+            // Motions move the lobes; the trap moves with them.
+            let places = range.clone().zip(&lobes).map(|(i, lobe)| foci[i].position - turn * lobe.at);
+            let at = places.sum::<DVec3>() / range.len() as f64;
+            start = range.end;
+            traps.push(Wanted { trap, charge, at, turn, foci: range });
+        }
+        let sphere = Sphere::new(&scene.bead, &air, aperture.element.wavenumber);
+        (!traps.is_empty()).then(|| Self { sphere, load: sphere.load(scene.liquid.gravity), traps })
+    }
+
+    /// The weakest stiffness (N/m) of each trap under a drive.
+    pub fn weakest(&self, aperture: &Aperture, excitation: &[Complex64]) -> Vec<f64> {
+        let emitters = Emitters::new(aperture, excitation);
+        let of = |trap: &Wanted| {
+            let stiffness = self.sphere.stiffness(&emitters.derivatives(trap.at));
+            modes(&((stiffness + stiffness.transpose()) * 0.5))[0].stiffness
+        };
+        self.traps.iter().map(of).collect()
+    }
+}

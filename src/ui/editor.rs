@@ -1,0 +1,269 @@
+//! The edited document and the state of its display.
+
+use std::collections::BTreeSet;
+
+use glam::{DVec2, DVec3};
+use strum::{EnumString, IntoStaticStr, VariantArray};
+
+use crate::scene::{Scene, Target};
+use crate::ui::arrangement::Layout;
+use crate::ui::board::BoardForm;
+use crate::ui::brush::Brush;
+use crate::ui::command::Command;
+use crate::ui::dialog::Dialog;
+use crate::ui::dialog::figure::FigureForm;
+use crate::ui::dialog::file::Asking;
+use crate::ui::dialog::film::FilmForm;
+use crate::ui::document::Document;
+use crate::ui::gesture::Gesture;
+use crate::ui::guides::Guide;
+use crate::ui::looking::Fitted;
+use crate::ui::space::SpaceView;
+use crate::ui::tool::Tool;
+use crate::ui::typing::Typing;
+use crate::ui::view::View;
+use crate::ui::{beside, way};
+
+/// The edited document and the state of its display.
+#[derive(Debug)]
+pub struct Editor {
+    pub document: Document,
+    /// Selected targets by index.
+    pub selection: BTreeSet<usize>,
+    pub view: View,
+    pub(super) fitted: Option<Fitted>,
+    /// How space is looked at.
+    pub space: SpaceView,
+    /// The comparison map.
+    pub compare: Option<beside::Compare>,
+    pub tool: Tool,
+    pub panel: Panel,
+    pub layout: Layout,
+    /// Spacing of the snap grid, m.
+    pub grid: f64,
+    pub snaps: bool,
+    pub brush: Brush,
+    /// The last copied targets: pixels are not part of the clipboard's text.
+    pub(super) copied: Vec<Target>,
+    pub(super) gesture: Option<Gesture>,
+    /// The current guides during a drag.
+    pub(super) guides: Vec<Guide>,
+    pub(super) typing: Option<Typing>,
+    /// Keyboard cursor, or position of the context menu, m in the plane.
+    pub(super) cursor: Option<DVec2>,
+    pub(super) asked: DVec2,
+    pub dialog: Option<Dialog>,
+    pub asking: Asking,
+    /// Whether the hints of the first start are shown.
+    pub hints: bool,
+    /// Time (s) of the last Escape while a board sounds.
+    pub(super) escaped: Option<f64>,
+    /// Whether the loudness warning was answered in this run.
+    pub was_warned: bool,
+    /// Figure options of this run.
+    pub figure: FigureForm,
+    /// Film options of this run.
+    pub film: FilmForm,
+    /// Command to run after saving.
+    pub after_saving: Option<Command>,
+    pub playback: Playback,
+    pub oscillation: Oscillation,
+    pub course: CourseForm,
+    pub bead: BeadForm,
+    /// Last position of the pointer on the map, m.
+    pub pointed: Option<DVec3>,
+    /// The last grabbed vertex of a motion's path.
+    pub(super) vertex: Option<way::Vertex>,
+    /// Number of phase levels of the displayed drive.
+    pub levels: Option<u32>,
+    pub board: BoardForm,
+    /// Commands of other programs, possibly awaiting the user's consent.
+    pub asked_by_others: Vec<Command>,
+}
+
+/// The displayed frame of the motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Playback {
+    /// `None` shows the scene at rest.
+    pub frame: Option<usize>,
+    pub playing: bool,
+    /// Slowdown of the playback.
+    pub slowness: f64,
+    /// Of a cycle, in [0, 1).
+    pub part: f64,
+    /// Whether playback repeats.
+    pub loops: bool,
+}
+
+impl Default for Playback {
+    fn default() -> Self {
+        Self { frame: None, playing: false, slowness: 20.0, part: 0.0, loops: true }
+    }
+}
+
+/// Display and position of the pressure over time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CourseForm {
+    pub is_shown: bool,
+    pub place: CoursePlace,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CoursePlace {
+    /// Of the selected target, or the first.
+    #[default]
+    Focus,
+    Pointer,
+    Listener,
+}
+
+/// Displayed forces on the scene's bead, and its position.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct BeadForm {
+    pub is_shown: bool,
+    pub place: BeadPlace,
+    pub arrows: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum BeadPlace {
+    /// The selected target, or else the first trap or focus.
+    #[default]
+    Target,
+    Pointer,
+}
+
+/// The phase of an instantaneous pressure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Oscillation {
+    pub playing: bool,
+    /// Of a period, in [0, 1).
+    pub part: f64,
+}
+
+/// The page of the right panel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
+pub enum Panel {
+    Scene,
+    Solver,
+    Drive,
+    Liquid,
+    Motion,
+    Device,
+}
+
+impl Editor {
+    pub fn new(document: Document) -> Self {
+        Self {
+            view: View::of(&document.scene),
+            fitted: None,
+            space: SpaceView::default(),
+            compare: None,
+            document,
+            selection: BTreeSet::new(),
+            tool: Tool::Select,
+            panel: Panel::Scene,
+            layout: Layout {
+                panel: 352.0,
+                section: 210.0,
+                is_folded: false,
+                is_drawn_out: false,
+                presents: false,
+            },
+            grid: 0.005,
+            snaps: false,
+            brush: Brush::default(),
+            copied: Vec::new(),
+            gesture: None,
+            guides: Vec::new(),
+            typing: None,
+            cursor: None,
+            asked: DVec2::ZERO,
+            dialog: None,
+            asking: Asking::default(),
+            hints: false,
+            escaped: None,
+            was_warned: false,
+            figure: FigureForm::default(),
+            film: FilmForm::default(),
+            after_saving: None,
+            playback: Playback::default(),
+            oscillation: Oscillation { playing: true, part: 0.0 },
+            course: CourseForm::default(),
+            bead: BeadForm::default(),
+            pointed: None,
+            vertex: None,
+            levels: None,
+            board: BoardForm::default(),
+            asked_by_others: Vec::new(),
+        }
+    }
+
+    /// Replaces the document. Tool, colours and panel are kept.
+    pub fn replace(&mut self, document: Document) {
+        let View { cut, heights, free, window, line, full, .. } = View::of(&document.scene);
+        self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
+        self.fitted = None;
+        self.space.camera = None;
+        self.document = document;
+        self.forget_places();
+        self.playback = Playback::default();
+    }
+
+    /// Takes a scene changed by other programs.
+    pub fn take(&mut self, scene: Scene) {
+        let kind = |target: &Target| std::mem::discriminant(&target.shape);
+        if !self.scene().targets.iter().map(kind).eq(scene.targets.iter().map(kind)) {
+            self.forget_places();
+        }
+        self.document.scene = scene;
+    }
+
+    pub fn undo(&mut self) {
+        self.forget_places();
+        self.document.undo();
+    }
+
+    pub fn redo(&mut self) {
+        self.forget_places();
+        self.document.redo();
+    }
+
+    /// Clears references to target indices.
+    fn forget_places(&mut self) {
+        self.selection.clear();
+        self.vertex = None;
+        self.typing = None;
+        self.gesture = None;
+        self.space.let_go();
+    }
+
+    pub fn scene(&self) -> &Scene {
+        &self.document.scene
+    }
+
+    /// The displayed state, without a running moment of the wave.
+    pub fn seen(&self) -> (Scene, View, Playback, bool) {
+        (self.document.scene.clone(), self.view.clone(), self.playback, self.oscillation.playing)
+    }
+
+    /// Passes on a command, after a confirmation if unsaved changes would be lost.
+    pub fn ask(&mut self, command: Command, commands: &mut Vec<Command>) {
+        if command.replaces_scene() && self.document.is_unsaved() {
+            self.dialog = Some(Dialog::Unsaved(command));
+        } else {
+            commands.push(command);
+        }
+    }
+
+    /// Whether a text is being typed on the canvas, so that keys are letters.
+    pub fn is_typing(&self) -> bool {
+        self.typing.is_some()
+    }
+
+    /// Whether an edit is in progress, to become one undo step.
+    pub fn is_in_gesture(&self) -> bool {
+        self.gesture.is_some() || self.typing.is_some() || self.space.is_held()
+    }
+}
