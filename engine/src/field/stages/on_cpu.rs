@@ -26,9 +26,6 @@ use crate::scene::Liquid;
 use crate::simd::larger;
 use crate::surface::{Dent, Tank};
 
-#[cfg(test)]
-mod memory;
-
 /// Drives with samples in memory at the same time.
 const TOGETHER: usize = 64;
 /// Number of shares of the drives for parallel work, and limit of their cells in total. It is independent of the
@@ -518,6 +515,9 @@ fn finish(values: &mut [f32], factor: f32, is_root: bool) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::drive::Drive;
+    use crate::field::stages::Request;
+    use crate::scene::{Array, Scene};
 
     #[test]
     fn memory_of_cells_and_of_their_depths_is_counted() {
@@ -525,5 +525,30 @@ mod tests {
         stages.cells.value = vec![0.0; 100];
         stages.response.value.depth = vec![0.0; 100];
         assert_eq!(stages.bytes(), 200 * size_of::<f64>());
+    }
+
+    #[test]
+    fn much_memory_is_given_back_at_another_site() {
+        let site = |height: f64| {
+            let array = Array { columns: 2, rows: 2, ..Array::default() };
+            let mut scene = Scene { array, ..Scene::default() };
+            scene.plane.centre.z = height;
+            let drive = Drive { amplitudes: vec![1.0; 4], phases: vec![0.0; 4] };
+            SiteKey::new(&Request::new(&scene, vec![drive], field::Quantity::Rms, (8, 8)), false)
+        };
+        let (low, high) = (site(0.1), site(0.2));
+        let mut stages = OnCpu::default();
+        stages.enter(&low);
+        // As much as may be kept, and a bit more.
+        let most = MOST_REUSED / size_of::<f64>();
+        stages.cells.value = Vec::with_capacity(most);
+        assert_eq!(stages.bytes(), MOST_REUSED);
+        stages.enter(&high);
+        assert_eq!(stages.bytes(), MOST_REUSED);
+        stages.cells.value = Vec::with_capacity(most + 1);
+        stages.enter(&high);
+        assert!(stages.bytes() > MOST_REUSED, "the site is the same");
+        stages.enter(&low);
+        assert_eq!(stages.bytes(), 0);
     }
 }

@@ -16,9 +16,6 @@ use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
 use crate::gauge::Gauge;
 
-#[cfg(test)]
-mod ceiling;
-
 /// The pressure at the samples, and its slope along the plane's normal; empty if not needed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Samples {
@@ -153,10 +150,12 @@ pub(super) fn sampled(
 
 #[cfg(test)]
 mod tests {
+    use glam::{DVec2, dvec3};
+
     use super::*;
     use crate::field::Plan;
     use crate::field::plan::Costs;
-    use crate::scene::{Array, Board, Scene};
+    use crate::scene::{Array, Board, Plane, Scene};
 
     #[test]
     fn every_board_has_a_table_wherever_tables_fit() {
@@ -169,6 +168,26 @@ mod tests {
             let key = TableKey { aperture: aperture.clone(), grid: grid.clone(), direction };
             assert!(key.fits());
             assert_eq!(key.tables(Vec::new()).len(), 2, "{direction:?}");
+        }
+    }
+
+    #[test]
+    fn tables_of_many_elements_at_many_samples_do_not_fit() {
+        let array = Array { columns: 64, rows: 64, ..Array::default() };
+        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
+        for (side, fits) in [(0.1, true), (0.5, false)] {
+            // No sample has the same way to two elements.
+            let plane = Plane {
+                centre: dvec3(0.0, 0.0, 0.2),
+                size: DVec2::splat(side),
+                x_axis: dvec3(1.0, 0.3, 0.0),
+                ..Plane::default()
+            };
+            let grid = Plan::new(&aperture, &plane, Costs::CPU).unwrap().grid.unwrap();
+            let bytes = grid.samples.len() * aperture.positions.len() * size_of::<Complex32>();
+            assert_eq!(bytes < TABLE_CEILING, fits, "{bytes}");
+            let key = TableKey { aperture: aperture.clone(), grid, direction: None };
+            assert_eq!(key.fits(), fits, "{side} m");
         }
     }
 }
