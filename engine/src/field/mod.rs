@@ -238,7 +238,7 @@ mod tests {
     use glam::{DVec2, dvec3};
 
     use super::*;
-    use crate::field::quantity::Part;
+
     use crate::scene::{Array, Board, Scene};
 
     #[test]
@@ -312,43 +312,5 @@ mod tests {
         for evaluator in [Evaluator::Cpu, Evaluator::Reference] {
             assert!(evaluator.pressure(&aperture, &drive, &none).unwrap().is_empty());
         }
-    }
-
-    #[test]
-    fn slopes_next_to_one_of_several_boards_are_those_of_f64() {
-        /// m
-        const HALF: f64 = 1e-7;
-        let (aperture, drive) = between_boards();
-        let point = |i: u32| dvec3(0.003 * f64::from(i) - 0.007, 0.002 * f64::from(i), 0.004);
-        let near = Samples::at((0..6).map(point).collect());
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        for (part, axis) in [Part::AlongX, Part::AlongY, Part::Normal].into_iter().zip(axes) {
-            let slopes = |double| slope::part_on_cpu(&aperture, &drive, &near, part, axes, double);
-            assert_eq!(slopes(false), slopes(true), "{part:?}");
-            let [before, behind] = [HALF, -HALF]
-                .map(|by| reference::pressure(&aperture, &drive, &slope::shifted(&near, axis * by)));
-            let expected: Vec<_> =
-                before.iter().zip(&behind).map(|(a, b)| sound::narrow((a - b) / (2.0 * HALF))).collect();
-            assert_eq!(slopes(true).len(), near.len());
-            let steepest = peak(&expected);
-            for (slope, expected) in slopes(true).iter().zip(&expected) {
-                let off = (slope - expected).norm();
-                assert!(off < 1e-5 * steepest, "{part:?}: {slope}, not {expected}");
-            }
-        }
-    }
-
-    #[test]
-    fn no_samples_have_no_pressures() {
-        let aperture = Aperture::new(&Scene::default());
-        let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
-        let no_rows = Samples::on_plane(&Plane::default(), 3, 0).unwrap();
-        for samples in [Samples::at(Vec::new()), no_rows] {
-            assert!(samples.is_empty());
-            for evaluator in [Evaluator::Cpu, Evaluator::Reference] {
-                assert_eq!(evaluator.pressure(&aperture, &drive, &samples), Ok(Vec::new()));
-            }
-        }
-        assert!(!Samples::at(vec![DVec3::Z]).is_empty());
     }
 }
