@@ -192,33 +192,4 @@ mod tests {
         gauge.tell(1, 1);
         assert_eq!(*heard.lock().unwrap(), [0.25, 0.5, 0.75, 0.25, 1.0]);
     }
-    #[test]
-    fn iterations_end_when_cancelled_or_late() {
-        let cancel = Cancel::default();
-        let done = |gauge: &Gauge, at: u32| {
-            gauge.lead(|| {
-                iterations(9)
-                    .inspect(|&i| {
-                        if i == at {
-                            cancel.cancel();
-                        }
-                    })
-                    .count()
-            })
-        };
-        let gauge = Gauge::default().until(&cancel);
-        assert_eq!(done(&gauge, 9), 9);
-        assert_eq!(done(&gauge, 3), 4);
-        assert!(gauge.is_cancelled() && !is_cancelled() && gauge.lead(is_cancelled));
-        assert_eq!(done(&Gauge::default(), 9), 9);
-        // Late iterations end; a late step is cancelled.
-        let late = Gauge::default().iterating_for(Duration::ZERO);
-        std::thread::sleep(Duration::from_millis(1));
-        assert_eq!((done(&late, 9), late.is_cancelled()), (1, false));
-        assert_eq!(done(&late.iterating_for(Duration::from_secs(600)).share(2), 9), 9);
-        let over = Gauge::default().within(Duration::ZERO);
-        std::thread::sleep(Duration::from_millis(1));
-        assert!(over.is_cancelled() && over.share(2).is_cancelled());
-        assert!(!over.lasts(Duration::ZERO, Duration::from_secs(1)));
-    }
 }

@@ -324,22 +324,4 @@ mod tests {
         let apart = largest((0..a.len()).map(|cell| (a[cell] + b[cell]) / 2.0 - turns[cell]));
         assert!(apart < 0.05 * largest(a), "{apart}");
     }
-
-    #[test]
-    fn a_thick_liquid_settles_where_the_mean_of_the_envelope_presses_it() {
-        for shape in [Envelope::Sine, Envelope::Square] {
-            let mut scene =
-                scene(Motion::default(), Modulation { shape, frequency: 300.0, ..Modulation::default() });
-            (scene.liquid.name, scene.liquid.viscosity) = (Some(LiquidName::Glycerol), Some(4.0));
-            let mut stages = Stages::new(Evaluator::Cpu);
-            let (request, depths) = at_rest(&scene, &mut stages);
-            let surface = surfaces(&scene, 5.0, &request, &mut stages).pop().unwrap();
-            // The volume of the liquid is conserved.
-            let lift = depths[0].iter().sum::<f64>() / depths[0].len() as f64;
-            let deepest = |surface: &[f64]| surface.iter().copied().fold(0.0, f64::max);
-            let (moving, at_rest) = (deepest(&surface), deepest(&depths[0]));
-            let part = scene.modulation.mean_square();
-            assert!((moving / (part * (at_rest - lift)) - 1.0).abs() < 5e-3, "{shape:?}: {moving} {at_rest}");
-        }
-    }
 }

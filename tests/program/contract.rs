@@ -1,10 +1,7 @@
 //! Commands as users and scripts call them: outputs that other programs read, and refusals of bad input.
 
-use std::f64::consts::{SQRT_2, TAU};
 use std::fs;
-use std::path::Path;
 
-use num_complex::Complex64;
 use serde_json::Value;
 use sonoglyph::bench::field::{self, Group};
 use sonoglyph::field::gpu::adapter;
@@ -197,61 +194,6 @@ fn render_writes_pictures_and_their_data() {
     assert!(brightest((at % 64) as u32, 31 - (at / 64) as u32) > 600, "row 0 is the bottom of the picture");
 }
 
-/// Shape and values of a written NPY file.
-fn npy(path: &Path) -> (Vec<u64>, Vec<f32>) {
-    let bytes = fs::read(path).unwrap();
-    assert!(String::from_utf8_lossy(&bytes[..80]).contains("'<f4'"));
-    let npy = npyz::NpyFile::new(&bytes[..]).unwrap();
-    (npy.shape().to_vec(), npy.into_vec().unwrap())
-}
-
-#[test]
-fn intensity_and_velocity_are_those_of_the_probed_pressures() {
-    const MEDIUM: &str = "[medium]\nsound_speed = 340.0\ndensity = 1.2\n[plane]\ncentre = [0.01, 0.01, 0.1]\nsize = [0.04, 0.02]\n";
-    let folder = folder_with(&[("a.toml", &format!("{POINT}{MEDIUM}"))]);
-    let (width, height, hair) = (40, 20, 1e-6);
-    let map = |quantity: &str| {
-        let args =
-            ["render", "a.toml", "-o", "a.png", "--size", "40", "--data", "a.npy", "--quantity", quantity];
-        let said = succeed(folder.path(), &args);
-        let (shape, values) = npy(&folder.path().join("a.npy"));
-        assert_eq!(shape, [height, width], "{quantity}");
-        (said, values)
-    };
-    let ((said, intensity), (also_said, velocity)) = (map("intensity"), map("velocity"));
-    assert!(said.contains("intensity up to") && said.contains("W/m²"), "{said}");
-    assert!(also_said.contains("velocity up to") && also_said.contains("m/s"), "{also_said}");
-    let peak = |values: &[f32]| f64::from(values.iter().copied().fold(0.0, f32::max));
-    // Oblique sound beside the focus, and the focus: columns of 1 mm from -10 mm, rows from 0 mm.
-    for (column, row) in [(5, 12), (20, 19), (33, 2)] {
-        let [x, y, z] = [-0.0095 + 1e-3 * column as f64, 0.0005 + 1e-3 * row as f64, 0.1];
-        let mut points = format!("x,y,z\n{x},{y},{z}\n");
-        for axis in 0..3 {
-            for side in [hair, -hair] {
-                let mut at = [x, y, z];
-                at[axis] += side;
-                points += &format!("{},{},{}\n", at[0], at[1], at[2]);
-            }
-        }
-        fs::write(folder.path().join("points.csv"), points).unwrap();
-        let answer = succeed(folder.path(), &["probe", "a.toml", "--points", "points.csv"]);
-        let number = |line: &str, column: usize| line.split(',').nth(column).unwrap().parse::<f64>().unwrap();
-        let p: Vec<_> =
-            answer.lines().skip(1).map(|line| Complex64::new(number(line, 3), number(line, 4))).collect();
-        // jωρV = -∇P
-        let resistance = -Complex64::I * TAU * 40e3 * 1.2;
-        let v = [1, 3, 5].map(|i| (p[i] - p[i + 1]) / (2.0 * hair) / resistance);
-        let expected =
-            v.map(|v| 0.5 * (p[0] * v.conj()).re).iter().map(|flow| flow * flow).sum::<f64>().sqrt();
-        let pixel = row * width as usize + column;
-        let off = (f64::from(intensity[pixel]) - expected).abs();
-        assert!(off < 2e-3 * peak(&intensity), "{column}, {row}: {} W/m², not {expected}", intensity[pixel]);
-        let expected = v[2].norm() / SQRT_2;
-        let off = (f64::from(velocity[pixel]) - expected).abs();
-        assert!(off < 2e-3 * peak(&velocity), "{column}, {row}: {} m/s, not {expected}", velocity[pixel]);
-    }
-}
-
 #[test]
 fn every_backend_renders_the_same_numbers() {
     let folder = folder_with(&[("a.toml", POINT)]);
@@ -309,13 +251,6 @@ fn without_arguments_it_renders_the_example_even_without_gpu_and_display() {
     assert!(said.contains("sonoglyph.png") && said.contains("render"), "{said}");
     assert!(noted.contains("the CPU computes the field"), "{noted}");
     assert!(image::open(folder.path().join("sonoglyph.png")).unwrap().width() > 1000);
-    let gpu = program(folder.path(), &["render", &example("line"), "-o", "a.png", "--backend", "gpu"])
-        .env("VK_DRIVER_FILES", "/nonexistent/icd.json")
-        .env("VK_ICD_FILENAMES", "/nonexistent/icd.json")
-        .output()
-        .unwrap();
-    assert_eq!(gpu.status.code(), Some(2), "a requested but absent GPU is an error");
-    assert!(String::from_utf8_lossy(&gpu.stderr).contains("no usable GPU adapter"));
 }
 
 #[test]
@@ -323,23 +258,9 @@ fn bad_scenes_are_refused_with_file_line_and_value() {
     for (text, parts) in [
         ("format = 1\n[array\n", &["bad.toml:2"][..]),
         ("format = 1\n[array]\npich = 0.01\n", &["bad.toml:3", "pich"]),
-        ("format = 1\n[array]\npitch = nan\n", &["bad.toml:3", "array.pitch = nan"]),
-        ("format = 1\n[array]\nrows = 0\n", &["bad.toml:3", "array.rows = 0"]),
-        ("format = 1\n[array]\nrows = 10000\ncolumns = 1000\n", &["bad.toml:3", "10000000 elements"]),
         ("format = 1\n[[target]]\nat = [0, 0, 0]\n", &["bad.toml:2", "on or behind the array"]),
         ("format = 1\n", &["bad.toml", "no target"]),
-        (
-            "format = 1\n[[target]]\npressure = -3\n",
-            &["bad.toml:3", "target[1].pressure = -3", "leave the target out"],
-        ),
-        ("format = 1\n[solver]\namplitudes = \"any\"\n", &["bad.toml:3", "uniform"]),
-        ("format = 1\n[solver]\nquiet = -0.1\n", &["bad.toml:3", "solver.quiet = -0.1", "from 0 to 1"]),
-        ("format = 1\n[solver]\nsearch = 1e9\n", &["bad.toml:3", "solver.search = 1e9", "3600 s"]),
         ("format = 1\n[[quiet]]\nat = [0, 0, -1]\n", &["bad.toml:3", "quiet[1].at = [0, 0, -1]", "behind"]),
-        ("format = 1\n[[quiet]]\nradius = -1\n", &["bad.toml:3", "quiet[1].radius = -1", "length"]),
-        ("format = 1\n[listener]\nat = [0, 0, 0]\n", &["bad.toml:3", "listener.at", "behind the array"]),
-        ("format = 1\n[[target]]\nkind = \"circle\"\npoints = 1000000\n", &["bad.toml:4", "1000000"]),
-        ("format = 1\n[[target]]\nkind = \"text\"\ntext = \"H→T\"\n", &["bad.toml:4", "→"]),
     ] {
         let folder = folder_with(&[("bad.toml", text)]);
         for args in [&["render", "bad.toml", "-o", "a.png"][..], &["solve", "bad.toml", "--json"]] {

@@ -1,6 +1,6 @@
 //! Documents agree with the program: boards, quantities, the library's interface, links, and the README's table.
 //!
-//! `docs/scene.md` is tested beside the reader of scene files, in `engine/src/scene/file/documented.rs`.
+//! `docs/scene.md` is tested beside the reader of scene files, in `engine/src/scene/file/tests/documented.rs`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};

@@ -87,30 +87,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_disk_too_large_for_any_rule_takes_the_largest() {
-        for (rho, z) in [(0.0, 0.5), (0.7, 0.1), (2.0, 3.0)] {
-            let nodes: Vec<_> = nodes(1000.0, rho, z).collect();
-            let area: f64 = nodes.iter().map(|node| node.weight).sum();
-            assert!((area - 1.0).abs() < 1e-12 && nodes.len() >= 6 * 128, "{rho}, {z}: {}", nodes.len());
-        }
-    }
-
-    #[test]
-    fn a_ring_takes_no_more_nodes_than_one_around_it_that_is_nearer_to_the_point() {
-        for ka in [0.3, 4.0, 15.0] {
-            for (rho, z) in [(1.1, 0.15), (1.7, 0.02), (3.0, 0.5), (4.0, 20.0)] {
-                let nodes: Vec<_> = nodes(ka, rho, z).collect();
-                let radius = |node: &Node| node.at[0].hypot(node.at[1]);
-                let rings = nodes.chunk_by(|a, b| (radius(a) - radius(b)).abs() < 1e-9);
-                // From the outermost one inwards.
-                let counts: Vec<_> = rings.map(<[_]>::len).collect();
-                let is_sorted = counts.is_sorted_by(|outer, inner| outer >= inner);
-                assert!(is_sorted && counts[0] > counts[counts.len() - 1], "ka {ka}, {rho}, {z}: {counts:?}");
-            }
-        }
-    }
-
-    #[test]
     fn waves_converge_from_a_tenth_of_a_radius_on() {
         for ka in [0.3, 4.0, 15.0] {
             for (rho, z) in

@@ -264,23 +264,6 @@ mod tests {
     }
 
     #[test]
-    fn no_other_strip_would_take_far_fewer_nodes_for_a_large_piston() {
-        for ka in [10.0f64, 30.0, 100.0, 1000.0] {
-            for (rho, z) in [(0.1, 10.0), (1.0, 1.0), (2.0, 0.5), (30.0, 0.1)] {
-                for error in [1e-3f64, 1e-7, 1e-14] {
-                    let needed = |part: i32| {
-                        let tau = 0.9 * strip(rho, z) * f64::from(part) / 100.0;
-                        (ka * tau.sinh() - error.ln()) / (2.0 * tau)
-                    };
-                    let least = (1..=100).map(needed).fold(f64::INFINITY, f64::min);
-                    let own = piston_nodes(ka, rho, z, error) as f64;
-                    assert!(own < 1.15 * least + 2.0, "ka {ka}, {rho}, {z}, {error}: {own} for {least}");
-                }
-            }
-        }
-    }
-
-    #[test]
     fn the_sinc_falls_from_its_limit_to_its_null() {
         assert_eq!(sinc(0.0), 1.0);
         assert!(sinc(1.1e-4) < sinc(0.9e-4) && sinc(0.9e-4) < 1.0);

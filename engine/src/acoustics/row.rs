@@ -371,32 +371,6 @@ mod tests {
     use super::*;
     use crate::scene::{ElementModel, Scene};
 
-    #[test]
-    fn shifted_chebyshev_polynomials_are_cosines() {
-        for degree in [1, 2, 3, 6, 9] {
-            let polynomial = shifted_chebyshev(degree);
-            for i in 0..=20 {
-                let angle = PI * f64::from(i) / 20.0;
-                let s = f64::midpoint(angle.cos(), 1.0);
-                let own = polynomial.iter().rev().fold(0.0, |sum, term| sum * s + term);
-                let expected = (degree as f64 * angle).cos();
-                assert!((own - expected).abs() < 1e-8, "{degree}, {angle}: {own}, not {expected}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_quotient_by_pi_has_twice_the_digits_of_an_f64() {
-        // The rests are from 60 decimal digits.
-        for (x, quotient, rest) in [
-            (732.7, 233.225_653_606_863_46, -2.074_353_701_595_344_6e-14),
-            (366.519_142_918_809_2, 116.666_666_666_666_67, -9.918_168_735_609_92e-16),
-        ] {
-            let own = over_pi(x);
-            assert!(own[0] == quotient && (own[1] / rest - 1.0).abs() < 1e-9, "{own:?}");
-        }
-    }
-
     /// Half-turns of a wave on its way, in the digits of two f64 until they are less than two.
     fn half_turns(away: DVec3, wavenumber: f64) -> f64 {
         let product = |a: f64, b: f64| [a * b, a.mul_add(b, -(a * b))];

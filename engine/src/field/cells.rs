@@ -178,32 +178,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
-    use crate::scene::{Board, Scene};
-
-    #[test]
-    fn cells_near_a_wide_element_are_as_fine_as_its_directivity_on_the_nearest_board() {
-        let mut scene = Scene::default();
-        scene.array.element_radius = 0.02;
-        let plane = Plane { centre: DVec3::Z * 0.03, size: DVec2::splat(0.01), ..scene.plane.clone() };
-        let of = |scene: &Scene, plane: &Plane| {
-            let aperture = Aperture::new(scene);
-            let refined = pattern(&aperture, plane).unwrap();
-            let cells = Cells::new(&aperture, plane, 0.0, 1e-3).unwrap();
-            assert!((cells.step * PER_WAVELENGTH * refined / aperture.wavelength() - 1.0).abs() < 1e-12);
-            (refined, aperture.wavelength())
-        };
-        let (alone, wavelength) = of(&scene, &plane);
-        assert!(alone > 1.1);
-        let finest = 1f64.hypot(0.02 / wavelength) / HIGHEST;
-        // At a wavelength it is near.
-        let (near, _) = of(&scene, &Plane { centre: DVec3::Z * wavelength, ..plane.clone() });
-        assert!((near - finest).abs() < 1e-12, "{near}");
-        // And near one of two boards it is, whatever the other's distance.
-        let beside = Board { at: DVec3::Z * 0.028, ..Board::default() };
-        scene.boards = vec![Board::default(), beside];
-        let (near, _) = of(&scene, &plane);
-        assert!((near - finest).abs() < 1e-12, "{near}");
-    }
+    use crate::scene::Scene;
 
     #[test]
     fn cells_fill_the_plane_and_its_margin() {
@@ -231,42 +206,6 @@ mod tests {
     }
 
     #[test]
-    fn cells_beyond_walls_go_on_in_steps_about_the_same_centre() {
-        let scene = Scene::default();
-        let cells = Cells::new(&Aperture::new(&scene), &scene.plane, 0.03, 1e-3).unwrap();
-        let around = cells.beyond_walls();
-        assert_eq!(around.plane.centre, cells.plane.centre);
-        for axis in [0, 1] {
-            let places: Vec<_> = around.places(axis).collect();
-            let beside = (places.len() - cells.counts[axis]) / 2;
-            assert_eq!(beside, cells.half_width);
-            let within = cells.places(axis).zip(&places[beside..]);
-            assert!(within.into_iter().all(|(own, place)| (own - place).abs() < 1e-12));
-            // Each wall is the reach of the window inside the wider plane's edge.
-            let wider = around.plane.size[axis] - cells.plane.size[axis];
-            assert!((wider - 2.0 * cells.reach()).abs() < 1e-12, "{wider}");
-        }
-    }
-
-    #[test]
-    fn wide_elements_near_the_plane_refine_the_cells_by_their_directivity() {
-        let mut scene = Scene::default();
-        scene.array.element_radius = 0.02;
-        let aperture = Aperture::new(&scene);
-        let near = |height: f64, x_axis: DVec3| {
-            let (centre, size) = (DVec3::Z * height, DVec2::new(0.02, 0.01));
-            pattern(&aperture, &Plane { centre, size, x_axis, ..scene.plane.clone() }).unwrap()
-        };
-        let refined = |height: f64| 1f64.hypot(0.02 / height) / HIGHEST;
-        assert!((near(0.03, DVec3::X) - refined(0.03)).abs() < 1e-12);
-        // The lowest edge counts; from a wavelength on down, the wavelength.
-        let lowest = 0.03 - 0.01 * 0.6;
-        assert!((near(0.03, DVec3::new(0.8, 0.0, 0.6)) - refined(lowest)).abs() < 1e-12);
-        assert!((near(0.004, DVec3::X) - refined(aperture.wavelength())).abs() < 1e-12);
-        assert_eq!(near(0.5, DVec3::X), 1.0);
-    }
-
-    #[test]
     fn the_window_passes_squares_of_evanescent_sound() {
         let scene = Scene::default();
         let aperture = Aperture::new(&scene);
@@ -288,22 +227,5 @@ mod tests {
             }
             assert!(worst < 0.5 * accuracy, "{accuracy:e}: {worst:e}");
         }
-    }
-
-    #[test]
-    fn the_lowest_corner_of_a_tilted_plane_counts() {
-        let mut scene = Scene::default();
-        scene.array.element_radius = 0.02;
-        let aperture = Aperture::new(&scene);
-        let plane = Plane {
-            centre: DVec3::Z * 0.03,
-            size: DVec2::new(0.02, 0.01),
-            x_axis: DVec3::new(0.8, 0.0, 0.6),
-            y_axis: DVec3::new(-0.36, 0.8, 0.48),
-            ..scene.plane
-        };
-        let lowest = 0.03 - (0.02 * 0.6 + 0.01 * 0.48) / 2.0;
-        let own = pattern(&aperture, &plane).unwrap();
-        assert!((own - 1f64.hypot(0.02 / lowest) / HIGHEST).abs() < 1e-12, "{own}");
     }
 }

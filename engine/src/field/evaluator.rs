@@ -158,18 +158,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn no_samples_have_no_pressures() {
-        let aperture = Aperture::new(&Scene::default());
-        let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
-        let no_rows = Samples::on_plane(&Plane::default(), 3, 0).unwrap();
-        for samples in [Samples::at(Vec::new()), no_rows] {
-            assert!(samples.is_empty());
-            for evaluator in [Evaluator::Cpu, Evaluator::Reference] {
-                assert_eq!(evaluator.pressure(&aperture, &drive, &samples), Ok(Vec::new()));
-            }
-        }
-        assert!(!Samples::at(vec![DVec3::Z]).is_empty());
-    }
 }

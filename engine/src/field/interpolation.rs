@@ -333,18 +333,4 @@ mod tests {
             assert!((pixel.re - value).abs() < 1e-6, "pixel {i}");
         }
     }
-
-    #[test]
-    fn memory_between_the_passes_is_counted() {
-        let (columns, rows) = (40, 30);
-        let samples = vec![Complex32::ZERO; columns * rows];
-        let resampling = Resampling::new((0..100).map(|i| 7.0 + 0.1 * f64::from(i)), 8, 12.0);
-        let mut between = Between::default();
-        assert_eq!(between.bytes(), 0);
-        let mut pixels = vec![Complex32::ZERO; 100 * 100];
-        interpolate(&samples, columns, &resampling, &resampling, &mut between, &mut pixels);
-        // The lines of the second pass, one for each row, and the pixels between the passes.
-        let (lines, wide) = (rows * 100 * size_of::<Complex32>(), 100 * rows * size_of::<Complex32>());
-        assert!((lines + wide..3 * (lines + wide)).contains(&between.bytes()), "{}", between.bytes());
-    }
 }

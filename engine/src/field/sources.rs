@@ -267,7 +267,7 @@ fn piston(element: &Element, a: f64, samples: &Samples) -> Piston {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{ElementModel, Elements, Placed, Plane, Reflector, Scene};
+    use crate::scene::{ElementModel, Elements, Placed, Plane, Scene};
 
     fn aperture(ka: f64) -> Aperture {
         let mut aperture = Aperture::new(&Scene::default());
@@ -278,45 +278,6 @@ mod tests {
     fn wave(aperture: &Aperture) -> Option<Wave> {
         let samples = Samples::on_plane(&Plane::default(), 4, 4)?;
         Wave::new(&aperture.element, &aperture.faces[0].layout, &samples)
-    }
-
-    #[test]
-    fn few_terms_serve_the_usual_element_and_more_the_large_one() {
-        for (ka, expected) in [(3.66, Some(FEW_DIRECTIVITY)), (9.2, Some(24)), (20.0, Some(24)), (28.0, None)]
-        {
-            assert_eq!(wave(&aperture(ka)).map(|wave| wave.directivity.terms), expected, "ka = {ka}");
-        }
-    }
-
-    #[test]
-    fn strong_absorption_takes_more_terms_or_none() {
-        // 0.17 m lie between the nearest distance and the farthest.
-        for (attenuation, expected) in
-            [(0.0, Some(FEW_DECAY)), (0.15, Some(FEW_DECAY)), (5.0, Some(16)), (30.0, None)]
-        {
-            let mut aperture = aperture(3.66);
-            aperture.element.attenuation = attenuation;
-            assert_eq!(wave(&aperture).map(|wave| wave.decay.terms), expected, "{attenuation} Np/m");
-        }
-    }
-
-    #[test]
-    fn an_image_sounds_with_the_coefficient_of_its_reflector() {
-        let mut scene = Scene::default();
-        (scene.array.rows, scene.array.columns) = (3, 4);
-        let (point, normal) = (DVec3::Z * 0.2, DVec3::NEG_Z);
-        scene.reflectors = vec![Reflector { point, normal, coefficient: -0.4 }];
-        let aperture = Aperture::new(&scene);
-        let phases = (0..12).map(|n| 0.3 * f64::from(n)).collect();
-        let drive = Drive { amplitudes: vec![1.0; 12], phases };
-        let points = [0.12, 0.17, 0.19].map(|z| DVec3::new(0.01, -0.02, z)).to_vec();
-        let expected = aperture.pressures(&points, &drive.excitation(&aperture.driven));
-        let samples = Samples::at(points);
-        let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
-        for (own, expected) in crate::field::cpu::pressure(&sources, 3).into_iter().zip(expected) {
-            let off = (f64::from(own.re) - expected.re).hypot(f64::from(own.im) - expected.im);
-            assert!(off < 1e-3 * expected.norm(), "{own}, not {expected}");
-        }
     }
 
     #[test]
@@ -384,36 +345,6 @@ mod tests {
     }
 
     #[test]
-    fn phases_are_fractions_of_a_turn_about_zero() {
-        let wave = wave(&aperture(0.0)).unwrap();
-        for i in 0..=100 {
-            let phase = 0.37 * f64::from(i) - 18.0;
-            let [.., turns, amplitude] = wave.element(DVec3::ZERO, 0.5, phase);
-            assert!(turns.abs() <= 0.5 && amplitude > 0.0, "{turns}, {amplitude}");
-            let off = phase / TAU + 0.25 - f64::from(turns);
-            assert!((off - off.round()).abs() < 1e-7, "{phase}: {turns}");
-        }
-    }
-
-    #[test]
-    fn every_distance_lies_in_the_decays_range() {
-        let aperture = aperture(3.66);
-        let plane = Plane {
-            centre: glam::dvec3(0.3, -0.2, 0.05),
-            y_axis: glam::dvec3(0.0, 1.0, 1.0),
-            ..Plane::default()
-        };
-        let samples = Samples::on_plane(&plane, 9, 7).unwrap();
-        let (near, far) = distances(&aperture.faces[0].layout, &samples);
-        for index in 0..samples.len() {
-            for position in &aperture.positions {
-                let distance = samples.point(index).distance(*position);
-                assert!((near..=far).contains(&distance), "{distance} is not in {near} to {far}");
-            }
-        }
-    }
-
-    #[test]
     fn the_directivity_is_met_in_f32() {
         for (ka, error) in [(3.66, 2e-7), (9.2, 5e-7), (20.0, 2e-6)] {
             let aperture = aperture(ka);
@@ -449,18 +380,6 @@ mod tests {
         drive.amplitudes[7] = 0.0;
         let samples = Samples::at(vec![DVec3::Z]);
         assert_eq!(Sources::of_faces(&aperture, &drive, &samples).unwrap()[0].elements.len(), 252);
-    }
-
-    #[test]
-    fn only_what_is_near_an_element_and_near_its_rim_is_left_to_f64() {
-        let mut aperture = aperture(3.66);
-        aperture.element.model = ElementModel::ExactPiston;
-        let (at, a) = (aperture.positions[40], aperture.element.radius);
-        // The middle of a disk, beside its rim, the edge of f32's heights, and beyond it.
-        let places = [(0.5 * a, 0.1 * a), (a, 0.1 * a), (0.5 * a, -NEAREST), (0.5 * a, -1.01 * NEAREST)];
-        let samples = Samples::at(places.map(|(x, z)| at.with_z(z) + DVec3::X * x).to_vec());
-        let drive = Drive { amplitudes: vec![1.0; 256], phases: vec![0.0; 256] };
-        assert_eq!(Sources::of_faces(&aperture, &drive, &samples).unwrap()[0].beside_rims(), [1, 2]);
     }
 
     #[test]

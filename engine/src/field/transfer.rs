@@ -262,56 +262,7 @@ impl Transfer {
 mod tests {
     use super::*;
     use crate::acoustics::Aperture;
-    use crate::scene::{Array, Board, Scene};
-
-    #[test]
-    fn elements_use_a_table_from_its_first_value_to_its_last() {
-        let array = Array { rows: 5, columns: 7, ..Array::default() };
-        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
-        let along = |axis: DVec3, count: u32| (0..count).map(|i| axis * f64::from(i) * 1e-3).collect();
-        let samples = Samples { columns: along(DVec3::X, 32), rows: along(DVec3::Y, 11) };
-        let shared = |element_axis, samples| Some(Shared { element_axis, samples });
-        for shared in [
-            [None, None],
-            [shared(0, 2), None],
-            [shared(1, -2), None],
-            [None, shared(1, 3)],
-            [None, shared(0, -3)],
-            [shared(0, -1), shared(1, 4)],
-            [shared(1, 2), shared(0, 2)],
-        ] {
-            let board = &aperture.faces[0];
-            let layout = Layout::new(board, &samples, shared);
-            let terms = layout.terms(board, [&[Complex64::ONE; 35]]);
-            let starts = || terms.iter().map(|term| term.start);
-            let last_line = (samples.len().div_ceil(layout.line) - 1) * layout.line_stride;
-            assert_eq!(starts().min(), Some(0), "{shared:?}");
-            assert_eq!(starts().max().unwrap() + last_line + layout.line, layout.count(), "{shared:?}");
-        }
-    }
-
-    #[test]
-    fn tables_fit_up_to_their_limit() {
-        let array = Array { rows: 5, columns: 7, ..Array::default() };
-        let aperture = Aperture::new(&Scene { array, ..Scene::default() });
-        let along = |axis: DVec3, count: u32| (0..count).map(|i| axis * f64::from(i) * 1e-4).collect();
-        let layout = |columns: u32| {
-            let samples = Samples { columns: along(DVec3::X, columns), rows: along(DVec3::Y, 320) };
-            Layout::new(&aperture.faces[0], &samples, [None, None])
-        };
-        // Large enough to ask for memory, and small.
-        for columns in [480, 16] {
-            let (own, both) = ([layout(columns)], [layout(columns), layout(16)]);
-            let bytes = |layouts: &[Layout]| -> usize {
-                layouts.iter().map(|layout| layout.count() * size_of::<Complex32>()).sum()
-            };
-            for layouts in [&own[..], &both[..]] {
-                let needed = bytes(layouts);
-                assert!(Layout::fit(layouts, needed) && !Layout::fit(layouts, needed - 1), "{needed} bytes");
-            }
-        }
-        assert!(layout(480).count() * size_of::<Complex32>() > 32 << 20);
-    }
+    use crate::scene::Scene;
 
     #[test]
     fn a_table_that_no_machine_holds_does_not_fit() {
@@ -320,24 +271,5 @@ mod tests {
         let own = Layout::new(&aperture.faces[0], &samples, [None, None]);
         let endless = Layout { distinct: [1 << 24, 1 << 20], ..own.clone() };
         assert!(Layout::fit(&[own], usize::MAX) && !Layout::fit(&[endless], usize::MAX));
-    }
-
-    #[test]
-    fn elements_of_every_board_start_at_its_own_first() {
-        let array = Array { rows: 3, columns: 4, ..Array::default() };
-        let boards = vec![Board::default(), Board { at: DVec3::X * 0.1, ..Board::default() }];
-        let aperture = Aperture::new(&Scene { array, boards, ..Scene::default() });
-        let along = |axis: DVec3| (0..16).map(|i| axis * f64::from(i) * 1e-3).collect();
-        let samples = Samples { columns: along(DVec3::X), rows: along(DVec3::Y) };
-        let shared = |element_axis, samples| Some(Shared { element_axis, samples });
-        for shared in [[None, None], [shared(0, 2), None], [shared(0, 1), shared(1, -3)]] {
-            let starts = [0, 1].map(|board| {
-                let board = &aperture.faces[board];
-                let terms = Layout::new(board, &samples, shared).terms(board, [&[Complex64::ONE; 24]]);
-                terms.iter().map(|term| term.start).collect::<Vec<_>>()
-            });
-            assert_eq!(starts[0].len(), 12);
-            assert_eq!(starts[0], starts[1], "{shared:?}");
-        }
     }
 }

@@ -287,25 +287,4 @@ mod tests {
             assert!(rows.iter().enumerate().all(is_even), "{span}: {rows:?}");
         }
     }
-
-    #[test]
-    fn a_piece_is_the_motion_that_its_ends_share() {
-        let motion = |t: f64| {
-            let powers = [1.0, t, t.powi(2), t.powi(3), t.powi(4), t.powi(5)];
-            let value = |c: [f64; 6]| powers.iter().zip(c).map(|(p, c)| p * c).sum::<f64>();
-            let c = [0.3, -1.0, 0.7, 2.0, -0.4, 0.9];
-            let slope = [c[1], 2.0 * c[2], 3.0 * c[3], 4.0 * c[4], 5.0 * c[5], 0.0];
-            let bend = [2.0 * c[2], 6.0 * c[3], 12.0 * c[4], 20.0 * c[5], 0.0, 0.0];
-            let [at, velocity, acceleration] = [value(c), value(slope), value(bend)].map(DVec3::splat);
-            State { at, velocity, acceleration }
-        };
-        let (start, step) = (0.2, 0.8);
-        let piece = Piece { from: motion(start), to: motion(start + step), start, step };
-        for time in [0.2, 0.37, 0.8, 1.0] {
-            let [at, velocity] = piece.at(time);
-            let expected = motion(time);
-            assert!(at.distance(expected.at) < 1e-13, "{time}: {at}");
-            assert!(velocity.distance(expected.velocity) < 1e-12, "{time}: {velocity}");
-        }
-    }
 }

@@ -161,49 +161,10 @@ fn crest(before: f64, middle: f64, after: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::acoustics::Aperture;
-    use crate::drive::Drive;
-    use crate::scene::{Array, Board, Scene};
-
-    /// A bead between two facing boards that sound in phase, and the lower of the two nodes beside the middle.
-    fn between_boards() -> (Levitation, DVec3) {
-        let array = Array { rows: 4, columns: 4, strength: 10.0, ..Array::default() };
-        let above = Board { at: DVec3::Z * 0.08, normal: DVec3::NEG_Z, ..Board::default() };
-        let scene = Scene { array, boards: vec![Board::default(), above], ..Scene::default() };
-        let (aperture, middle) = (Aperture::new(&scene), DVec3::Z * 0.04);
-        let phase = |at: &DVec3| aperture.element.wavenumber * at.distance(middle);
-        let phases = aperture.positions.iter().map(phase).collect();
-        let drive = Drive { amplitudes: vec![1.0; 32], phases };
-        let lift = aperture.wavelength() / 4.0;
-        (Levitation::new(&scene, &aperture, &[drive]), middle - DVec3::Z * lift)
-    }
-
-    #[test]
-    fn a_bead_escapes_where_nothing_drives_it_back_any_more() {
-        let (levitation, node) = between_boards();
-        let hold = levitation.hold(node);
-        assert!(hold.holds(), "{hold:?}");
-        let step = levitation.wavelength / STEPS as f64;
-        let mut ends = 0;
-        for (way, Escape { distance, force }) in WAYS.into_iter().zip(hold.escapes) {
-            let back = |distance: f64| -levitation.net(hold.rest + way * distance).dot(way);
-            if distance.is_finite() {
-                ends += 1;
-                let beyond = distance + 1.001 * step / f64::from(1 << HALVINGS);
-                assert!(back(distance) > 0.0 && back(beyond) <= 0.0, "{way}: {distance} m");
-            }
-            let all = distance.min(REACH * levitation.wavelength);
-            let inner: Vec<_> = (1..300).map(|i| back(all * f64::from(i) / 300.0)).collect();
-            let most = inner.iter().copied().fold(0.0, f64::max);
-            assert!(inner.iter().all(|back| *back > 0.0), "{way}: {distance} m");
-            assert!((force / most - 1.0).abs() < 0.05, "{way}: {force} N, not {most} N");
-        }
-        assert!(ends >= 2, "{hold:?}");
-    }
 
     #[test]
     fn lift_is_the_largest_force_upwards_within_a_wavelength_over_the_weight() {
-        let (levitation, node) = between_boards();
+        let (levitation, node) = crate::force::tests::standing_wave();
         let wavelength = levitation.wavelength;
         // At a node, where the force downwards is largest, and with the upper board almost a wavelength above.
         let places = [node.z, node.z + wavelength / 8.0, 0.08 - 1.05 * wavelength];
@@ -213,27 +174,6 @@ mod tests {
             let lift = levitation.lift(at);
             assert!(lift > 0.75 * most && lift < 1.01 * most, "{at}: {lift}, not {most}");
         }
-    }
-
-    #[test]
-    fn between_equal_values_a_crest_is_in_the_middle() {
-        for [before, after] in [[1.0, 0.0], [0.0, 1.0]] {
-            let own = crest(before, 1.0, after);
-            assert!((own - 1.125).abs() < 1e-15, "{own}");
-        }
-    }
-
-    #[test]
-    fn a_crest_is_that_of_a_parabola_or_the_larger_end() {
-        let parabola = |x: f64| 3.0 - 2.0 * (x - 0.2) * (x - 0.2);
-        assert!((crest(parabola(-1.0), parabola(0.0), parabola(1.0)) - 3.0).abs() < 1e-12);
-        assert_eq!(crest(1.0, 1.0, 1.0), 1.0);
-        assert_eq!([crest(0.0, 1.0, 4.0), crest(2.0, 1.0, 0.0)], [4.0, 1.0]);
-    }
-
-    #[test]
-    fn a_concave_rise_or_fall_has_its_crest_at_an_end() {
-        assert_eq!([crest(0.0, 2.0, 3.0), crest(3.0, 2.0, 0.0)], [3.0, 2.0]);
     }
 
     #[test]

@@ -196,9 +196,4 @@ mod tests {
         assert!((low + high).length() < 1e-12, "{low} {high}");
         assert!((high.y - low.y - 0.04).abs() < 1e-12);
     }
-
-    #[test]
-    fn a_missing_glyph_is_named() {
-        assert_eq!(lay_out("H木T", 1.0), Err('木'));
-    }
 }

@@ -220,16 +220,4 @@ mod tests {
             assert!(rotations.len() <= 3 * count * count, "{name}: {} for {count}", rotations.len());
         }
     }
-
-    #[test]
-    fn a_shift_is_the_smaller_singular_value_of_a_triangle() {
-        for (a, upper, b) in [(1.0, 0.5, 2.0), (-3.0, 0.1, 0.2), (2.0, 5.0, 0.01), (1.0, 1.0, 0.0)] {
-            // The squares of both values add up to those of the entries; their product is the determinant.
-            let small = smaller(a, upper, b);
-            let large = (a * a + b * b + upper * upper - small * small).sqrt();
-            let error = (small * large - f64::abs(a * b)).abs();
-            assert!(small <= large && error < 1e-12 * large, "{a}, {upper}, {b}: {small}, {large}");
-        }
-        assert_eq!(smaller(0.0, 0.0, 0.0), 0.0);
-    }
 }

@@ -286,30 +286,6 @@ mod tests {
     }
 
     #[test]
-    fn grids_and_rings_are_regular_and_scattered_foci_are_not() {
-        let is_regular = |places: &[DVec3]| {
-            let foci: Vec<_> = places.iter().map(|&position| Focus::new(position, 1.0)).collect();
-            is_regular(&foci, 8.6e-3)
-        };
-        for side in 2_u32..7 {
-            let place = |i: u32| dvec3(f64::from(i % side), f64::from(i / side), 12.5) * 8e-3;
-            let grid: Vec<_> = (0..side * side).map(place).collect();
-            assert!(is_regular(&grid), "{side}");
-            // As written with a tenth of a millimetre.
-            let coarse: Vec<_> = grid.iter().map(|at| (*at * 1.0371e4).round() * 1e-4).collect();
-            assert!(is_regular(&coarse), "{side}, rounded");
-        }
-        for count in 3_u32..17 {
-            let at = |i: u32| (TAU * f64::from(i) / f64::from(count)).sin_cos();
-            let ring: Vec<_> =
-                (0..count).map(at).map(|(sin, cos)| dvec3(0.01 * cos, 0.01 * sin, 0.1)).collect();
-            assert!(is_regular(&ring), "{count}");
-        }
-        let regular = (4..40).filter(|&count| is_regular(&scattered(count, count))).count();
-        assert_eq!(regular, 0);
-    }
-
-    #[test]
     fn the_gradient_of_the_soft_minimum_is_its_slope() {
         let transfer = Aperture::new(&Scene::default()).transfer(&scattered(5, 1));
         let targets = [1.0, 0.5, 2.0, 1.5, 1.0];

@@ -125,32 +125,6 @@ mod tests {
     use crate::scene::{Focus, Scene};
 
     #[test]
-    fn drives_do_not_depend_on_the_strength_of_the_field() {
-        let mut scene = Scene::default();
-        (scene.array.rows, scene.array.columns) = (4, 4);
-        let aperture = Aperture::new(&scene);
-        let focus = |(x, target)| Focus::new(DVec3::new(x, 0.01, 0.1), target);
-        let foci: Vec<_> = [(-0.03, 1.0), (0.0, 2.0), (0.04, 0.5)].into_iter().map(focus).collect();
-        let found = |scale: f64| {
-            let mut problem = Problem::new(&aperture, foci.clone());
-            let Transfer { points, elements, .. } = problem.transfer;
-            for (m, n) in (0..points).flat_map(|m| (0..elements).map(move |n| (m, n))) {
-                problem.transfer.set(m, n, problem.transfer.at(m, n) * scale);
-            }
-            [pinv(&problem), weighted(&problem, 5)].map(|found| found.values)
-        };
-        // Down to where the drive's modulus would be no number at the field's own scale.
-        let expected = found(1.0);
-        for exponent in [-1018, -500, 900] {
-            for (got, expected) in found(2f64.powi(exponent)).iter().zip(&expected) {
-                let largest = expected.iter().map(|u| u.norm()).fold(0.0, f64::max);
-                let is_same = got.iter().zip(expected).all(|(a, b)| (a - b).norm() < 1e-9 * largest);
-                assert!(is_same, "2^{exponent}: {got:?} is not {expected:?}");
-            }
-        }
-    }
-
-    #[test]
     fn a_direction_counts_from_a_millionth_of_the_strongest() {
         for (ratio, expected) in [(0.8e-6f64, 1), (1.25e-6, 2), (0.1, 2)] {
             // Rows of norm 1 at this angle have singular values √2 cos ½ angle and √2 sin ½ angle.
@@ -162,27 +136,6 @@ mod tests {
             let (rank, condition) = rank_and_condition(&transfer);
             assert_eq!(rank, expected, "{ratio:e}");
             assert!((condition * ratio - 1.0).abs() < 1e-6, "{ratio:e}: {condition:e}");
-        }
-    }
-
-    #[test]
-    fn the_residual_does_not_depend_on_the_unit_of_targets() {
-        let mut scene = Scene::default();
-        (scene.array.rows, scene.array.columns) = (1, 2);
-        let aperture = Aperture::new(&scene);
-        // Two elements meet three targets by half.
-        let residuals = |unit: f64| {
-            let focus = |(x, target): (f64, f64)| Focus::new(DVec3::new(x, 0.01, 0.1), unit * target);
-            let foci = [(-0.03, 1.0), (0.0, 2.0), (0.04, 0.5)].into_iter().map(focus).collect();
-            let problem = Problem::new(&aperture, foci);
-            [pinv(&problem), weighted(&problem, 3)].map(|found| found.residual.unwrap())
-        };
-        let ratios = residuals(1.0);
-        assert!(ratios.iter().all(|residual| *residual > 0.05 && *residual < 1.0), "{ratios:?}");
-        for unit in [0.01, 300.0] {
-            for (got, expected) in residuals(unit).into_iter().zip(ratios) {
-                assert!((got / expected - 1.0).abs() < 1e-9, "{unit}: {got}, not {expected}");
-            }
         }
     }
 

@@ -141,26 +141,6 @@ mod tests {
         Drive::uniform(values.len(), &problem.aperture.driven, &values)
     }
 
-    fn modulus(problem: &Problem<'_>, drive: &Drive) -> f64 {
-        problem.transfer.pressure(&drive.excitation(&problem.aperture.driven))[0].norm()
-    }
-
-    #[test]
-    fn no_element_of_a_refined_drive_has_a_better_level_beside_its_own() {
-        let aperture = aperture();
-        let problem = problem(&aperture);
-        for levels in [17, 32, 128] {
-            let refined = refined(&problem, &nearly(&problem, levels), levels);
-            let most = modulus(&problem, &refined);
-            for (n, by) in (0..16).flat_map(|n| [-2.0, -1.0, 1.0, 2.0].map(|by| (n, by))) {
-                let mut other = refined.clone();
-                other.phases[n] += by * TAU / f64::from(levels);
-                let other = modulus(&problem, &other);
-                assert!(other <= most * (1.0 + 1e-12), "{levels} levels, element {n} by {by}");
-            }
-        }
-    }
-
     #[test]
     fn refining_leaves_silent_elements_alone() {
         let aperture = aperture();

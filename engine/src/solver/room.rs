@@ -45,34 +45,3 @@ fn reserve(scene: &Scene, foci: usize, threads: usize, tables: &Tables) -> Resul
     let bytes = numbers * size_of::<Complex64>();
     memory::reserve(bytes).ok_or(SolveError::TooLarge { elements, foci, mebibytes: bytes >> 20 })
 }
-
-#[cfg(test)]
-mod tests {
-    use strum::VariantArray;
-
-    use super::*;
-
-    #[test]
-    fn every_element_has_room_for_its_pressure_at_every_focus() {
-        /// So many that no machine has room for them.
-        const FOCI: usize = 1 << 24;
-        let refused = |room: Result<Room, SolveError>| match room {
-            Err(SolveError::TooLarge { mebibytes, .. }) => mebibytes,
-            other => panic!("{other:?}"),
-        };
-        for &method in Method::VARIANTS {
-            let mut scene = Scene::default();
-            scene.solver.method = method;
-            let mut needed = |rows: u32| {
-                scene.array.rows = rows;
-                [of_methods(&scene, FOCI, 1), of_methods(&scene, FOCI, 2), of_limits(&scene, FOCI)]
-                    .map(refused)
-            };
-            let ([one, two, limits], [more_of_one, more_of_two, more_limits]) = (needed(16), needed(32));
-            // 16 rows of 16 elements, and two numbers of f64 for every pressure.
-            let least = (16 * 16 * FOCI * 16) >> 20;
-            assert!(more_of_one - one >= least && more_of_two - two >= 2 * least, "{method:?}: {one}");
-            assert!(more_limits - limits >= least, "{limits}");
-        }
-    }
-}

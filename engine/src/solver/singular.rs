@@ -321,28 +321,6 @@ mod tests {
     }
 
     #[test]
-    fn a_solution_is_the_shortest_and_misses_across_the_columns() {
-        for (rows, columns) in SHAPES {
-            let matrix = Matrix::from_fn(rows, columns, |m, n| scattered(m * columns + n));
-            let b = vector(2, rows);
-            let times = |matrix: &Matrix, x: &[Complex64]| -> Vec<Complex64> {
-                (0..matrix.rows)
-                    .map(|m| x.iter().enumerate().map(|(n, x)| matrix.at(m, n) * x).sum())
-                    .collect()
-            };
-            let x = solve(matrix.clone(), b.clone(), 1e-12).unwrap();
-            let miss: Vec<_> = times(&matrix, &x).iter().zip(&b).map(|(p, b)| p - b).collect();
-            let adjoint = matrix.adjoint();
-            let error = largest(times(&adjoint, &miss).iter().map(|value| value.norm()));
-            assert!(error < 1e-10, "{rows} x {columns}: the miss can be less by {error}");
-            // Within the span of the conjugate rows.
-            let y = solve(adjoint.clone(), x.clone(), 1e-12).unwrap();
-            let error = largest(times(&adjoint, &y).iter().zip(&x).map(|(a, b)| (a - b).norm()));
-            assert!(error < 1e-10, "{rows} x {columns}: {error} along nothing");
-        }
-    }
-
-    #[test]
     fn dependent_and_empty_rows_are_finite() {
         let row = vector(1, 24);
         for (name, factors) in [

@@ -276,24 +276,6 @@ mod tests {
     }
 
     #[test]
-    fn all_instruction_sets_take_the_first_of_equal_starts() {
-        for isa in Isa::available() {
-            for iterations in [1, 7, 50] {
-                let focus = climbed_with(isa, &row(1), &[2.0], iterations, 0).strongest().at(0);
-                assert!((focus - 1.0).norm() < 1e-6, "{}, {iterations}: {focus}", isa.name());
-            }
-        }
-    }
-
-    #[test]
-    fn starts_leave_equal_phases_where_these_are_poor() {
-        let gram = row(6);
-        let equal = power(&gram, &[Complex64::ONE; 6]);
-        let best = power(&gram, &found(&gram, &[1.0; 6], 50, 0));
-        assert!(best > 1.2 * equal, "{best} is hardly more than {equal}");
-    }
-
-    #[test]
     fn a_silent_focus_leaves_the_others_alone() {
         // Behind the array, and before it.
         let places = [DVec3::Z * -0.1, DVec3::Z * 0.1];

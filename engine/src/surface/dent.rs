@@ -147,14 +147,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_largest_drive_makes_the_steepest_slope() {
-        for slope in [0.01, 0.3, 2.0] {
-            assert!((largest_drive(slope).powi(2) * slope - STEEPEST).abs() < 1e-12);
-        }
-        assert_eq!(largest_drive(0.0), f64::INFINITY);
-    }
-
-    #[test]
     fn modes_come_back_as_the_shape() {
         let tank = Tank::new([7, 12], [0.01, 0.02]);
         let shape: Vec<_> = (0..84).map(|i| f64::from(i * i % 29)).collect();

@@ -168,22 +168,6 @@ fn scattered_points_are_evaluated_like_grids() {
 }
 
 #[test]
-fn samples_are_split_over_small_buffers() {
-    let scene = Scene::default();
-    let samples = Samples::on_plane(&scene.plane, 301, 43).unwrap();
-    let drive = uneven(256, &[]);
-    let aperture = Aperture::new(&scene);
-    let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
-    let reference = reference::pressure(&aperture, &drive, &samples);
-    // Room for a few rows, and for part of one.
-    for bytes in [20_000, 2000] {
-        let Some(gpu) = gpu() else { return };
-        let error = error(&gpu.with_small_buffers(bytes).pressure(&sources).unwrap(), &reference);
-        assert!(error < 2e-5, "{bytes} bytes: {error:.1e}");
-    }
-}
-
-#[test]
 fn the_field_behind_the_array_is_zero() {
     let samples = Samples::at(vec![dvec3(0.0, 0.0, -0.02), dvec3(0.01, 0.0, -2e-5), dvec3(0.0, 0.0, 0.02)]);
     let scene = Scene::default();
@@ -202,16 +186,6 @@ fn an_absent_adapter_is_an_error() {
     if wanted {
         assert!(matches!(adapter::open_best(false), Err(GpuError::NoAdapter(_))));
     }
-}
-
-#[test]
-fn evaluators_agree_on_a_few_exact_pistons() {
-    let gpu = gpu();
-    let mut scene = Scene::default();
-    (scene.array.rows, scene.array.columns, scene.array.element) = (2, 3, ElementModel::ExactPiston);
-    let plane = Plane { centre: dvec3(0.002, 0.001, 0.02), size: DVec2::new(0.03, 0.02), ..Plane::default() };
-    let samples = Samples::on_plane(&plane, 9, 7).unwrap();
-    assert_evaluators_agree("a few exact pistons", &scene, &uneven(6, &[]), &samples, gpu.as_ref());
 }
 
 #[test]

@@ -99,17 +99,6 @@ fn force_curves_run_from_one_end_to_the_other() {
 }
 
 #[test]
-fn a_force_map_scales_with_the_envelope_and_is_exact_by_the_reference() {
-    let (scene, drives) = three_foci();
-    let request = Request::new(&scene, drives[..1].to_vec(), Quantity::Force, SIZE);
-    let mut stages = Stages::new(Evaluator::Reference);
-    let map = stages.map(&request).unwrap().clone();
-    assert_eq!((map.by, map.error), (By::Reference, 0.0));
-    let half = stages.map(&Request { part: 0.5, ..request }).unwrap();
-    assert!((half.peak / map.peak - 0.5).abs() < 1e-6);
-}
-
-#[test]
 fn near_is_near_a_boards_own_place() {
     let (mut scene, drives) = three_foci();
     let below = Board { at: DVec3::Z * 0.05, ..Board::default() };

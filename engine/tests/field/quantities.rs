@@ -1,15 +1,13 @@
-//! Quantities against the model: formulae in WGSL and Rust, maps of one drive on any plane, and means over several.
+//! Quantities against the model: formulae in WGSL and Rust, and maps on any plane.
 
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3, dvec3};
 use num_complex::{Complex32, Complex64};
-use sonoglyph::acoustics::{Air, Aperture};
-use sonoglyph::drive::Drive;
+use sonoglyph::acoustics::Aperture;
 use sonoglyph::field::quantity::{ALONG, Constants, NORMAL, Norm, PRESSURE, Sound};
-use sonoglyph::field::{By, Evaluator, Map, Quantity, Request, Samples, Stages, reference};
+use sonoglyph::field::{By, Evaluator, Map, Quantity, Request, Samples, Stages};
 use sonoglyph::scene::{Board, Plane, Scene};
-use sonoglyph::surface::Tank;
 
 use crate::model;
 use crate::{evaluators, fast_evaluators, gpu, own, three_foci};
@@ -83,8 +81,6 @@ fn deviation(map: &Map, quantity: Quantity, expected: &[Expected]) -> f64 {
     assert_eq!(got.len(), expected.len());
     got.zip(expected).map(off).fold(0.0, f64::max) / f64::from(map.peak)
 }
-
-const SIZE: (usize, usize) = (120, 100);
 const STRIDE: usize = 37;
 
 fn planes() -> [(&'static str, Plane); 5] {
@@ -211,89 +207,6 @@ fn a_scene_moved_as_a_whole_has_the_same_maps() {
         }
     }
 }
-
-/// Cells of the model's liquid: as wide as a pixel, continued beyond the plane.
-const STEP: f64 = 0.0005;
-const BEYOND: usize = 80;
-
-/// The depth (m) at every pixel of [`three_foci`]'s plane, from cells at most half as wide as a plan's.
-fn depths(aperture: &Aperture, scene: &Scene, drives: &[Drive], air: &Air) -> Vec<f64> {
-    /// Sixth-order central differences: slopes are 1e-5 off here.
-    const DIFFERENCE: [f64; 3] = [0.75, -0.15, 1.0 / 60.0];
-    let counts = [SIZE.0, SIZE.1].map(|count| count + 2 * BEYOND);
-    let wide = counts.map(|count| count + 6);
-    let size = DVec2::from(wide.map(|count| count as f64 * STEP));
-    let samples = Samples::on_plane(&Plane { size, ..scene.plane.clone() }, wide[0], wide[1]).unwrap();
-    let mut pressed = vec![0.0; counts[0] * counts[1]];
-    for drive in drives {
-        let pressure = reference::pressure(aperture, drive, &samples);
-        for (cell, pressed) in pressed.iter_mut().enumerate() {
-            let at = (cell / counts[0] + 3) * wide[0] + cell % counts[0] + 3;
-            let slope = |stride: usize| -> Complex64 {
-                let pair = |i: usize| pressure[at + (i + 1) * stride] - pressure[at - (i + 1) * stride];
-                (0..3).map(|i| pair(i) * DIFFERENCE[i]).sum::<Complex64>() / STEP
-            };
-            let sound = model::Sound { p: pressure[at], slopes: [slope(1), slope(wide[0]), Complex64::ZERO] };
-            let radiation = model::value(Quantity::Radiation, air, aperture, 0.0, [sound].into_iter());
-            *pressed += radiation / drives.len() as f64;
-        }
-    }
-    let depth = Tank::new(counts, [STEP; 2]).dent(&scene.liquid, &pressed).depth;
-    let of_pixel = |pixel: usize| (pixel / SIZE.0 + BEYOND) * counts[0] + pixel % SIZE.0 + BEYOND;
-    (0..SIZE.0 * SIZE.1).map(|pixel| depth[of_pixel(pixel)]).collect()
-}
-
-#[test]
-fn means_of_several_drives_keep_the_tolerance() {
-    let (mut scene, drives) = three_foci();
-    let aperture = Aperture::new(&scene);
-    let pixels = Samples::on_plane(&scene.plane, SIZE.0, SIZE.1).unwrap();
-    let points: Vec<_> = (0..pixels.len()).step_by(STRIDE).map(|i| pixels.point(i)).collect();
-    let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-    let sounds: Vec<_> = drives.iter().map(|drive| model::sounds(&aperture, drive, axes, &points)).collect();
-    let mut stages: Vec<_> = evaluators().into_iter().map(|it| (own(&it), Stages::new(it))).collect();
-    let has_mean = |quantity: &Quantity| {
-        let declaration = quantity.declaration();
-        declaration.has_mean && !declaration.of_light && !declaration.is_vector
-    };
-    for quantity in Quantity::ALL.into_iter().filter(has_mean) {
-        let request = Request::new(&scene, drives.clone(), quantity, SIZE);
-        let values: Vec<_> = if quantity == Quantity::Depression {
-            depths(&aperture, &scene, &drives, &request.air).into_iter().step_by(STRIDE).collect()
-        } else {
-            let of_drives = |point: usize| sounds.iter().map(move |sounds| sounds[point]);
-            let value = |point| model::value(quantity, &request.air, &aperture, 0.0, of_drives(point));
-            (0..points.len()).map(value).collect()
-        };
-        let expected: Vec<_> = values.into_iter().map(|value| Expected { value, modulus: 1.0 }).collect();
-        for (asked, stages) in &mut stages {
-            for tolerance in [1e-2, 1e-3, 1e-4] {
-                scene.plane.tolerance = tolerance;
-                let map = stages.map(&Request { plane: scene.plane.clone(), ..request.clone() }).unwrap();
-                let off = deviation(map, quantity, &expected);
-                let Map { by, error, how, .. } = map;
-                let name = format!("{quantity:?} {tolerance:e} of {asked:?} by {by:?}");
-                println!("{name}: {off:.1e}, measured {error:.1e}, {how}");
-                assert!(off < tolerance, "{name}: {off:e}, {how}");
-                assert!(
-                    *error < tolerance && off < 20.0 * error + 1e-5,
-                    "{name}: {off:e}, measured {error:e}"
-                );
-                let largest = map.values.iter().fold(0.0f32, |most, value| most.max(value.abs()));
-                assert!((map.peak - largest).abs() <= 1e-6 * largest, "{name}: {} {largest}", map.peak);
-                // Cells are few enough for the CPU, and slopes at fine tolerances need f64.
-                let is_double = tolerance < finest(quantity) && quantity.declaration().parts & NORMAL != 0;
-                let maker = match asked {
-                    By::Reference => By::Reference,
-                    By::Cpu | By::CpuInF64 | By::Gpu if is_double => By::CpuInF64,
-                    By::Cpu | By::CpuInF64 | By::Gpu => By::Cpu,
-                };
-                assert_eq!(*by, maker, "{name}");
-            }
-        }
-    }
-}
-
 #[test]
 fn contours_are_at_their_fraction_of_the_peak() {
     let (scene, drives) = three_foci();

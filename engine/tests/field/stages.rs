@@ -173,20 +173,6 @@ fn only_stages_that_depend_on_the_change_run() {
 }
 
 #[test]
-fn exact_maps_need_no_tables_and_no_interpolation() {
-    for evaluator in fast_evaluators() {
-        let mut stages = Stages::new(evaluator);
-        for quantity in [Quantity::Rms, Quantity::Phase, Quantity::Instantaneous] {
-            let mut shown = Shown::new(quantity);
-            shown.scene.plane.tolerance = 0.0;
-            stages.forget();
-            let of_pixels = Work { plan: 1, superposition: 1, forming: 1, picture: 1, ..Work::default() };
-            assert_eq!(shown.show(&mut stages), of_pixels, "{quantity:?}");
-        }
-    }
-}
-
-#[test]
 fn quantities_share_one_superposition() {
     let drives = three_foci().1;
     let mut stages = Stages::new(Evaluator::Cpu);
@@ -338,22 +324,6 @@ fn progress_is_told_drive_by_drive() {
     for part in [1.0 / 3.0, 2.0 / 3.0] {
         assert!(heard.iter().any(|heard| (heard - part).abs() < 1e-12), "{part} of {heard:?}");
     }
-}
-
-#[test]
-fn a_map_whose_samples_are_refined_counts_both_plans() {
-    let mut scene = small(0.1);
-    // Halves in antiphase: sound is weak on a narrow plane between them, and loud at the samples beside it.
-    scene.plane.centre.x = 0.0;
-    scene.plane.size.x = 2e-4;
-    let phase = |n: usize| if n % 4 < 2 { 0.0 } else { std::f64::consts::PI };
-    let drive = Drive { amplitudes: vec![1.0; 16], phases: (0..16).map(phase).collect() };
-    let quieter = Drive { amplitudes: vec![0.5; 16], ..drive.clone() };
-    let mut stages = Stages::new(Evaluator::Cpu);
-    let request = Request::new(&scene, vec![drive, quieter], Quantity::Rms, (20, 30));
-    let map = stages.map(&request).unwrap().clone();
-    assert!(map.error < scene.plane.tolerance, "{:e}: {}", map.error, map.how);
-    assert!(stages.work().plan > 1, "{:?}: {}", stages.work(), map.how);
 }
 
 #[test]

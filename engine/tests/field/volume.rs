@@ -7,7 +7,6 @@ use glam::{DVec2, DVec3, UVec3, Vec3, Vec4};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::SpacePainting;
-use sonoglyph::field::volume::bricks::BRICK;
 use sonoglyph::field::volume::sampling::Fineness;
 use sonoglyph::field::volume::scenery::{Body, Item, Shot};
 use sonoglyph::field::volume::{Block, Camera, Lattice, Scenery, Volume, march};
@@ -376,14 +375,4 @@ fn a_picture_too_large_for_the_gpu_is_refused() {
         let refused = SpacePainting::default().paint(&gpu, (&shot, &scenery), &volume, false);
         assert!(refused.unwrap_err().to_string().contains("too large"), "{size:?}");
     }
-}
-
-#[test]
-fn the_maximum_of_a_volume_is_in_its_bricks() {
-    let volume = gaussian(&BLOCK, CENTRE, WIDTHS, 0.001);
-    let place = ((CENTRE - volume.lattice.first) / volume.lattice.step).as_uvec3() / BRICK;
-    let counts = volume.brick_counts();
-    let number = place.x + counts.x * (place.y + counts.y * place.z);
-    assert_eq!(volume.bricks[number as usize], volume.peak);
-    assert!((volume.value(CENTRE) - 1000.0).abs() < 20.0);
 }

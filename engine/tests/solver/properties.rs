@@ -9,8 +9,8 @@ use proptest::test_runner::RngSeed;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{
-    Amplitudes, Array, ElementModel, Focus, Method, Motion, MotionPath, Pressures, Scene, Shape, Target,
-    Turns, file,
+    Amplitudes, Array, ElementModel, Focus, Method, Motion, MotionPath, Plane, Pressures, Sampling, Scene,
+    Shape, Target, Turns, file,
 };
 use sonoglyph::solver::levels::{self, Reached};
 use sonoglyph::solver::{self, Limits, Problem, Solution, SolveError, Warning, frames};
@@ -119,13 +119,6 @@ fn focus_steers_one_focus_and_refuses_more() {
 }
 
 #[test]
-fn the_pseudo_inverse_makes_its_prescribed_field() {
-    let solution = solve(&scene(&[dvec3(-0.02, 0.0, 0.1), dvec3(0.02, 0.01, 0.12)]), Method::Pinv);
-    assert!(solution.quality.residual < 1e-12, "{:?}", solution.quality);
-    assert_eq!(limits(&Scene::default(), &solution).0.rank, 2);
-}
-
-#[test]
 fn a_focus_beyond_absorption_does_not_weaken_the_others() {
     let (near, beside, out_of_hearing) =
         (dvec3(0.01, 0.0, 0.1), dvec3(-0.02, 0.01, 0.12), dvec3(0.0, 0.01, 3.6));
@@ -173,6 +166,57 @@ fn levelling_methods_meet_relative_targets() {
         scene.solver.iterations = 60;
         let quality = solve(&scene, method).quality;
         assert!(quality.spread < 0.01, "{method:?}: {quality:?}");
+    }
+}
+
+/// Powers of two, by which every sum scales to the last bit.
+#[test]
+fn strength_and_unit_of_targets_change_no_drive() {
+    let beside = dvec3(0.0, 0.0, 0.1);
+    let shape = |shape: Shape, sampling| Target { sampling, ..Target::new(shape) };
+    let mut areas = scene(&[beside]);
+    areas.targets = vec![
+        shape(Shape::Circle { at: beside, radius: 0.015 }, Sampling::Fill),
+        shape(Shape::Point { at: beside + 0.03 * DVec3::X }, Sampling::Whole),
+    ];
+    let mut strokes = areas.clone();
+    strokes.targets[0].sampling = Sampling::Continuous;
+    let several = several().map(|method| {
+        let mut scene = scene(&apart(5));
+        scene.solver.method = method;
+        scene.targets[1].pressure = 0.5;
+        scene
+    });
+    let shapes = [areas, strokes].into_iter().flat_map(|scene| {
+        let turned =
+            Scene { plane: Plane { x_axis: dvec3(1.0, 0.0, 0.02), ..Plane::default() }, ..scene.clone() };
+        [scene, turned]
+    });
+    for mut scene in several.chain(shapes) {
+        (scene.array.rows, scene.array.columns) = (9, 8);
+        let usual = solver::solve(&scene).unwrap();
+        let what = format!("{:?}, {:?}", scene.solver.method, scene.targets[0].shape);
+        for (strength, unit) in [(4.0, 1.0), (1.0, 0.125)] {
+            let mut other = scene.clone();
+            other.array.strength *= strength;
+            other.targets.iter_mut().for_each(|target| target.pressure *= unit);
+            let other = solver::solve(&other).unwrap();
+            let turn = |(a, b): (&f64, &f64)| Complex64::cis(a - b);
+            let phases = || usual.drive.phases.iter().zip(&other.drive.phases).map(turn);
+            assert!(phases().all(|turn| (turn - 1.0).norm() < 1e-6), "{what}, {strength}, {unit}");
+            let of = |solution: &Solution| {
+                let Solution { quality, figures, .. } = solution;
+                let shape = figures.as_ref().map(|it| (it.evenness, it.side_lobe, it.strength));
+                let areas = figures.as_ref().and_then(|it| it.areas.as_ref());
+                let (evenness, side_lobe, part) = shape.unwrap_or_default();
+                let (contrast, error) = areas.map(|it| (it.contrast, it.error)).unwrap_or_default();
+                let pressure = quality.mean_pressure / solution.pressures[0].norm();
+                [quality.spread, quality.residual, pressure, evenness, side_lobe, part, contrast, error]
+            };
+            for (a, b) in of(&usual).into_iter().zip(of(&other)) {
+                assert!((a - b).abs() < 1e-6 * (1.0 + a), "{what}, {strength}, {unit}: {a} and {b}");
+            }
+        }
     }
 }
 

@@ -1,12 +1,8 @@
 //! Lists of the wrong length in scenes and settings.
 
-use std::fs;
 use std::path::Path;
 
 use toml::{Table, Value};
-
-use crate::hostile::{folder_with, refused};
-use crate::program;
 
 /// The path of every list of numbers in a document: keys and indices.
 fn lists(value: &Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
@@ -72,42 +68,4 @@ fn a_value_too_many_or_too_few_is_refused_in_every_list() {
             assert!(error.starts_with("a.toml:") && error.contains(key.as_str()), "{path:?}: {error}");
         }
     }
-}
-
-#[test]
-fn a_surplus_value_is_refused_with_its_line_and_its_key() {
-    for (body, line, part) in [
-        ("[[target]]\nat = [0, 0, 0.1, 9]", 3, "target[1].at: the list has more values"),
-        ("[[target]]\n[plane]\nsize = [0.1, 0.1, 0.1]", 4, "plane.size: the list has more values"),
-        (
-            "[[target]]\n[motion]\npath = \"points\"\npoints = [[0, 0, 0.01], [0, 0, 0.02, 3]]",
-            5,
-            "motion.points[2]: the list",
-        ),
-        (
-            "[[target]]\nkind = \"path\"\nvertices = [[0, 0, 0.1, 1], [0.01, 0, 0.1]]",
-            4,
-            "target[1].vertices[1]: the list",
-        ),
-        ("medium = [20, 50, 101325]\n[[target]]", 2, "medium: invalid type: sequence, expected a table"),
-    ] {
-        let folder = folder_with(&[("a.toml", &format!("format = 1\n{body}\n"))]);
-        for args in [&["solve", "a.toml"][..], &["render", "a.toml", "-o", "x.png"]] {
-            let message = refused(folder.path(), &mut program(folder.path(), args));
-            assert!(
-                message.contains(&format!("a.toml:{line}: ")) && message.contains(part),
-                "{body}: {message}"
-            );
-        }
-    }
-}
-
-#[test]
-fn a_surplus_value_in_a_batch_is_answered() {
-    let line = r#"{"target": [{"at": [0, 0, 0.1, 9]}]}"#;
-    let folder = folder_with(&[("lines", line)]);
-    let lines = fs::File::open(folder.path().join("lines")).unwrap();
-    let output = program(folder.path(), &["batch"]).stdin(lines).output().unwrap();
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.contains("more values than are asked for"), "{said}");
 }

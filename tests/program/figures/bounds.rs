@@ -113,18 +113,6 @@ fn printed_maxima_are_rounded_up() {
 }
 
 #[test]
-fn the_time_per_wave_frame_is_that_of_one_picture() {
-    let folder = folder("format = 1\n[[target]]\nat = [0.0, 0.0, 0.1]\n[plane]\nsize = [0.04, 0.04]\n");
-    let args =
-        ["render", "a.toml", "-o", "a.gif", "--quantity", "depression", "--size", "24", "-v", "--waves"];
-    let (text, _) = output_of(folder.path(), &[&args[..], &["--seconds", "0.05"]].concat());
-    assert!(text.contains("20 frames of 24 x 24"), "{text}");
-    let (all, rest) = number_after(&text, "drives; ");
-    let (each, _) = number_after(&rest, "20 frames, ");
-    assert!((all / 20.0 - each).abs() < 0.01, "{text}");
-}
-
-#[test]
 fn force_and_volume_name_their_area() {
     let folder = folder("format = 1\n[[target]]\nat = [0.0, 0.0, 0.1]\n[plane]\nsize = [0.0425, 0.03]\n");
     for (quantity, before) in [("depression", "N on "), ("radiation", "N on ")] {

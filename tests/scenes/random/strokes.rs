@@ -89,36 +89,6 @@ fn samples_lie_on_the_stroke_at_most_a_quarter_of_a_wavelength_apart() {
 }
 
 #[test]
-fn the_wavelength_is_that_of_the_scene() {
-    let line = Shape::Line { from: AT, to: AT + DVec3::X * 0.1 };
-    let mut scene = scene(vec![Target::new(line)]);
-    for (sound_speed, frequency, samples) in [(400.0, 40e3, 41), (400.0, 80e3, 81), (340.0, 25e3, 31)] {
-        (scene.medium.sound_speed, scene.array.frequency) = (Some(sound_speed), frequency);
-        assert_eq!(outline::foci(&scene).unwrap().len(), samples);
-    }
-    (scene.medium.sound_speed, scene.medium.temperature) = (None, 50.0);
-    let aperture = sonoglyph::acoustics::Aperture::new(&scene);
-    assert!((scene.wavelength() - aperture.wavelength()).abs() < 1e-15, "the field's own");
-}
-
-#[test]
-fn corners_are_samples_and_shared_ones_stand_once() {
-    let corners =
-        [(-0.02, -0.01), (0.02, -0.01), (0.02, 0.01), (-0.02, 0.01)].map(|(x, y)| AT + dvec3(x, y, 0.0));
-    let samples = foci(Shape::Rectangle { at: AT, width: 0.04, height: 0.02 });
-    for corner in corners {
-        assert_eq!(samples.iter().filter(|sample| sample.position.distance(corner) < 1e-9).count(), 1);
-    }
-    let letter = foci(Shape::Text { text: "H".to_owned(), at: AT, height: 0.04 });
-    for (i, sample) in letter.iter().enumerate() {
-        assert!(
-            letter[..i].iter().all(|other| sample.position.distance(other.position) > 1e-3),
-            "{sample:?}"
-        );
-    }
-}
-
-#[test]
 fn what_is_short_has_few_samples_and_what_is_long_has_them_farther_apart() {
     for size in [1e-9, 1e-5, 4e-4] {
         for shape in shapes(size) {
@@ -145,15 +115,6 @@ fn what_is_short_has_few_samples_and_what_is_long_has_them_farther_apart() {
     assert_eq!(of(0.0), 900);
     assert!((1020..=MOST_FOCI).contains(&foci.len()), "{}", foci.len());
     assert!(of(0.2).abs_diff(2 * of(0.1)) <= 3, "{} and {}", of(0.1), of(0.2));
-}
-
-#[test]
-fn too_many_corners_are_refused_with_the_target_that_has_them() {
-    let line = Target::new(Shape::Line { from: AT, to: AT + DVec3::X * 0.01 });
-    let fits = scene(vec![line.clone(); MOST_FOCI / 2]);
-    assert_eq!(outline::foci(&fits).unwrap().len(), MOST_FOCI);
-    let error = outline::foci(&scene(vec![line; MOST_FOCI / 2 + 1])).unwrap_err().to_string();
-    assert!(error.starts_with("target[513]: its corners alone need 2 focal points"), "{error}");
 }
 
 #[test]

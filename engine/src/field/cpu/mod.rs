@@ -70,13 +70,12 @@ fn block(isa: Isa, wave: &Wave, (elements, tilts): (&[[f32; 4]], &[[f32; 4]]), p
 #[cfg(test)]
 mod tests {
     use glam::{DVec3, dvec3};
-    use num_complex::Complex64;
 
     use super::*;
     use crate::acoustics::Aperture;
     use crate::drive::Drive;
-    use crate::field::{Samples, reference};
-    use crate::scene::{Array, ElementModel, Elements, Placed, Scene};
+    use crate::field::Samples;
+    use crate::scene::{Array, Elements, Placed, Scene};
 
     /// Elements at several heights, which radiate in as many directions.
     fn curved() -> Array {
@@ -87,47 +86,6 @@ mod tests {
         let placed = [placed(-0.04, 0.0, 0.02), placed(0.0, 0.01, -0.03), placed(0.03, -0.02, 0.0)].to_vec();
         let placed = Elements::new(placed, None);
         Array { placed, file: Some("curved.csv".to_owned()), ..Array::default() }
-    }
-
-    #[test]
-    fn waves_of_all_kinds_of_elements_are_those_of_the_reference() {
-        let usual = Array { rows: 2, columns: 3, ..Array::default() };
-        let wide = Array { pitch: 0.03, element_radius: 0.014, ..usual.clone() };
-        let exact = Array { element: ElementModel::ExactPiston, ..usual.clone() };
-        for (name, array, absorption, lowest) in [
-            ("usual", usual.clone(), None, 0.02),
-            ("sharp directivity", wide, None, 0.02),
-            ("strong absorption", usual, Some(60.0), 0.02),
-            ("exact pistons", exact, None, 0.02),
-            ("curved", curved(), None, -0.04),
-            ("curved, strong absorption", curved(), Some(60.0), -0.04),
-        ] {
-            let mut scene = Scene { array, ..Scene::default() };
-            scene.medium.absorption = absorption;
-            let aperture = Aperture::new(&scene);
-            let elements = aperture.positions.len();
-            let drive = Drive {
-                amplitudes: (0..elements).map(|n| 1.0 - 0.1 * n as f64).collect(),
-                phases: (0..elements).map(|n| 0.7 * (n * n) as f64).collect(),
-            };
-            // The last block is not full.
-            let unit = |i: usize, step: f64| (i as f64 * step).fract();
-            let point = |i: usize| {
-                let (x, y) = (unit(i, 0.618) - 0.5, unit(i, 0.7548) - 0.5);
-                dvec3(0.12 * x, 0.1 * y, lowest + 0.1 * unit(i, 0.5698))
-            };
-            let samples = Samples::at((0..LANES + 20).map(point).collect());
-            let sources = Sources::of_faces(&aperture, &drive, &samples).unwrap();
-            let expected = reference::pressure(&aperture, &drive, &samples);
-            let peak = expected.iter().map(|p| p.norm()).fold(0.0, f64::max);
-            for isa in Isa::available() {
-                let field = pressure_with(isa, &sources, samples.len());
-                for ((p, expected), at) in field.iter().zip(&expected).zip(&samples.columns) {
-                    let off = (Complex64::new(p.re.into(), p.im.into()) - expected).norm();
-                    assert!(off < 2e-5 * peak, "{name}, {}, {at}: {p}, not {expected}", isa.name());
-                }
-            }
-        }
     }
 
     #[test]

@@ -291,52 +291,11 @@ pub fn pipeline(device: &wgpu::Device, name: &str, source: &str) -> wgpu::Comput
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::Quantity;
-    use crate::field::gpu::adapter;
-    use crate::field::gpu::{Reading, gathering, painting};
     use crate::requirement::found;
 
     /// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.
     fn gpu() -> Option<Gpu> {
         found("gpu", adapter::open_best(true))
-    }
-
-    #[test]
-    fn only_a_clock_is_asked_of_an_adapter() {
-        let Some(gpu) = gpu() else { return };
-        assert!(wgpu::Features::TIMESTAMP_QUERY.contains(gpu.device.features()));
-    }
-
-    #[test]
-    fn tuning_decides_where_space_is_drawn_and_buffers_only_become_smaller() {
-        let Some(gpu) = gpu() else { return };
-        let most = gpu.buffer_limit;
-        for tuning in [Tuning::SOFTWARE, Tuning::DISCRETE] {
-            assert_eq!(gpu.twin().with_tuning(tuning).draws_space(), tuning.draws_space);
-        }
-        assert_eq!(gpu.twin().with_small_buffers(u64::MAX).buffer_limit, most);
-        assert_eq!(gpu.with_small_buffers(2000).buffer_limit, 2000);
-    }
-
-    #[test]
-    fn every_buffer_texture_and_binding_is_counted() {
-        let Some(gpu) = gpu() else { return };
-        let count = |make: &dyn Fn()| {
-            let before = gpu.traffic().allocations;
-            make();
-            gpu.traffic().allocations - before
-        };
-        let usage = wgpu::TextureUsages::STORAGE_BINDING;
-        assert_eq!(count(&|| drop(painting::texture(&gpu, "texture", (4, 4), usage))), 1);
-        assert_eq!(count(&|| drop(gpu.storage("buffer", 64))), 1);
-        let (samples, peak) = (gpu.storage("samples", 64), gpu.storage("peak", 8));
-        // The results; then the parameters, the probes, and what binds them to the program.
-        let gather = || {
-            let mut gathering = gathering::Gathering::new(&gpu, 1, 0);
-            gathering.add(&gpu, [&samples, &peak], [1, 0], &[]);
-        };
-        assert_eq!(count(&gather), 4);
-        assert_eq!(gpu.check(), Ok(()));
     }
 
     #[test]

@@ -13,9 +13,6 @@ use crate::simd::{Instructions, Isa, Kernel, fused};
 use crate::surface::caustic;
 use crate::surface::{Light, Rays};
 
-#[cfg(test)]
-mod blocks;
-
 /// Cells along the side of a block.
 const SIDE: usize = 8;
 /// Limit of brightness change from patch to patch, unless patches become finer than a pixel or [`FINE`] and
@@ -243,71 +240,4 @@ impl Kernel for Slopes<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::acoustics::Aperture;
-    use crate::scene::{Plane, Scene};
-
-    /// Square cells that go on beyond a square screen, with a depth (m) by the place (m) from its centre.
-    fn with_surface<T>(depth: impl Fn(DVec2) -> f64, look: impl Fn(&Surface<'_>) -> T) -> T {
-        let size = DVec2::splat(0.04);
-        let scene = Scene { plane: Plane { size, ..Plane::default() }, ..Scene::default() };
-        let cells = Cells::new(&Aperture::new(&scene), &scene.plane, 0.08, 1e-3).unwrap();
-        let [columns, rows] = [0, 1].map(|axis| cells.places(axis).collect::<Vec<_>>());
-        let depths: Vec<_> =
-            rows.iter().flat_map(|y| columns.iter().map(|x| depth(DVec2::new(*x, *y)))).collect();
-        let around = cells.beyond_walls();
-        look(&Surface {
-            cells: &cells,
-            depth: cells.mirrored(&depths, 1.0),
-            columns: around.counts[0],
-            reach: (around.counts[0] - cells.counts[0]) / 2,
-            per_cell: 0.1 / cells.step,
-            size,
-            pixel: size / 100.0,
-        })
-    }
-
-    #[test]
-    fn blocks_are_left_out_whose_light_misses_the_screen() {
-        with_surface(
-            |_| 1e-5,
-            |surface| {
-                let reaches = |block: &Block| {
-                    [0, 1].into_iter().all(|axis| {
-                        let end = block.first[axis] + block.cells[axis];
-                        let edge = surface.size[axis] / 2.0;
-                        surface.place(axis, block.first[axis]) <= edge && surface.place(axis, end) >= -edge
-                    })
-                };
-                let blocks = surface.blocks();
-                let all = surface.cells.counts.map(|count| count.div_ceil(SIDE));
-                assert!(blocks.iter().all(reaches) && blocks.len() * 4 < all[0] * all[1], "{}", blocks.len());
-                let area: usize = blocks.iter().map(|block| block.cells[0] * block.cells[1]).sum();
-                assert!(area as f64 * surface.cells.step.powi(2) >= surface.size.element_product());
-            },
-        );
-    }
-
-    #[test]
-    fn waves_across_and_up_and_deeper_ones_take_the_same_blocks_and_rays() {
-        let blocks = |along: DVec2, deeper: f64| {
-            with_surface(
-                |place| deeper + 1e-5 * (place.dot(along) * 1000.0).sin(),
-                |surface| {
-                    let blocks = surface.blocks();
-                    let mut blocks: Vec<_> = blocks.iter().map(|block| (block.first, block.rays)).collect();
-                    if along.y > 0.0 {
-                        blocks.iter_mut().for_each(|(first, _)| first.reverse());
-                    }
-                    blocks.sort_unstable();
-                    blocks
-                },
-            )
-        };
-        let across = blocks(DVec2::X, 0.0);
-        assert!(across.iter().any(|(_, rays)| (2..48).contains(rays)), "{across:?}");
-        assert_eq!(across, blocks(DVec2::Y, 0.0));
-        assert_eq!(across, blocks(DVec2::X, 1e-4));
-    }
-}
+mod tests;

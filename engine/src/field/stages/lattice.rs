@@ -81,22 +81,3 @@ impl Share {
         sums.capacity() * size_of::<f64>() + lattice.bytes() + between.bytes()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::field::interpolation::Resampling;
-
-    #[test]
-    fn all_memory_of_a_share_is_counted() {
-        let mut share = Share { sums: vec![0.0; 50], ..Share::default() };
-        share.lattice.resize(1, 100);
-        let of_lattice = 50 * size_of::<f64>() + 100 * size_of::<Complex32>();
-        assert!((of_lattice..2 * of_lattice).contains(&share.bytes()), "{}", share.bytes());
-        let resampling = Resampling::new((0..30).map(|i| 3.0 + 0.1 * f64::from(i)), 4, 6.0);
-        let (samples, mut pixels) = (vec![Complex32::ZERO; 400], vec![Complex32::ZERO; 900]);
-        interpolate(&samples, 20, &resampling, &resampling, &mut share.between, &mut pixels);
-        let before = share.between.bytes();
-        assert!(before > 0 && share.bytes() >= of_lattice + before, "{} of {before}", share.bytes());
-    }
-}

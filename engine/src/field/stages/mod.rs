@@ -496,6 +496,3 @@ impl Job<'_> {
         Map { width, height, values, peak, loudest, near, rounding: 0.0, error, evaluated, by, how }
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -26,9 +26,6 @@ use crate::scene::Liquid;
 use crate::simd::larger;
 use crate::surface::{Dent, Tank};
 
-#[cfg(test)]
-mod memory;
-
 /// Drives with samples in memory at the same time.
 const TOGETHER: usize = 64;
 /// Number of shares of the drives for parallel work, and limit of their cells in total. It is independent of the
@@ -513,17 +510,4 @@ fn finish(values: &mut [f32], factor: f32, is_root: bool) -> f32 {
         largest[0] = larger(sum.abs(), largest[0]);
     }
     largest.into_iter().fold(0.0, f32::max)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn memory_of_cells_and_of_their_depths_is_counted() {
-        let mut stages = OnCpu::default();
-        stages.cells.value = vec![0.0; 100];
-        stages.response.value.depth = vec![0.0; 100];
-        assert_eq!(stages.bytes(), 200 * size_of::<f64>());
-    }
 }

@@ -178,9 +178,8 @@ fn error(job: &Job<'_>, figures: &Gathered) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use std::time::Instant;
 
-    use glam::{DVec2, DVec3, dvec3};
+    use glam::{DVec2, dvec3};
 
     use super::*;
     use crate::drive::Drive;
@@ -202,47 +201,6 @@ mod tests {
 
     fn level() -> Plane {
         Plane { centre: dvec3(0.004, -0.002, 0.1), size: DVec2::new(0.06, 0.05), ..Plane::default() }
-    }
-
-    #[test]
-    fn maps_on_the_gpu_are_those_of_the_cpu_with_their_errors() {
-        let Some(mut on_gpu) = on_gpu() else { return };
-        let mut on_cpu = Stages::new(Evaluator::Cpu);
-        let upright = Plane { centre: dvec3(0.004, -0.002, 0.03), y_axis: DVec3::Z, ..level() };
-        for (plane, quantity) in
-            [(level(), Quantity::Rms), (level(), Quantity::Intensity), (upright, Quantity::Rms)]
-        {
-            let request = request(plane, quantity, (120, 100));
-            let expected = on_cpu.map(&request).unwrap();
-            let map = on_gpu.map(&request).unwrap();
-            assert_eq!(map.by, By::Gpu, "{quantity:?}: {}", map.how);
-            assert!(map.error > 0.0 && map.error < request.plane.tolerance, "{quantity:?}: {:e}", map.error);
-            assert!((map.peak / expected.peak - 1.0).abs() < 1e-3, "{quantity:?}");
-            assert_eq!(map.values.len(), expected.values.len());
-            for (value, expected_) in map.values.iter().zip(&expected.values) {
-                let off = f64::from((value - expected_).abs() / expected.peak);
-                assert!(off < 2.0 * request.plane.tolerance, "{quantity:?}: {off:e}, {}", map.how);
-            }
-        }
-    }
-
-    #[test]
-    fn figures_are_read_again_and_again_with_the_time_of_their_passes() {
-        let Some(mut stages) = on_gpu() else { return };
-        let request = request(level(), Quantity::Velocity, (120, 100));
-        let begun = Instant::now();
-        for _ in 0..3 {
-            let mut found = None;
-            // The first call asks, and the next one has them once the device is idle.
-            for _ in 0..2 {
-                found = stages.figures(&request).unwrap();
-                stages.gpu().unwrap().wait().unwrap();
-            }
-            let (map, seconds) = found.unwrap();
-            assert!(map.values.is_empty() && map.peak > 0.0 && map.error > 0.0, "{map:?}");
-            let most = begun.elapsed().as_secs_f64();
-            assert!(seconds.is_none_or(|seconds| seconds > 0.0 && seconds < most), "{seconds:?}");
-        }
     }
 
     #[test]

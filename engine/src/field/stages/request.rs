@@ -256,7 +256,7 @@ impl Setting {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Array, Envelope, Material, Modulation};
+    use crate::scene::Array;
 
     fn scene() -> Scene {
         Scene { array: Array { columns: 2, rows: 2, ..Array::default() }, ..Scene::default() }
@@ -264,29 +264,6 @@ mod tests {
 
     fn drive() -> Drive {
         Drive { amplitudes: vec![1.0; 4], phases: vec![0.0; 4] }
-    }
-
-    #[test]
-    fn only_slow_quantities_are_means_over_the_envelope() {
-        let modulation = Modulation { shape: Envelope::Sine, depth: 1.0, ..Modulation::default() };
-        let mean = modulation.mean_square();
-        assert!(mean < 0.9);
-        let scene = Scene { modulation, ..scene() };
-        for quantity in Quantity::ALL {
-            let expected = if quantity.declaration().is_slow { mean } else { 1.0 };
-            assert_eq!(Request::new(&scene, vec![drive()], quantity, (8, 8)).part, expected, "{quantity:?}");
-        }
-    }
-
-    #[test]
-    fn the_bead_is_relevant_only_to_its_own_quantities() {
-        let mut heavy = scene();
-        heavy.bead.material = Material::Water;
-        for quantity in Quantity::ALL {
-            let relevant = |scene| Request::new(scene, vec![drive()], quantity, (8, 8)).relevant().unwrap();
-            let is_same = relevant(&heavy) == relevant(&scene());
-            assert_eq!(is_same, !quantity.declaration().of_bead, "{quantity:?}");
-        }
     }
 
     #[test]

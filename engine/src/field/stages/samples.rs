@@ -16,9 +16,6 @@ use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
 use crate::gauge::Gauge;
 
-#[cfg(test)]
-mod ceiling;
-
 /// The pressure at the samples, and its slope along the plane's normal; empty if not needed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Samples {
@@ -153,6 +150,7 @@ pub(super) fn sampled(
 
 #[cfg(test)]
 mod tests {
+
     use super::*;
     use crate::field::Plan;
     use crate::field::plan::Costs;

@@ -180,20 +180,3 @@ fn tiles(cells: (&[f32], usize), [across, up]: [&Resampling; 2], values: &[f32])
     };
     up_groups.par_iter().flat_map_iter(of_group).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn squares_from_the_least_on_have_roots_within_the_allowed() {
-        for (off, allowed) in [(1e-6, 1e-3), (1e-6, 1e-4), (3e-5, 2e-3), (0.0, 1e-4)] {
-            let least = least(off, allowed);
-            for times in [1.0, 1.01, 2.0, 100.0] {
-                let square = (least * times) as f32;
-                assert!(root_off(square, off) <= allowed * (1.0 + 1e-6), "{off:e}, {allowed:e}, {times}");
-            }
-            assert!(least == 0.0 || root_off((least * 0.9) as f32, off) > allowed);
-        }
-    }
-}

@@ -395,42 +395,4 @@ fn lit(params: &ShotParams, slope: Vec3, direction: Vec3) -> Vec3 {
 }
 
 #[cfg(test)]
-mod rays;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn light_depends_on_where_the_eye_looks_and_not_on_how_far() {
-        let params = ShotParams {
-            right: [1.0, 0.0, 0.0],
-            up: [0.0, 1.0, 0.0],
-            forward: [0.0, 0.0, 1.0],
-            surface: [0.4, 0.5, 0.3, 1.0],
-            ..ShotParams::default()
-        };
-        let slope = Vec3::new(0.3, -0.5, 0.6);
-        let seen = |direction: Vec3| lit(&params, slope, direction);
-        let along = Vec3::new(0.5, 0.1, 1.0);
-        assert!(seen(along).distance(seen(along * 1.3)) < 1e-6);
-        assert!(seen(along).distance(seen(Vec3::Z)) > 1e-3);
-    }
-
-    #[test]
-    fn edges_are_a_pixel_that_differs_and_those_beside_it() {
-        const SIDE: usize = 4;
-        for bright in 0..SIDE * SIDE {
-            let mut rgba = vec![0; 4 * SIDE * SIDE];
-            rgba[4 * bright + 1] = 255;
-            for pixel in 0..SIDE * SIDE {
-                let (x, y) = (pixel % SIDE, pixel / SIDE);
-                let apart = x.abs_diff(bright % SIDE) + y.abs_diff(bright / SIDE);
-                assert_eq!(is_edge(&rgba, SIDE, SIDE, x, y), apart <= 1, "{bright}: {pixel}");
-            }
-        }
-    }
-}
-
-#[cfg(test)]
-mod pictures;
+mod tests;

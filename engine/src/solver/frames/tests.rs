@@ -1,4 +1,4 @@
-//! Tests of going on from frame to frame, and of the phases between frames.
+//! Tests of frames: what they play, and the phases between them.
 
 use std::f64::consts::TAU;
 use std::sync::{Arc, Mutex};
@@ -23,54 +23,6 @@ fn ring(count: usize) -> Vec<DVec3> {
         DVec3::new(0.02 * cos, 0.02 * sin, 0.1)
     };
     (0..count).map(at).collect()
-}
-
-/// The weakest focus of every frame relative to that of a search for this frame alone.
-fn beside_search(scene: &Scene, sequence: &Sequence) -> Vec<f64> {
-    let aperture = Aperture::new(scene);
-    let part = |frame: &Frame| {
-        let problem = Problem::new(&aperture, frame.foci.clone());
-        let cold = Found::new(&problem, &scene.solver, excite(&problem, &scene.solver).unwrap(), true);
-        frame.min_pressure() / cold.weakest()
-    };
-    sequence.frames.iter().map(part).collect()
-}
-
-#[test]
-fn going_on_from_frame_to_frame_reaches_what_searching_does() {
-    let scene = scene(&ring(8), 64);
-    let sequence = follow(&scene).unwrap();
-    let parts = beside_search(&scene, &sequence);
-    let mean = parts.iter().sum::<f64>() / 64.0;
-    assert!(mean > 0.995, "{mean}");
-    assert!(parts.iter().all(|&part| part > 0.98), "{parts:?}");
-    let cold = sequence.frames.iter().filter(|frame| frame.cold).count();
-    assert!((1..=4).contains(&cold), "{cold} searches");
-}
-
-#[test]
-fn a_slow_decline_is_measured_from_the_last_search() {
-    let scene = scene(&ring(8), 64);
-    let aperture = Aperture::new(&scene);
-    let near = |shift: f64| {
-        let place = |at: DVec3| Focus::new(at + DVec3::X * shift, 1.0);
-        Problem::new(&aperture, ring(8).into_iter().map(place).collect())
-    };
-    let found = excite(&near(0.0), &scene.solver).unwrap();
-    let mut before = Link::new(&near(0.0), &scene.solver, found, true);
-    before.most *= 1.0 + 1e-3;
-    let after = go_on(&near(1e-5), &before, &scene.solver).unwrap();
-    assert!(!after.found.cold && after.part < before.most, "{}, {}", after.part, before.most);
-    assert_eq!(after.most, before.most);
-}
-
-#[test]
-fn crowded_foci_stay_strong_from_frame_to_frame() {
-    let row: Vec<_> = (0..16).map(|i| DVec3::new(-0.035 + 0.07 * f64::from(i) / 15.0, 0.0, 0.1)).collect();
-    let scene = scene(&row, 64);
-    let sequence = follow(&scene).unwrap();
-    let parts = beside_search(&scene, &sequence);
-    assert!(parts.iter().all(|&part| part > 0.85), "{parts:?}");
 }
 
 #[test]
@@ -187,18 +139,6 @@ fn a_stroke_that_stands_is_even_while_a_focus_runs_beside_it() {
     }
 }
 
-#[test]
-fn a_scene_that_stands_still_is_one_frame() {
-    let mut scene = scene(&ring(2), 9);
-    scene.motion.path = MotionPath::None;
-    let sequence = follow(&scene).unwrap();
-    let alone = solver::solve(&scene).unwrap();
-    assert_eq!(sequence.frames.len(), 1);
-    assert_eq!(sequence.steps, PhaseSteps::default());
-    assert!((sequence.frames[0].min_pressure() / alone.quality.min_pressure - 1.0).abs() < 1e-9);
-    assert!((sequence.frames[0].spread() - alone.quality.spread).abs() < 1e-9);
-}
-
 /// Few of them, so that only the last is told.
 #[test]
 fn the_gauge_ends_at_the_last_frame_with_every_method() {
@@ -209,33 +149,5 @@ fn the_gauge_ends_at_the_last_frame_with_every_method() {
         let into = Arc::clone(&heard);
         follow_with(&scene, &Gauge::new(move |part| into.lock().unwrap().push(part))).unwrap();
         assert_eq!(*heard.lock().unwrap(), [1.0], "{method:?}");
-    }
-}
-
-#[test]
-fn a_shape_may_lose_more_than_separate_foci_before_a_search() {
-    let line = Shape::Line { from: DVec3::new(-0.01, 0.0, 0.1), to: DVec3::new(0.01, 0.0, 0.1) };
-    for is_shape in [false, true] {
-        let mut scene = scene(&ring(4), 64);
-        if is_shape {
-            scene.targets = vec![Target::new(line.clone())];
-        }
-        (scene.array.rows, scene.array.columns, scene.solver.quiet) = (4, 4, 0.0);
-        let aperture = Aperture::new(&scene);
-        let foci = crate::scene::outline::foci(&scene).unwrap();
-        let near = |shift: f64| {
-            let place = |focus: &Focus| Focus { position: focus.position + DVec3::X * shift, ..*focus };
-            Problem::of_scene(&scene, &aperture, foci.iter().map(place).collect())
-        };
-        assert_eq!(near(0.0).surroundings.is_some(), is_shape);
-        let found = excite(&near(0.0), &scene.solver).unwrap();
-        let mut before = Link::new(&near(0.0), &scene.solver, found, true);
-        before.most = 0.0;
-        let part = go_on(&near(1e-5), &before, &scene.solver).unwrap().part;
-        for (kept, is_kept) in [(0.97, true), (0.9, is_shape), (0.84, false)] {
-            before.most = part / kept;
-            let after = go_on(&near(1e-5), &before, &scene.solver).unwrap();
-            assert_eq!(after.most == before.most, is_kept, "shape: {is_shape}, {kept} kept");
-        }
     }
 }

@@ -307,45 +307,4 @@ mod tests {
             }
         }
     }
-
-    #[test]
-    fn lengths_are_short_and_smooth() {
-        assert_eq!([1, 8, 9, 47, 49, 65, 73, 97, 145].map(length), [8, 8, 16, 48, 64, 72, 96, 128, 192]);
-    }
-
-    #[test]
-    fn a_transposed_matrix_has_its_columns_as_rows() {
-        let (rows, columns) = (11, 19);
-        let re: Vec<f32> = (0..rows * 24).map(|i| i as f32).collect();
-        let from = Waves { im: re.iter().map(|re| -re).collect(), re };
-        let mut to = Waves::zeros(columns * 16);
-        transpose(&from, &mut to, [rows, columns], [24, 16]);
-        for row in 0..rows {
-            for column in 0..columns {
-                let (to_at, from_at) = (column * 16 + row, row * 24 + column);
-                assert_eq!([to.re[to_at], to.im[to_at]], [from.re[from_at], from.im[from_at]]);
-            }
-        }
-    }
-
-    #[test]
-    fn rows_after_those_that_are_filled_may_hold_anything() {
-        for length in [8, 24, 48] {
-            for filled in 1..=length / 4 {
-                let row = |index: usize| if index < filled * 8 { scatter(index) } else { 7.0 };
-                let mut data = Waves::<f64> {
-                    re: (0..length * 8).map(row).collect(),
-                    im: (0..length * 8).map(|index| -2.0 * row(index)).collect(),
-                };
-                let mut cleared = data.clone();
-                cleared.re[filled * 8..].fill(0.0);
-                cleared.im[filled * 8..].fill(0.0);
-                for data in [&mut data, &mut cleared] {
-                    Plan::new(length).run(8, filled, data, &mut Waves::zeros(length * 8));
-                }
-                assert_eq!(data.re, cleared.re, "{filled} of {length}");
-                assert_eq!(data.im, cleared.im, "{filled} of {length}");
-            }
-        }
-    }
 }

@@ -6,12 +6,8 @@
 //! fitted as a [`picture`], from a field with equal phases. There is one thread and no clock: the same calls give the
 //! same drives.
 
-#[cfg(test)]
-mod differences;
 mod fft;
 mod figures;
-#[cfg(test)]
-mod formula;
 mod further;
 mod grid;
 mod objective;
@@ -20,11 +16,11 @@ mod real;
 mod region;
 mod response;
 mod samples;
-#[cfg(test)]
-mod schedule;
 mod start;
 mod surroundings;
 mod table;
+#[cfg(test)]
+mod tests;
 mod wanted;
 
 use std::f64::consts::TAU;

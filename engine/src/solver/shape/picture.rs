@@ -394,25 +394,6 @@ mod tests {
     }
 
     #[test]
-    fn starts_have_the_wanted_moduli_and_the_first_has_equal_phases() {
-        let brightness: Vec<_> = (0..9).map(|n| 0.5 * f64::from(n)).collect();
-        let weight: Vec<_> = (0..9).map(|n| 1.0 / f64::from(n + 1)).collect();
-        let mut drives = vec![Waves::zeros(16); 3];
-        // Anything before is replaced.
-        drives[1].re[2] = 7.0;
-        picture(&brightness, &weight).start(0, &mut drives);
-        for (drive, b) in drives.iter().enumerate() {
-            let p: Vec<_> = (0..9).map(|n| Complex64::new(b.re[n], b.im[n])).collect();
-            for (n, p) in p.iter().enumerate() {
-                let expected = (brightness[n] * weight[n]).sqrt();
-                assert!((p.norm() - expected).abs() < 1e-12, "drive {drive}, {n}: {p}, not {expected}");
-            }
-            let is_equal = p.iter().all(|p| (p - p.norm()).norm() < 1e-12);
-            assert_eq!(is_equal, drive == 0, "drive {drive}: {p:?}");
-        }
-    }
-
-    #[test]
     fn the_contrast_is_the_mean_inside_over_the_mean_around() {
         // Inside, half covered, around, and elsewhere.
         let (brightness, weight) = ([3.0, 3.0, 1.5, 0.0, 0.0, 0.0], [1.0, 1.0, 1.0, 1.0, 1.0, 0.0]);

@@ -193,38 +193,6 @@ mod tests {
     use crate::scene::{Board, Scene};
 
     #[test]
-    fn the_mask_rises_between_the_drawing_and_elsewhere() {
-        let at = |wavelengths: f64| part(wavelengths * 8e-3, 8e-3);
-        let middle = f64::midpoint(DRAWN, ELSEWHERE);
-        for (wavelengths, expected) in [(0.0, 0.0), (DRAWN, 0.0), (middle, 0.5), (ELSEWHERE, 1.0), (3.0, 1.0)]
-        {
-            let part = at(wavelengths);
-            assert!((part - expected).abs() < 1e-12, "{wavelengths} wavelengths: {part}, not {expected}");
-        }
-        let rising: Vec<_> =
-            (0..=20).map(|i| at(DRAWN + (ELSEWHERE - DRAWN) * f64::from(i) / 20.0)).collect();
-        assert!(rising.is_sorted(), "{rising:?}");
-    }
-
-    #[test]
-    fn the_grid_of_a_parallel_plane_extends_as_far_as_the_array_steers() {
-        let aperture = Aperture::new(&Scene::default());
-        for height in [0.05, 0.1, 0.2] {
-            let at = DVec3::new(0.0, 0.0, height);
-            let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
-            let area = Area::new(&problem, &Plane { centre: at, ..Plane::default() }, false);
-            let Some(Area::Grid(layout)) = area else { panic!("{height}: {area:?}") };
-            let reach = (slope(&aperture) * height).max(aperture.reach().max_element());
-            let farthest = layout.places(aperture.pitch).map(|(_, place)| place.abs().max_element());
-            let farthest = farthest.fold(0.0, f64::max);
-            assert!(
-                (reach..reach + 3.0 * aperture.pitch).contains(&farthest),
-                "{height}: {farthest}, {reach}"
-            );
-        }
-    }
-
-    #[test]
     fn samples_of_tilted_planes_keep_away_from_elements_but_not_from_low_foci() {
         let aperture = Aperture::new(&Scene::default());
         for height in [0.012, 0.02, 0.03, 0.05] {
@@ -237,118 +205,6 @@ mod tests {
                 points.iter().map(|&point| Clearance::new(&aperture).at(point)).fold(f64::INFINITY, f64::min);
             let lowest = f64::min(2.0 * aperture.wavelength(), 0.5 * height);
             assert!(least > lowest && least < lowest + 4e-3, "{height}: {least}");
-        }
-    }
-
-    fn square(side: u32) -> Aperture {
-        let mut scene = Scene::default();
-        (scene.array.rows, scene.array.columns) = (side, side);
-        Aperture::new(&scene)
-    }
-
-    #[test]
-    fn planes_are_grids_up_to_a_size_that_grows_with_the_array() {
-        // Small arrays get more than 64 values per element, and large ones more than 65536.
-        for (side, usual) in [(2, 64 * 4), (17, 1 << 16)] {
-            let aperture = square(side);
-            let most = 64 * aperture.positions.len() + 65536;
-            let (mut largest, mut smallest_beyond) = (0, usize::MAX);
-            for height in (4..=22).map(|step| 0.05 * f64::from(step)) {
-                let at = DVec3::Z * height;
-                let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
-                let plane = Plane { centre: at, ..Plane::default() };
-                match Area::new(&problem, &plane, false) {
-                    Some(Area::Grid(layout)) => largest = largest.max(layout.area()),
-                    Some(Area::Points(_)) => {
-                        let reach = DVec2::splat(slope(&aperture) * height).max(aperture.reach());
-                        let grids = (aperture.pitch / spacing(&aperture, height)).ceil() as usize;
-                        let area = Layout::new(&aperture, height, reach, grids).area();
-                        smallest_beyond = smallest_beyond.min(area);
-                    }
-                    None => panic!("{side}, {height}: no samples"),
-                }
-            }
-            assert!(largest > usual && largest <= most, "{side}: {largest}");
-            assert!(smallest_beyond > most && smallest_beyond < usize::MAX, "{side}: {smallest_beyond}");
-        }
-    }
-
-    #[test]
-    fn samples_of_tilted_planes_are_near_enough_for_every_side_lobe() {
-        for (side, height) in [(2, 0.06), (4, 0.1), (8, 0.07), (16, 0.1)] {
-            let aperture = square(side);
-            let at = DVec3::Z * height;
-            let problem = Problem::new(&aperture, vec![Focus::new(at, 1.0)]);
-            let plane = Plane { centre: at, x_axis: DVec3::new(1.0, 0.0, 0.5), ..Plane::default() };
-            let area = Area::new(&problem, &plane, false);
-            let Some(Area::Points(points)) = area else { panic!("{side}: {area:?}") };
-            let apart = points[0].distance(points[1]);
-            let needed = spacing(&aperture, height.max(aperture.reach().length()));
-            assert!(apart <= needed && apart > 0.9 * needed, "{side}, {height}: {apart} of {needed} m");
-        }
-    }
-
-    #[test]
-    fn zones_are_heard_beside_the_drawing_and_thinned_if_they_are_large() {
-        let aperture = Aperture::new(&Scene::default());
-        let (drawn, beside) = (DVec3::Z * 0.1, DVec3::new(0.05, 0.0, 0.1));
-        let problem = Problem::new(&aperture, vec![Focus::new(drawn, 1.0)]);
-        let is_heard =
-            |points: Vec<DVec3>| in_zones::<f32>(&problem, &[Zone { points, weight: 1.0 }], 1.0).is_some();
-        assert!(is_heard(vec![beside]) && is_heard(vec![drawn, beside]));
-        assert!(!is_heard(vec![drawn; 2]) && !is_heard(Vec::new()));
-        // Of more points than have room, every second counts.
-        let most = MOST_VALUES / aperture.driven.len();
-        let with = |count: usize, place: usize| {
-            let mut points = vec![drawn; count];
-            points[place] = beside;
-            is_heard(points)
-        };
-        assert!(with(most, 1) && with(most, 2), "all of {most}");
-        assert!(!with(most + 1, 1) && with(most + 1, 2), "every second of {most} and one");
-    }
-
-    #[test]
-    fn grids_resolve_side_lobes_and_reach_farther_for_drawings_beside_the_axis() {
-        for (side, height, x) in
-            [(8, 0.1, 0.0), (8, 0.1, 0.2), (16, 0.1, 0.15), (16, 0.05, 0.0), (5, 0.07, 0.1)]
-        {
-            let aperture = square(side);
-            let problem = Problem::new(&aperture, vec![Focus::new(DVec3::new(x, 0.0, height), 1.0)]);
-            let plane = Plane { centre: DVec3::Z * height, ..Plane::default() };
-            let area = Area::new(&problem, &plane, false);
-            let Some(Area::Grid(layout)) = area else { panic!("{side}, {height}, {x}: {area:?}") };
-            let (apart, most) = (layout.spacing(aperture.pitch), spacing(&aperture, height));
-            assert!(apart <= most, "{side}, {height}: {apart} of {most} m");
-            let farthest = layout.places(aperture.pitch).map(|(_, place)| place.x).fold(0.0, f64::max);
-            let needed = slope(&aperture) * height + 0.6 * x;
-            assert!(farthest >= needed, "{side}, {height}, {x}: {farthest} of {needed} m");
-        }
-    }
-
-    #[test]
-    fn samples_of_a_tilted_plane_are_a_square_around_the_foot_of_the_drawing() {
-        let aperture = square(8);
-        let foci = [(-0.02, 0.0), (0.04, 0.01)].map(|(x, y)| Focus::new(DVec3::new(x, y, 0.2), 1.0));
-        let (middle, centre) = (DVec3::new(0.01, 0.005, 0.2), DVec3::new(0.05, 0.03, 0.15));
-        let problem = Problem::new(&aperture, foci.to_vec());
-        let plane = Plane { centre, x_axis: DVec3::new(1.0, 0.0, 0.2), ..Plane::default() };
-        let area = Area::new(&problem, &plane, false);
-        let Some(Area::Points(points)) = area else { panic!("{area:?}") };
-        let spacing = points[0].distance(points[1]);
-        let (x, y) = plane.axes().unwrap();
-        let normal = x.cross(y);
-        let foot = middle - normal * (middle - centre).dot(normal);
-        let half = slope(&aperture) * foot.length() + 0.6 * foci[0].position.distance(middle);
-        let along = (2.0 * half / spacing).round();
-        assert_eq!(points.len(), (along as usize + 1).pow(2));
-        for point in points {
-            let away = point - foot;
-            assert!(away.dot(normal).abs() < 1e-12, "{point} is beside the plane");
-            for steps in [x, y].map(|axis| (away.dot(axis) + half) / spacing) {
-                let is_on_grid = (steps - steps.round()).abs() < 1e-6 && (-0.5..along + 0.5).contains(&steps);
-                assert!(is_on_grid, "{point} is at {steps} of {along}");
-            }
         }
     }
 
@@ -376,19 +232,5 @@ mod tests {
         let silent = aperture.transfer(&points).row(0).filter(|h| h.norm() == 0.0).count();
         assert_eq!(silent, 4, "of 8 elements");
         assert!(in_zones::<f32>(&problem, &[Zone { points, weight: 1.0 }], 1.0).is_some());
-    }
-
-    #[test]
-    fn samples_of_a_wide_plane_are_as_many_as_have_room() {
-        // 16 Mi values, or 10 000 samples.
-        for (side, most) in [(4, 10_000), (64, 4096)] {
-            let aperture = square(side);
-            let foci = [-5.0, 5.0].map(|x| Focus::new(DVec3::new(x, x, 0.2), 1.0)).to_vec();
-            let problem = Problem::new(&aperture, foci);
-            let plane = Plane { centre: DVec3::Z * 0.2, ..Plane::default() };
-            let area = Area::new(&problem, &plane, false);
-            let Some(Area::Points(points)) = area else { panic!("{side}: a grid") };
-            assert_eq!(points.len(), most, "{side}");
-        }
     }
 }

@@ -101,7 +101,6 @@ pub struct Zone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Area, Sampling, Shape, Target};
 
     #[test]
     fn the_scenes_plane_is_quiet_if_all_foci_are_within_half_a_wavelength() {
@@ -144,38 +143,5 @@ mod tests {
         }
         let (plane, own) = plane_of(90.0, Part::Area(0));
         assert_eq!(plane, own);
-    }
-
-    #[test]
-    fn zones_are_sampled_every_0_4_wavelengths() {
-        let mut scene = Scene::default();
-        let area = Area::Rectangle { width: 0.03, height: 0.02 };
-        let at = DVec3::new(0.05, 0.0, 0.1);
-        scene.quiet = vec![scene::Zone { area, at, normal: DVec3::Z, angle: 0.0, weight: 2.0 }];
-        let zones = Surroundings::new(&scene, &[Focus::new(DVec3::Z * 0.1, 1.0)]).zones;
-        let points = &zones[0].points;
-        assert_eq!((zones.len(), zones[0].weight, points.len()), (1, 2.0, 9 * 5));
-        let apart = points[0].distance(points[1]);
-        assert!((apart / scene.wavelength() - 0.4).abs() < 1e-9, "{apart} m");
-    }
-
-    #[test]
-    fn areas_move_with_their_foci() {
-        let at = DVec3::new(0.01, 0.0, 0.1);
-        let area = Target {
-            sampling: Sampling::Fill,
-            ..Target::new(Shape::Rectangle { at, width: 0.02, height: 0.01 })
-        };
-        let scene = Scene { targets: vec![area], ..Scene::default() };
-        let foci = outline::foci(&scene).unwrap();
-        let centre = |shift: DVec3| {
-            let moved = |focus: &Focus| Focus { position: focus.position + shift, ..*focus };
-            let areas = Surroundings::new(&scene, &foci.iter().map(moved).collect::<Vec<_>>()).areas;
-            assert_eq!(areas.len(), 1);
-            areas[0].centre
-        };
-        let shift = DVec3::new(0.02, -0.01, 0.005);
-        assert!(centre(DVec3::ZERO).distance(at) < 1e-3, "{}", centre(DVec3::ZERO));
-        assert!(centre(shift).distance(centre(DVec3::ZERO) + shift) < 1e-12, "{}", centre(shift));
     }
 }
