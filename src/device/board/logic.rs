@@ -4,13 +4,13 @@ use std::f64::consts::{PI, TAU};
 
 use web_time::{Duration, Instant};
 
-use crate::device::levels::Level;
+use crate::device::declaration::{Heard, Level};
 use crate::device::levels::Levels;
 use crate::device::native::model::{CHANNELS, Model, Pulse};
 use crate::device::native::packet::{BROADCAST, Kind, Outcome, Packet, Reply, Splitter};
 use crate::device::native::version_1;
 use crate::device::profile::Profile;
-use crate::device::stock::{Heard, Twin};
+use crate::device::stock::Twin;
 use crate::drive::Drive;
 
 /// A shown frame, complete or not.

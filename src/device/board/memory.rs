@@ -164,7 +164,8 @@ mod tests {
     #[test]
     fn only_the_latest_shown_frames_are_kept() {
         let mut board = VirtualBoard::new(Profile::UltrainoMega64, u32::MAX);
-        board.write(&[crate::device::stock::mega64::SWAP; 1100]);
+        let swap = crate::device::stock::swap(Profile::UltrainoMega64).unwrap();
+        board.write(&[swap; 1100]);
         sleep(5 * MILLI);
         // Those of a board that is only written to, too.
         board.write(&[]);

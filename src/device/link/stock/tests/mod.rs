@@ -14,7 +14,8 @@ use web_time::{Duration, Instant};
 
 use crate::device::board::faults::{Damage, Faults};
 use crate::device::board::logic::{Heeded, Playing, Stock};
-use crate::device::levels::{Level, Levels};
+use crate::device::declaration::Level;
+use crate::device::levels::Levels;
 use crate::device::link::stock::pulses::REFRESH;
 use crate::device::link::stock::session::{Session, Step};
 use crate::device::link::{Content, Event, LEAD, Settings, Shared, Wanted};
