@@ -80,9 +80,9 @@ struct Build {
 
 const PLAIN: Build =
     Build { boards: 1, spacing: 1, correction: [0; CHANNELS], has_amplitudes: false, is_tactile: false };
-static TWO: Build = Build { boards: 2, ..PLAIN };
-static TACTILE: Build = Build { spacing: 2, correction: TACTILE_CORRECTION, is_tactile: true, ..PLAIN };
-static SIMPLEFPGA: Build = Build { has_amplitudes: true, ..PLAIN };
+const TWO: Build = Build { boards: 2, ..PLAIN };
+const TACTILE: Build = Build { spacing: 2, correction: TACTILE_CORRECTION, is_tactile: true, ..PLAIN };
+const SIMPLEFPGA: Build = Build { has_amplitudes: true, ..PLAIN };
 
 /// A list of phases follows.
 const PHASES: u8 = 254;
