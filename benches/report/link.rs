@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 
 use sonoglyph::bench::Report;
 use sonoglyph::device::board::{Board, Setup, Shown};
-use sonoglyph::device::levels::{Level, Levels};
+use sonoglyph::device::declaration::Level;
+use sonoglyph::device::levels::Levels;
 use sonoglyph::device::link::{Content, Event, Link, Settings};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::scene::{Envelope, Modulation};

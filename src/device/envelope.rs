@@ -46,24 +46,17 @@ impl Table {
 /// # Errors
 /// The playable alternatives, as text.
 pub fn playable(profile: Profile, modulation: &Modulation) -> Result<(), String> {
-    match profile {
-        Profile::Native | Profile::Natives(_) => {
-            fits(modulation).map_err(|why| format!("{}: {why}", profile.name()))
-        }
-        Profile::UltrainoMega64
-        | Profile::Acoustophoretic512
-        | Profile::SonicSurface
-        | Profile::SonicSurface2
-        | Profile::SonicSurfaceTactile
-        | Profile::UltrainoSimpleFpga => match modulation.shape {
-            Envelope::Off | Envelope::Sine | Envelope::Square => Ok(()),
-            Envelope::Tones | Envelope::File => Err(format!(
-                "{} only switches on and off at one frequency, which excludes modulation.shape = \"{}\": use \"square\" or \"sine\" \
-                 with a frequency",
-                profile.name(),
-                modulation.shape.into_str()
-            )),
-        },
+    let name = profile.name();
+    if profile.answers() {
+        return fits(modulation).map_err(|why| format!("{name}: {why}"));
+    }
+    match modulation.shape {
+        Envelope::Off | Envelope::Sine | Envelope::Square => Ok(()),
+        Envelope::Tones | Envelope::File => Err(format!(
+            "{name} only switches on and off at one frequency, which excludes modulation.shape = \"{}\": use \"square\" or \"sine\" \
+             with a frequency",
+            modulation.shape.into_str()
+        )),
     }
 }
 

@@ -4,17 +4,9 @@
 use std::f64::consts::{PI, TAU};
 
 use crate::device::calibration::Calibration;
-use crate::device::profile::{Profile, Strength};
+use crate::device::declaration::{Level, Strength};
+use crate::device::profile::Profile;
 use crate::drive::{Drive, delay_level};
-
-/// The level of one element. Off is the absence of a level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Level {
-    /// Of [`Profile::levels`].
-    pub delay: u16,
-    /// Of [`Profile::strength`], more than 0.
-    pub amplitude: u16,
-}
 
 impl Profile {
     /// The nearest level to an amplitude (clamped to 0 … 1) and a phase (rad); `None` for silence, also for NaN,

@@ -1,7 +1,7 @@
 //! Boards: their levels, their bytes, and the line to them.
 //!
 //! A drive becomes [`levels::Levels`] (the level of each element, or off), a frame of bytes or packets, and goes over
-//! a [`link`] to a board. Every board has a twin here that understands the same bytes: a type in [`stock`], or
+//! a [`link`] to a board. Every board has a twin here that understands the same bytes: [`stock::Twin`], or
 //! [`native::model::Model`]; [`board`] puts it at the other end of a line.
 //!
 //! `docs/adding-a-board.md` is the guide to adding a board.
@@ -9,13 +9,13 @@
 #[cfg(feature = "serial")]
 pub mod board;
 pub mod calibration;
+pub mod declaration;
 pub mod envelope;
 pub mod health;
 pub mod levels;
 #[cfg(feature = "serial")]
 pub mod link;
 pub mod native;
-pub mod order;
 pub mod pace;
 #[cfg(feature = "serial")]
 pub mod port;

@@ -1,43 +1,70 @@
 //! Profiles: the supported boards and their facts.
 
+mod acoustophoretic;
+mod mega64;
+mod phase_list;
+
+use crate::device::declaration::{Declaration, Strength};
 use crate::scene::{Scene, Turns};
 
-/// A kind of board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Profile {
-    /// The gateware of this repository: CRC, answers, watchdog, amplitudes, modulation, sequences.
-    Native,
-    /// Several native boards on one line, 2 to [`MOST_DEVICES`], with addresses from 0.
-    Natives(u8),
-    /// One SonicSurface of 16 x 16.
-    SonicSurface,
-    /// Two SonicSurface boards on one line.
-    SonicSurface2,
-    /// One with the gateware for tactile modulation.
-    SonicSurfaceTactile,
-    /// Ultraino's FPGA of 256 channels.
-    UltrainoSimpleFpga,
-    /// Ultraino's Arduino Mega of 64 channels.
-    UltrainoMega64,
-    /// UCL's and OpenMPD's board of 16 x 16.
-    Acoustophoretic512,
+macro_rules! boards {
+    ($($(#[$doc:meta])* $board:ident: $declaration:expr,)*) => {
+        /// A kind of board.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum Profile {
+            /// Several native boards on one line, 2 to [`MOST_DEVICES`], with addresses from 0.
+            Natives(u8),
+            $($(#[$doc])* $board,)*
+        }
+
+        impl Profile {
+            /// The kinds of boards; several native boards are not a separate kind.
+            pub const ALL: [Self; [$(stringify!($board)),*].len()] = [$(Self::$board),*];
+
+            pub(in crate::device) fn declaration(self) -> &'static Declaration {
+                match self {
+                    Self::Natives(_) => &NATIVE,
+                    $(Self::$board => &const { $declaration },)*
+                }
+            }
+        }
+    };
 }
+
+boards! {
+    /// The gateware of this repository: CRC, answers, watchdog, amplitudes, modulation, sequences.
+    Native: NATIVE,
+    /// One SonicSurface of 16 x 16.
+    SonicSurface: phase_list::SONICSURFACE,
+    /// Two SonicSurface boards on one line.
+    SonicSurface2: phase_list::SONICSURFACE_2,
+    /// One with the gateware for tactile modulation.
+    SonicSurfaceTactile: phase_list::SONICSURFACE_TACTILE,
+    /// Ultraino's FPGA of 256 channels.
+    UltrainoSimpleFpga: phase_list::ULTRAINO_SIMPLEFPGA,
+    /// Ultraino's Arduino Mega of 64 channels.
+    UltrainoMega64: mega64::ULTRAINO_MEGA64,
+    /// UCL's and OpenMPD's board of 16 x 16.
+    Acoustophoretic512: acoustophoretic::ACOUSTOPHORETIC_512,
+}
+
+/// One native board; several have as many times its elements and bytes.
+const NATIVE: Declaration = Declaration {
+    name: "native",
+    elements: 256,
+    shape: None,
+    levels: 256,
+    strength: Strength::Linear(255),
+    baud: 2_000_000,
+    frame_bytes: 270,
+    remark: None,
+    protocol: None,
+};
 
 /// Limit of native devices per line.
 pub const MOST_DEVICES: u8 = 8;
 const NATIVES: [&str; 7] =
     ["native-2", "native-3", "native-4", "native-5", "native-6", "native-7", "native-8"];
-
-/// The amplitude control of a board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Strength {
-    /// None: an element is on or off.
-    Fixed,
-    /// A number up to this, proportional to the sound.
-    Linear(u16),
-    /// A pulse length up to this many levels, which is half a period; the sound follows the sine of the length.
-    Duty(u16),
-}
 
 /// An array that does not match the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -66,29 +93,12 @@ fn own(boards: usize, array: &Option<[u32; 2]>, elements: usize) -> String {
 }
 
 impl Profile {
-    /// The kinds of boards; several native boards are not a separate kind.
-    pub const ALL: [Self; 7] = [
-        Self::Native,
-        Self::SonicSurface,
-        Self::SonicSurface2,
-        Self::SonicSurfaceTactile,
-        Self::UltrainoSimpleFpga,
-        Self::UltrainoMega64,
-        Self::Acoustophoretic512,
-    ];
-
     /// The name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Native => "native",
-            Self::Natives(count) => NATIVES[usize::from(count).clamp(2, NATIVES.len() + 1) - 2],
-            Self::SonicSurface => "sonicsurface",
-            Self::SonicSurface2 => "sonicsurface-2",
-            Self::SonicSurfaceTactile => "sonicsurface-tactile",
-            Self::UltrainoSimpleFpga => "ultraino-simplefpga",
-            Self::UltrainoMega64 => "ultraino-mega64",
-            Self::Acoustophoretic512 => "acoustophoretic-512",
+        if let Self::Natives(count) = self {
+            return NATIVES[usize::from(count).clamp(2, NATIVES.len() + 1) - 2];
         }
+        self.declaration().name
     }
 
     /// The user's choices: every kind, and every number of native boards.
@@ -102,30 +112,15 @@ impl Profile {
 
     /// Transducers, of all boards on the line.
     pub fn elements(self) -> usize {
-        match self {
-            Self::UltrainoMega64 => 64,
-            Self::SonicSurface2 => 512,
-            Self::Natives(count) => 256 * usize::from(count),
-            Self::Native
-            | Self::SonicSurface
-            | Self::SonicSurfaceTactile
-            | Self::UltrainoSimpleFpga
-            | Self::Acoustophoretic512 => 256,
-        }
+        self.declaration().elements * self.devices().max(1)
     }
 
     /// Native devices on the line; 0 for other boards.
     pub fn devices(self) -> usize {
-        match self {
-            Self::Native => 1,
-            Self::Natives(count) => usize::from(count),
-            Self::SonicSurface
-            | Self::SonicSurface2
-            | Self::SonicSurfaceTactile
-            | Self::UltrainoSimpleFpga
-            | Self::UltrainoMega64
-            | Self::Acoustophoretic512 => 0,
+        if let Self::Natives(count) = self {
+            return count.into();
         }
+        self.declaration().protocol.is_none().into()
     }
 
     /// Whether it answers and acknowledges.
@@ -136,13 +131,7 @@ impl Profile {
     /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of as many
     /// elements, channel n to element n.
     pub fn shape(self) -> Option<[u32; 2]> {
-        match self {
-            Self::Native | Self::Natives(_) | Self::UltrainoSimpleFpga => None,
-            Self::SonicSurface | Self::SonicSurfaceTactile | Self::Acoustophoretic512 => Some([16, 16]),
-            // The second board continues the rows of the first.
-            Self::SonicSurface2 => Some([16, 32]),
-            Self::UltrainoMega64 => Some([8, 8]),
-        }
+        self.declaration().shape
     }
 
     /// The board's size, as text.
@@ -172,36 +161,16 @@ impl Profile {
 
     /// Number of delays per period.
     pub fn levels(self) -> u16 {
-        match self {
-            Self::Native | Self::Natives(_) => 256,
-            Self::SonicSurface | Self::SonicSurface2 | Self::UltrainoSimpleFpga => 32,
-            Self::SonicSurfaceTactile => 16,
-            Self::UltrainoMega64 => 10,
-            Self::Acoustophoretic512 => 128,
-        }
+        self.declaration().levels
     }
 
     pub fn strength(self) -> Strength {
-        match self {
-            Self::Native | Self::Natives(_) => Strength::Linear(255),
-            Self::SonicSurface | Self::SonicSurface2 | Self::SonicSurfaceTactile => Strength::Fixed,
-            Self::UltrainoSimpleFpga => Strength::Duty(16),
-            Self::UltrainoMega64 => Strength::Duty(5),
-            Self::Acoustophoretic512 => Strength::Duty(64),
-        }
+        self.declaration().strength
     }
 
     /// Bit rate after power-up.
     pub fn baud(self) -> u32 {
-        match self {
-            Self::Native | Self::Natives(_) => 2_000_000,
-            Self::UltrainoMega64 => 115_200,
-            Self::Acoustophoretic512 => 250_000,
-            Self::SonicSurface
-            | Self::SonicSurface2
-            | Self::SonicSurfaceTactile
-            | Self::UltrainoSimpleFpga => 230_400,
-        }
+        self.declaration().baud
     }
 
     /// Hz. A native board reports its own.
@@ -211,14 +180,7 @@ impl Profile {
 
     /// Bytes of a frame at full amplitude.
     pub fn frame_bytes(self) -> usize {
-        match self {
-            Self::Native => 270,
-            Self::Natives(count) => 270 * usize::from(count),
-            Self::SonicSurface | Self::SonicSurfaceTactile | Self::UltrainoSimpleFpga => 258,
-            Self::SonicSurface2 => 516,
-            Self::UltrainoMega64 => 210,
-            Self::Acoustophoretic512 => 512,
-        }
+        self.declaration().frame_bytes * self.devices().max(1)
     }
 
     /// The line's frame rate with 8 data bits, a start and a stop bit.
@@ -229,16 +191,8 @@ impl Profile {
     /// Frames per second of drives in turn: the line's rate, limited by a transducer's ringing of some 0.3 ms.
     pub fn turns_per_second(self, baud: u32) -> f64 {
         const MOST: f64 = 1000.0;
-        match self {
-            // It keeps them.
-            Self::Native | Self::Natives(_) => MOST,
-            Self::SonicSurface
-            | Self::SonicSurface2
-            | Self::SonicSurfaceTactile
-            | Self::UltrainoSimpleFpga
-            | Self::UltrainoMega64
-            | Self::Acoustophoretic512 => self.frames_per_second(baud).min(MOST),
-        }
+        // A board that answers keeps them.
+        if self.answers() { MOST } else { self.frames_per_second(baud).min(MOST) }
     }
 
     /// Gives areas one drive if the board cannot change drives so fast that their mean counts, and says so.
@@ -259,22 +213,7 @@ impl Profile {
 
     /// A remark for the user before sending.
     pub fn remark(self) -> Option<&'static str> {
-        match self {
-            Self::Native | Self::Natives(_) => None,
-            Self::SonicSurface | Self::SonicSurface2 | Self::UltrainoMega64 => {
-                Some("every element sounds from power-up until a program connects")
-            }
-            Self::UltrainoSimpleFpga => Some(
-                "its gateware is not published: every element may sound from power-up until a program connects",
-            ),
-            Self::SonicSurfaceTactile => Some(
-                "the phase corrections of its published gateware are compensated; for gateware built without them use the \
-                 calibration sonicsurface-tactile-zero-table.csv",
-            ),
-            Self::Acoustophoretic512 => Some(
-                "its USB chip must appear as a serial port; every element sounds for the first second after power-up",
-            ),
-        }
+        self.declaration().remark
     }
 
     /// "89 frames/s at 230400 baud"

@@ -29,20 +29,13 @@ impl Offer {
             return None;
         }
         let asked = Modulation { shape: Envelope::Sine, frequency: FREQUENCY, ..Modulation::default() };
-        let fastest = match profile {
-            // It modulates all that it plays.
-            Profile::SonicSurfaceTactile => return None,
-            Profile::Native | Profile::Natives(_) => None,
-            Profile::SonicSurface
-            | Profile::SonicSurface2
-            | Profile::UltrainoSimpleFpga
-            | Profile::UltrainoMega64
-            | Profile::Acoustophoretic512 => match stock::modulated(profile, &asked, baud) {
+        let fastest = match profile.answers() {
+            true => None,
+            false => match stock::modulated(profile, &asked, baud) {
+                // It modulates all that it plays.
+                Modulated::ByBoard(..) => return None,
                 Modulated::Never(fastest) => Some(fastest),
-                Modulated::Steady
-                | Modulated::FromHere(_)
-                | Modulated::ByBoard(..)
-                | Modulated::OneFrequency => None,
+                Modulated::Steady | Modulated::FromHere(_) | Modulated::OneFrequency => None,
             },
         };
         let frequency = fastest.map_or(FREQUENCY, |fastest| fastest.floor().max(1.0));

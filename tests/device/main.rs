@@ -17,9 +17,10 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use sonoglyph::device::calibration::{Calibration, CalibrationError};
-use sonoglyph::device::levels::{self, Level, Levels};
-use sonoglyph::device::profile::{Profile, Strength};
-use sonoglyph::device::stock::{self, Heard, Modulated, Twin};
+use sonoglyph::device::declaration::{Heard, Level, Strength};
+use sonoglyph::device::levels::{self, Levels};
+use sonoglyph::device::profile::Profile;
+use sonoglyph::device::stock::{self, Modulated, Twin};
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{Envelope, Modulation, Sampling, Scene, Shape, Target, Turns, file};
 

@@ -19,8 +19,9 @@ use std::time::{Duration, Instant};
 
 use sonoglyph::device::board::faults::Faults;
 use sonoglyph::device::board::{Board, Setup, Shown};
+use sonoglyph::device::declaration::Level;
 use sonoglyph::device::health::State;
-use sonoglyph::device::levels::{Level, Levels};
+use sonoglyph::device::levels::Levels;
 use sonoglyph::device::link::{Content, Event, Link, Settings};
 use sonoglyph::device::port::{Port, PortError};
 use sonoglyph::device::profile::Profile;

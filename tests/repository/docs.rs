@@ -6,7 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use sonoglyph::device::profile::{Profile, Strength};
+use sonoglyph::device::declaration::Strength;
+use sonoglyph::device::profile::Profile;
 use sonoglyph::field::Quantity;
 use sonoglyph::field::quantity::Unit;
 

@@ -2,8 +2,9 @@
 
 use comfy_table::Table;
 
+use crate::device::declaration::Strength;
 use crate::device::port;
-use crate::device::profile::{Profile, Strength};
+use crate::device::profile::Profile;
 use crate::device::task::finish;
 use crate::studio::output::say;
 

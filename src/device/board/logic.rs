@@ -4,14 +4,17 @@ use std::f64::consts::{PI, TAU};
 
 use web_time::{Duration, Instant};
 
-use crate::device::levels::Level;
+use crate::device::declaration::{Heard, Level};
 use crate::device::levels::Levels;
 use crate::device::native::model::{CHANNELS, Model, Pulse};
 use crate::device::native::packet::{BROADCAST, Kind, Outcome, Packet, Reply, Splitter};
 use crate::device::native::version_1;
 use crate::device::profile::Profile;
-use crate::device::stock::{Heard, Twin};
+use crate::device::stock::Twin;
 use crate::drive::Drive;
+
+/// Relative difference of bit rates beyond which bytes are garbled.
+pub const BAUD_TOLERANCE: f64 = 0.04;
 
 /// A shown frame, complete or not.
 #[derive(Clone, Debug)]
@@ -64,28 +67,15 @@ pub struct Heeded {
     pub answer: Vec<u8>,
 }
 
-/// A stock board.
-#[derive(Debug)]
-pub struct Stock {
-    twin: Twin,
-}
-
-impl Stock {
-    pub fn new(profile: Profile) -> Self {
-        Self { twin: Twin::new(profile) }
-    }
-
-    pub fn hear(&mut self, byte: u8, at: Instant, heeded: &mut Heeded) {
-        let heard = self.twin.push(byte);
-        heeded.spoiled += u64::from(heard == Heard::Nonsense);
+impl Heeded {
+    /// Gives a stock board a byte.
+    pub fn hear(&mut self, twin: &mut Twin, byte: u8, at: Instant) {
+        let heard = twin.push(byte);
+        self.spoiled += u64::from(heard == Heard::Nonsense);
         if heard == Heard::Shown {
-            heeded.shown.push(Shown { at, levels: self.twin.shown() });
+            self.shown.push(Shown { at, levels: twin.shown() });
         }
-        heeded.answer.extend(self.twin.answer(byte));
-    }
-
-    pub fn playing(&self) -> Playing {
-        Playing::Levels(self.twin.shown())
+        self.answer.extend(twin.answer(byte));
     }
 }
 

@@ -4,20 +4,19 @@ use std::collections::VecDeque;
 
 use web_time::{Duration, Instant};
 
-use crate::device::board::logic::{Heeded, Native, Playing, Shown, Stock};
+use crate::device::board::logic::{BAUD_TOLERANCE, Heeded, Native, Playing, Shown};
 use crate::device::native::model::Model;
 use crate::device::pace::Pace;
 use crate::device::profile::Profile;
+use crate::device::stock::Twin;
 
-/// Relative difference of bit rates beyond which bytes are garbled.
-const BAUD_TOLERANCE: f64 = 0.04;
 /// Of the native device.
 const PHASE_BITS: u8 = 7;
 
 #[derive(Debug)]
 enum Logic {
     /// It reads any bit rate.
-    Stock(Box<Stock>),
+    Stock(Twin),
     Native(Box<Native>),
 }
 
@@ -39,7 +38,7 @@ impl VirtualBoard {
         let native = || Native::new(&Model::new(PHASE_BITS), profile.devices(), now);
         let logic = match profile.answers() {
             true => Logic::Native(Box::new(native())),
-            false => Logic::Stock(Box::new(Stock::new(profile))),
+            false => Logic::Stock(Twin::new(profile)),
         };
         let baud = f64::from(baud);
         let (coming, answers, shown) = (VecDeque::new(), Vec::new(), Vec::new());
@@ -75,7 +74,7 @@ impl VirtualBoard {
     pub fn playing(&mut self) -> Playing {
         self.run();
         match &self.logic {
-            Logic::Stock(stock) => stock.playing(),
+            Logic::Stock(twin) => Playing::Levels(twin.shown()),
             Logic::Native(native) => native.playing(),
         }
     }
@@ -93,7 +92,7 @@ impl VirtualBoard {
         let mut heeded = Heeded::default();
         while let Some((at, byte, baud)) = self.coming.pop_front_if(|(at, ..)| *at <= now) {
             match &mut self.logic {
-                Logic::Stock(stock) => stock.hear(byte, at, &mut heeded),
+                Logic::Stock(twin) => heeded.hear(twin, byte, at),
                 Logic::Native(native) => {
                     let unread = (baud / native.baud() - 1.0).abs() > BAUD_TOLERANCE;
                     native.hear(byte, unread, at, &mut heeded);
@@ -117,6 +116,7 @@ mod tests {
 
     use super::*;
     use crate::device::native::packet::{Outcome, Packet, Reply, Splitter};
+    use crate::device::stock;
 
     const MILLI: Duration = Duration::from_millis(1);
 
@@ -164,7 +164,8 @@ mod tests {
     #[test]
     fn only_the_latest_shown_frames_are_kept() {
         let mut board = VirtualBoard::new(Profile::UltrainoMega64, u32::MAX);
-        board.write(&[crate::device::stock::mega64::SWAP; 1100]);
+        let swap = stock::swap(Profile::UltrainoMega64).unwrap();
+        board.write(&[swap; 1100]);
         sleep(5 * MILLI);
         // Those of a board that is only written to, too.
         board.write(&[]);

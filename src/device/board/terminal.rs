@@ -9,16 +9,15 @@ use std::thread::{self, JoinHandle};
 use web_time::{Duration, Instant};
 
 use crate::device::board::faults::{Damage, Faults};
-use crate::device::board::logic::{Heeded, Native, Playing, Shown, Stock};
+use crate::device::board::logic::{BAUD_TOLERANCE, Heeded, Native, Playing, Shown};
 use crate::device::board::pty::Pty;
 use crate::device::board::rtl::Rtl;
 use crate::device::native::model::Model;
 use crate::device::pace::BITS;
 use crate::device::profile::Profile;
+use crate::device::stock::Twin;
 use crate::device::task::locked;
 
-/// Relative difference of bit rates beyond which bytes are garbled.
-const BAUD_TOLERANCE: f64 = 0.04;
 /// Polling interval of a board's line.
 const TICK: Duration = Duration::from_micros(500);
 
@@ -170,7 +169,7 @@ impl Drop for Board {
 
 #[derive(Debug)]
 enum Logic {
-    Stock(Box<Stock>),
+    Stock(Twin),
     Native(Box<Native>),
     Rtl(Box<Rtl>),
 }
@@ -289,7 +288,7 @@ impl Line {
 
     fn playing(&self) -> Playing {
         match &self.logic {
-            Logic::Stock(stock) => stock.playing(),
+            Logic::Stock(twin) => Playing::Levels(twin.shown()),
             Logic::Native(native) => native.playing(),
             Logic::Rtl(rtl) => rtl.playing(),
         }
@@ -350,7 +349,7 @@ impl Line {
             }
             for &byte in &arrived {
                 match &mut self.logic {
-                    Logic::Stock(stock) => stock.hear(byte, self.taken_at, &mut heeded),
+                    Logic::Stock(twin) => heeded.hear(twin, byte, self.taken_at),
                     Logic::Native(native) => native.hear(byte, unread, self.taken_at, &mut heeded),
                     // It has a line of its own.
                     Logic::Rtl(_) => {}
@@ -385,7 +384,7 @@ fn switched_on(setup: &Setup) -> io::Result<Logic> {
             let model = Model::new(setup.phase_bits).with_carrier(setup.carrier_millihertz);
             Logic::Native(Box::new(Native::new(&model, profile.devices(), Instant::now())))
         }
-        (profile, _) => Logic::Stock(Box::new(Stock::new(profile))),
+        (profile, _) => Logic::Stock(Twin::new(profile)),
     })
 }
 

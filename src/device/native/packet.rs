@@ -2,7 +2,7 @@
 //!
 //! `gateware/doc/protocol.md` defines all fields and their order.
 
-use crate::device::levels::Level;
+use crate::device::declaration::Level;
 use crate::device::levels::Levels;
 use crate::device::native::line;
 

@@ -5,8 +5,9 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use sonoglyph::device::board::{Board, Playing, Setup};
+use sonoglyph::device::declaration::Level;
 use sonoglyph::device::health::State;
-use sonoglyph::device::levels::{Level, Levels};
+use sonoglyph::device::levels::Levels;
 use sonoglyph::device::link::{Content, Link, Settings};
 use sonoglyph::device::profile::Profile;
 

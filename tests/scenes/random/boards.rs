@@ -3,11 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use sonoglyph::device::calibration::Calibration;
+use sonoglyph::device::declaration::{Heard, Strength};
 use sonoglyph::device::levels::Levels;
 use sonoglyph::device::native::model::Model;
 use sonoglyph::device::native::packet::{Kind, Outcome, Packet, Splitter};
-use sonoglyph::device::profile::{Profile, Strength};
-use sonoglyph::device::stock::{self, Heard, Twin};
+use sonoglyph::device::profile::Profile;
+use sonoglyph::device::stock::{self, Twin};
 use sonoglyph::drive::Drive;
 
 use crate::random::tally::{count, within};

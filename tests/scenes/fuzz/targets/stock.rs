@@ -2,9 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use sonoglyph::device::levels::{Level, Levels};
+use sonoglyph::device::declaration::{Heard, Level};
+use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
-use sonoglyph::device::stock::{self, Heard, Twin};
+use sonoglyph::device::stock::{self, Twin};
 
 pub fn run(bytes: &[u8]) {
     let Some((&[board, part], bytes)) = bytes.split_first_chunk() else { return };

@@ -13,14 +13,15 @@ use fastrand::Rng;
 use web_time::{Duration, Instant};
 
 use crate::device::board::faults::{Damage, Faults};
-use crate::device::board::logic::{Heeded, Playing, Stock};
-use crate::device::levels::{Level, Levels};
+use crate::device::board::logic::Heeded;
+use crate::device::declaration::Level;
+use crate::device::levels::Levels;
 use crate::device::link::stock::pulses::REFRESH;
 use crate::device::link::stock::session::{Session, Step};
 use crate::device::link::{Content, Event, LEAD, Settings, Shared, Wanted};
 use crate::device::pace::Pace;
 use crate::device::profile::Profile;
-use crate::device::stock::{self, Modulated};
+use crate::device::stock::{self, Modulated, Twin};
 use crate::scene::{Envelope, Modulation};
 
 const MILLI: Duration = Duration::from_millis(1);
@@ -39,7 +40,7 @@ struct Line<'a> {
     baud: u32,
     wanted: Wanted,
     now: Instant,
-    board: Stock,
+    board: Twin,
     damage: Damage,
     pace: Pace,
     /// Bytes on their way to the board.
@@ -64,7 +65,7 @@ impl<'a> Line<'a> {
             baud,
             wanted: shared.wanted(),
             now,
-            board: Stock::new(profile),
+            board: Twin::new(profile),
             damage: Damage::new(Faults::default(), 1),
             pace: Pace::new(f64::from(baud), now),
             out: VecDeque::new(),
@@ -113,7 +114,7 @@ impl<'a> Line<'a> {
         self.now = self.now.max(until);
         while let Some((at, byte)) = self.out.pop_front_if(|(at, _)| *at <= until) {
             let mut heeded = Heeded::default();
-            self.board.hear(byte, at, &mut heeded);
+            heeded.hear(&mut self.board, byte, at);
             // A frame of two pieces is spoiled, and shown, too.
             if !heeded.shown.is_empty() || heeded.spoiled > 0 {
                 let shown = self.playing();
@@ -155,8 +156,7 @@ impl<'a> Line<'a> {
     }
 
     fn playing(&self) -> Levels {
-        let Playing::Levels(levels) = self.board.playing() else { panic!("not a stock board") };
-        levels
+        self.board.shown()
     }
 
     /// What was shown since then: frames, and how long each.

@@ -1,16 +1,35 @@
 //! Ultraino's Arduino Mega: a pattern of ten port states per period, each byte in two halves.
 
-use crate::device::levels::Level;
-use crate::device::levels::Levels;
-use crate::device::profile::Profile;
-use crate::device::stock::Heard;
+use crate::device::declaration::{Declaration, Emulation, Heard, Level, Protocol, Strength};
+
+pub const ULTRAINO_MEGA64: Declaration = Declaration {
+    name: "ultraino-mega64",
+    elements: ELEMENTS,
+    shape: Some([8, 8]),
+    levels: DIVISIONS as u16,
+    strength: Strength::Duty(5),
+    baud: 115_200,
+    frame_bytes: 210,
+    remark: Some("every element sounds from power-up until a program connects"),
+    protocol: Some(Protocol {
+        element_of: |channel| channel,
+        load,
+        swap: Some(SWAP),
+        start: &[],
+        // Once more: an interrupted list may have left any index, which only a swap resets.
+        blanks: 3,
+        modulation: None,
+        echo: Some(SWAP),
+        emulation: || Box::new(Twin::new()),
+    }),
+};
 
 const DIVISIONS: usize = 10;
 const PORTS: usize = 10;
 const PATTERN: usize = DIVISIONS * PORTS;
 const ELEMENTS: usize = 64;
 /// Exchanges the buffers; echoed.
-pub const SWAP: u8 = 0x00;
+const SWAP: u8 = 0x00;
 /// Two bits of a duration, in the two highest.
 const DURATION: u8 = 0x30;
 const COMMIT_DURATIONS: u8 = 0x10;
@@ -25,9 +44,9 @@ const PINS: [usize; ELEMENTS] = [
     24, 25, 26, 27, 16, 17, 18, 19, 7, 6, 5, 4, 3, 2, 1, 0,
 ];
 
-pub fn load(levels: &Levels) -> Vec<u8> {
+fn load(channels: &[Option<Level>]) -> Vec<u8> {
     let mut pattern = [0u8; PATTERN];
-    for (level, pin) in levels.elements.iter().zip(PINS) {
+    for (level, pin) in channels.iter().zip(PINS) {
         let Some(level) = level else { continue };
         for later in 0..level.amplitude {
             let division = usize::from(level.delay + later) % DIVISIONS;
@@ -48,37 +67,20 @@ fn duration(periods: u8) -> [u8; 4] {
 }
 
 /// The board's side.
-#[derive(Clone, Debug)]
-pub struct Twin {
+#[derive(Debug)]
+struct Twin {
     shown: [u8; PATTERN],
     hidden: [u8; PATTERN],
     /// Of the next half byte.
     index: usize,
 }
 
-impl Default for Twin {
-    fn default() -> Self {
-        Self::new()
-    }
-}
-
 impl Twin {
     /// As its firmware starts: every pin high for the first half of each period.
-    pub fn new() -> Self {
+    fn new() -> Self {
         let mut shown = [0; PATTERN];
         shown[..PATTERN / 2].fill(0xFF);
         Self { shown, hidden: [0; PATTERN], index: 0 }
-    }
-
-    pub fn push(&mut self, byte: u8) -> Heard {
-        match byte {
-            SWAP => return self.exchange(),
-            COMMIT_DURATIONS => {}
-            _ if byte & 0x3F == DURATION => {}
-            _ if byte & 0x0F == MINE && self.index < 2 * PATTERN => self.store(byte),
-            _ => return Heard::Nonsense,
-        }
-        Heard::Part
     }
 
     fn store(&mut self, byte: u8) {
@@ -95,10 +97,6 @@ impl Twin {
         if torn { Heard::Nonsense } else { Heard::Shown }
     }
 
-    pub fn shown(&self) -> Levels {
-        Levels { profile: Profile::UltrainoMega64, elements: PINS.map(|pin| self.pulse(pin)).to_vec() }
-    }
-
     /// The one pulse of a pin; of several, the first that begins.
     fn pulse(&self, pin: usize) -> Option<Level> {
         let high = |division: usize| self.shown[division % DIVISIONS * PORTS + pin / 8] >> (pin % 8) & 1 == 1;
@@ -106,5 +104,22 @@ impl Twin {
         let delay = (0..DIVISIONS).find(rises)?;
         let amplitude = (delay..).take_while(|&division| high(division)).count();
         Some(Level { delay: delay as u16, amplitude: amplitude as u16 })
+    }
+}
+
+impl Emulation for Twin {
+    fn push(&mut self, byte: u8) -> Heard {
+        match byte {
+            SWAP => return self.exchange(),
+            COMMIT_DURATIONS => {}
+            _ if byte & 0x3F == DURATION => {}
+            _ if byte & 0x0F == MINE && self.index < 2 * PATTERN => self.store(byte),
+            _ => return Heard::Nonsense,
+        }
+        Heard::Part
+    }
+
+    fn shown(&self) -> Vec<Option<Level>> {
+        PINS.map(|pin| self.pulse(pin)).to_vec()
     }
 }

@@ -1,0 +1,84 @@
+//! The declaration of a board: its facts, its bytes, and its emulation, in one place.
+
+use std::fmt;
+
+/// The amplitude control of a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Strength {
+    /// None: an element is on or off.
+    Fixed,
+    /// A number up to this, proportional to the sound.
+    Linear(u16),
+    /// A pulse length up to this many levels, which is half a period; the sound follows the sine of the length.
+    Duty(u16),
+}
+
+/// The level of one element. Off is the absence of a level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Level {
+    /// Less than the board's number of delays.
+    pub delay: u16,
+    /// In the board's [`Strength`], more than 0.
+    pub amplitude: u16,
+}
+
+/// One kind of board.
+#[derive(Debug)]
+pub(in crate::device) struct Declaration {
+    /// On the command line, in files and menus.
+    pub name: &'static str,
+    /// Transducers, of all boards on the line.
+    pub elements: usize,
+    /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of as many
+    /// elements, channel n to element n.
+    pub shape: Option<[u32; 2]>,
+    /// Number of delays per period.
+    pub levels: u16,
+    pub strength: Strength,
+    /// Bit rate after power-up.
+    pub baud: u32,
+    /// Bytes of a frame at full amplitude.
+    pub frame_bytes: usize,
+    /// A remark for the user before sending.
+    pub remark: Option<&'static str>,
+    /// The bytes of a board that does not answer; `None` for the native protocol.
+    pub protocol: Option<Protocol>,
+}
+
+/// Plain bytes without checksum or reply. Levels are by channel.
+#[derive(Debug)]
+pub(in crate::device) struct Protocol {
+    /// The element of a channel; a bijection.
+    pub element_of: fn(usize) -> usize,
+    /// The bytes that put a frame into the hidden buffer, up to the byte that shows it.
+    pub load: fn(&[Option<Level>]) -> Vec<u8>,
+    /// The byte that exchanges the shown and the hidden buffer, if the board has one.
+    pub swap: Option<u8>,
+    /// The bytes that make it take a list in any state, also after a list without a swap.
+    pub start: &'static [u8],
+    /// Number of dark frames that silence it in any state.
+    pub blanks: usize,
+    /// The byte and frequency of the board's own modulation that is nearest to a frequency (Hz), if it has one.
+    pub modulation: Option<fn(f64) -> (u8, f64)>,
+    /// The byte that it sends back.
+    pub echo: Option<u8>,
+    /// A board just switched on.
+    pub emulation: fn() -> Box<dyn Emulation>,
+}
+
+/// The emulation of a board.
+pub(in crate::device) trait Emulation: fmt::Debug + Send {
+    fn push(&mut self, byte: u8) -> Heard;
+    /// The played levels.
+    fn shown(&self) -> Vec<Option<Level>>;
+}
+
+/// The effect of a byte on a board.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Heard {
+    Part,
+    /// Another frame is shown.
+    Shown,
+    /// Invalid here; boards react to it nevertheless, and so do their emulations.
+    Nonsense,
+}

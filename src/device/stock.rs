@@ -1,0 +1,142 @@
+//! Stock boards: plain bytes without checksum or reply, as their declarations have them.
+
+use crate::device::declaration::{Emulation, Heard, Protocol};
+use crate::device::levels::Levels;
+use crate::device::profile::Profile;
+use crate::scene::{Envelope, Modulation};
+
+/// # Panics
+/// The native profile, which uses packets, and whose emulation is [`crate::device::native::model::Model`].
+fn protocol(profile: Profile) -> &'static Protocol {
+    let Some(protocol) = &profile.declaration().protocol else {
+        unreachable!("native boards are sent packets")
+    };
+    protocol
+}
+
+/// Elements by channel.
+fn order(profile: Profile) -> impl Iterator<Item = usize> {
+    (0..profile.elements()).map(protocol(profile).element_of)
+}
+
+/// The bytes that put a frame into the board's hidden buffer, up to the byte that shows it.
+///
+/// # Panics
+/// The native profile, which uses packets; or levels that [`Levels::new`] never produces: a wrong number of elements,
+/// or beyond the profile's levels.
+pub fn load(levels: &Levels) -> Vec<u8> {
+    let channels: Vec<_> = order(levels.profile).map(|element| levels.elements[element]).collect();
+    (protocol(levels.profile).load)(&channels)
+}
+
+/// The byte that exchanges the shown and the hidden buffer, if the board has one.
+///
+/// # Panics
+/// The native profile.
+pub fn swap(profile: Profile) -> Option<u8> {
+    protocol(profile).swap
+}
+
+/// The bytes that play a frame.
+pub fn frame(levels: &Levels) -> Vec<u8> {
+    let mut bytes = load(levels);
+    bytes.extend(swap(levels.profile));
+    bytes
+}
+
+/// The bytes that silence both buffers of a board in any state: sent first and last.
+pub fn silence(profile: Profile) -> Vec<u8> {
+    let blank = frame(&Levels::off(profile));
+    [start(profile), &blank.repeat(protocol(profile).blanks)].concat()
+}
+
+/// The bytes that make a board take a list in any state, also after a list without a swap.
+pub(in crate::device) fn start(profile: Profile) -> &'static [u8] {
+    protocol(profile).start
+}
+
+/// The playback of an envelope on a stock board.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Modulated {
+    Steady,
+    /// The sender switches the sound on and off at this frequency (Hz).
+    FromHere(f64),
+    /// The board modulates, set by this byte, at this frequency (Hz).
+    ByBoard(u8, f64),
+    /// The line is too slow; its highest frequency (Hz).
+    Never(f64),
+    /// More than one frequency is requested: the sound is steady.
+    OneFrequency,
+}
+
+/// The playback of a modulation over a line of this bit rate.
+///
+/// # Panics
+/// The native profile.
+pub fn modulated(profile: Profile, modulation: &Modulation, baud: u32) -> Modulated {
+    let frequency = modulation.frequency;
+    let Protocol { modulation: own, swap, .. } = protocol(profile);
+    match (modulation.shape, own, swap) {
+        (Envelope::Off, ..) => Modulated::Steady,
+        (Envelope::Tones | Envelope::File, ..) => Modulated::OneFrequency,
+        (Envelope::Sine | Envelope::Square, Some(nearest), _) => {
+            let (byte, frequency) = nearest(frequency);
+            Modulated::ByBoard(byte, frequency)
+        }
+        (Envelope::Sine | Envelope::Square, None, Some(_)) => Modulated::FromHere(frequency),
+        // Without a second buffer each half period is a frame.
+        (Envelope::Sine | Envelope::Square, None, None) => {
+            let fastest = profile.frames_per_second(baud) / 2.0;
+            if frequency <= fastest { Modulated::FromHere(frequency) } else { Modulated::Never(fastest) }
+        }
+    }
+}
+
+/// A board's emulation.
+#[derive(Debug)]
+pub struct Twin {
+    profile: Profile,
+    emulation: Box<dyn Emulation>,
+}
+
+impl Twin {
+    /// A board just switched on.
+    ///
+    /// # Panics
+    /// The native profile.
+    pub fn new(profile: Profile) -> Self {
+        Self { profile, emulation: (protocol(profile).emulation)() }
+    }
+
+    pub fn push(&mut self, byte: u8) -> Heard {
+        self.emulation.push(byte)
+    }
+
+    /// What the board sends back after a byte.
+    pub fn answer(&self, byte: u8) -> Option<u8> {
+        protocol(self.profile).echo.filter(|&echo| echo == byte)
+    }
+
+    /// The played levels.
+    pub fn shown(&self) -> Levels {
+        let mut levels = Levels::off(self.profile);
+        for (element, level) in order(self.profile).zip(self.emulation.shown()) {
+            levels.elements[element] = level;
+        }
+        levels
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_element_has_one_channel() {
+        for profile in Profile::ALL.into_iter().filter(|profile| !profile.answers()) {
+            let mut elements: Vec<_> = order(profile).collect();
+            elements.sort_unstable();
+            assert!(elements.into_iter().eq(0..profile.elements()), "{}", profile.name());
+        }
+    }
+}
