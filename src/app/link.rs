@@ -178,7 +178,9 @@ impl Board {
     }
 
     fn show(&self, content: Content) {
-        locked(&self.player).iter_mut().for_each(|player| player.show(content.clone()));
+        if let Some(player) = &mut *locked(&self.player) {
+            player.show(content);
+        }
     }
 
     fn connect(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
