@@ -74,12 +74,20 @@ impl Recorder {
     }
 }
 
-/// The packets that say what to play; the number of questions and of silences depends on timing.
+/// The packets that say what to play. The number of questions and of silences, and the slot of a frame that is sent
+/// again, depend on timing.
 fn packets(bytes: &[u8]) -> BTreeSet<String> {
     let others = [Kind::Info, Kind::Status, Kind::Digest, Kind::Mute, Kind::Stop].map(Kind::code);
-    let packets = bytes.split(|&byte| byte == 0).filter_map(|part| Packet::of_line(part).ok());
-    let packets = packets.filter(|packet| !others.contains(&packet.code));
-    packets.map(|packet| format!("{:?}", packet.numbered(0))).collect()
+    let mut packets = BTreeSet::new();
+    for mut packet in bytes.split(|&byte| byte == 0).filter_map(|part| Packet::of_line(part).ok()) {
+        if [Kind::Phases, Kind::Frame].map(Kind::code).contains(&packet.code) {
+            packet.arguments[0] = 0;
+        }
+        if !others.contains(&packet.code) {
+            packets.insert(format!("{:?}", packet.numbered(0)));
+        }
+    }
+    packets
 }
 
 fn by_window(port: &Path, profile: Profile, scene: &str, button: &str) {
