@@ -1,20 +1,20 @@
 //! The comparison map: another drive's or another plane's map, with stages of its own, and the difference.
 
 use std::f32::consts::{PI, TAU};
-use std::sync::Arc;
 
 use egui::Context;
 
 use crate::app::later::Later;
 use crate::app::mapping::{Look, Mapping, image, in_egui};
-use crate::app::posing::{Solved, Source, solve, sound};
+use crate::app::posing::{Source, sound};
 use crate::drive::Drive;
 use crate::field::quantity::Range;
 use crate::field::{Colouring, Request};
 use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
-use crate::solver::frames::{self, Sequence};
+use crate::studio::performance::Performance;
 use crate::studio::posing::{posed, posed_in_motion};
+use crate::studio::solving;
 use crate::ui::beside::{Beside, Compare, Difference, With};
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, Shown};
@@ -23,8 +23,8 @@ use crate::ui::{Editor, Map, Shown};
 #[derive(Debug)]
 pub struct Comparison {
     mapping: Mapping,
-    solving: Later<Scene, Solved>,
-    following: Later<Scene, Result<Arc<Sequence>, String>>,
+    /// Of a scene, at rest or in motion.
+    solving: Later<(Scene, bool), Result<Performance, String>>,
     /// The requests of the displayed difference, and whether it is on a light ground.
     subtracted: Option<(Request, Request, bool)>,
 }
@@ -40,19 +40,13 @@ pub fn common_range(editor: &Editor, shown: &Shown) -> Option<f64> {
     (is_one && has_range && editor.view.full.is_none() && largest > 0.0).then_some(largest)
 }
 
-/// The drives of all frames, quantised to a number of phase levels if given.
-fn all_drives(round: &Sequence, levels: Option<u32>) -> Vec<Drive> {
-    let played = |drive: &Drive| levels.map_or_else(|| drive.clone(), |levels| drive.at_levels(levels));
-    round.frames.iter().map(|frame| played(&frame.drive)).collect()
-}
-
 impl Comparison {
     pub fn new(mapping: Mapping) -> Self {
-        Self { mapping, solving: Later::default(), following: Later::default(), subtracted: None }
+        Self { mapping, solving: Later::default(), subtracted: None }
     }
 
     pub fn is_busy(&self) -> bool {
-        self.mapping.is_awaiting() || self.solving.is_running() || self.following.is_running()
+        self.mapping.is_awaiting() || self.solving.is_running()
     }
 
     /// Updates the comparison; `source` is the map's source, and `own` its mapping.
@@ -65,7 +59,7 @@ impl Comparison {
         own: &mut Mapping,
         ctx: &Context,
     ) {
-        if [self.solving.collect(), self.following.collect()].contains(&true) {
+        if self.solving.collect() {
             ctx.request_repaint();
         }
         let range = common_range(editor, shown);
@@ -75,7 +69,8 @@ impl Comparison {
         let is_mean = editor.view.quantity.declaration().is_slow && editor.playback.frame.is_none();
         let round = shown.round.clone().filter(|_| is_mean);
         let is_mean = round.is_some();
-        let source = round.map(|round| Source::Frame(round, 0)).or_else(|| source.cloned());
+        let mean = round.map(|round| Source { performance: Performance::Motion(round), frame: 0 });
+        let source = mean.or_else(|| source.cloned());
         let source = match (compare.with, source) {
             (With::Method, Some(source)) => self.by(compare.method, editor, &source, &mut beside, ctx),
             (With::Levels | With::Plane, source) => source,
@@ -87,8 +82,14 @@ impl Comparison {
             beside.sound = source.as_ref().map(|source| sound(editor.scene(), levels, source));
         }
         let view = compare.view(&editor.view);
-        let drives = match (&source, &beside.sound) {
-            (Some(Source::Frame(round, _)), _) if is_mean => all_drives(round, levels),
+        let drives: Vec<_> = match (&source, &beside.sound) {
+            (Some(Source { performance, .. }), _) if is_mean => {
+                let at_levels = |drive: Drive| match levels {
+                    Some(levels) => drive.at_levels(levels),
+                    None => drive,
+                };
+                performance.drives().into_iter().map(at_levels).collect()
+            }
             (_, sound) => sound.iter().flat_map(|sound| sound.drives.clone()).collect(),
         };
         let look = Look {
@@ -123,27 +124,19 @@ impl Comparison {
         if method == editor.scene().solver.method {
             return Some(source.clone());
         }
-        let with_method = |mut scene: Scene| {
-            scene.solver.method = method;
-            scene
+        let (mut scene, moves) = match &source.performance {
+            Performance::Still(_) => (posed(editor.scene()), false),
+            Performance::Motion(_) => (posed_in_motion(editor.scene()), true),
         };
-        let found = match source {
-            Source::Still(_) => {
-                let posed = with_method(posed(editor.scene()));
-                self.solving.ask(&posed, ctx, solve);
-                self.solving.get(&posed).map(|solved| solved.clone().map(Source::Still))
-            }
-            Source::Frame(_, frame) => {
-                let moving = with_method(posed_in_motion(editor.scene()));
-                self.following.ask(&moving, ctx, |scene| {
-                    frames::follow(scene).map(Arc::new).map_err(|error| error.to_string())
-                });
-                let followed = self.following.get(&moving);
-                followed.map(|round| round.clone().map(|round| Source::Frame(round, *frame)))
-            }
-        };
+        scene.solver.method = method;
+        let wanted = (scene, moves);
+        self.solving.ask(&wanted, ctx, |(scene, moves)| match moves {
+            false => solving::solve(scene, &mut |_| {}).map(Performance::Still),
+            true => solving::follow(scene).map(Performance::Motion),
+        });
+        let found = self.solving.get(&wanted).cloned();
         match found {
-            Some(Ok(source)) => return Some(source),
+            Some(Ok(performance)) => return Some(Source { performance, ..*source }),
             Some(Err(problem)) => beside.problem = Some(problem),
             None => beside.is_pending = true,
         }

@@ -1,14 +1,11 @@
 //! Long computations on a scene: on a thread, or in a browser by a worker, a second instance of the program.
 
-use std::sync::Arc;
-
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use strum::VariantArray;
 
-use crate::app::posing::{self, Solved};
 use crate::scene::{Method, Scene};
-use crate::solver::frames::{self, Sequence};
+use crate::studio::solving::{self, Followed, Solved};
 use crate::ui::MethodRow;
 
 /// A kind of work.
@@ -35,20 +32,20 @@ impl Job for Solve {
     type Made = Solved;
 
     fn make(scene: &Scene) -> Solved {
-        posing::solve(scene)
+        solving::solve(scene, &mut |_| {})
     }
 
     #[cfg(not(target_arch = "wasm32"))]
     fn make_with(scene: &Scene, so_far: &mut dyn FnMut(Solved)) -> Solved {
-        posing::solve_with(scene, so_far)
+        solving::solve(scene, so_far)
     }
 }
 
 impl Job for Follow {
-    type Made = Result<Arc<Sequence>, String>;
+    type Made = Followed;
 
-    fn make(scene: &Scene) -> Self::Made {
-        frames::follow(scene).map(Arc::new).map_err(|error| error.to_string())
+    fn make(scene: &Scene) -> Followed {
+        solving::follow(scene)
     }
 }
 
@@ -59,7 +56,7 @@ impl Job for CompareMethods {
         let row = |&method: &Method| {
             let mut scene = scene.clone();
             scene.solver.method = method;
-            MethodRow { method, solution: posing::solve(&scene) }
+            MethodRow { method, solution: solving::solve(&scene, &mut |_| {}) }
         };
         Method::VARIANTS.iter().map(row).collect()
     }

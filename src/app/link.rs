@@ -9,18 +9,18 @@ use eframe::egui::Context;
 
 use crate::acoustics::Aperture;
 use crate::device::calibration::Calibration;
-use crate::device::envelope;
 use crate::device::levels::Levels;
-use crate::device::link::{Content, Event, Link, Settings};
+use crate::device::link::{Content, Event, Settings};
 use crate::device::port;
 use crate::device::profile::Profile;
 use crate::device::task::{self, Task};
-use crate::drive::Drive;
-use crate::scene::{Envelope, Modulation, motion};
+use crate::scene::{Envelope, Modulation};
 use crate::solver::{self, Problem, Solution};
 use crate::source;
 use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line};
 use crate::studio::output::{self, note};
+use crate::studio::performance::Performance;
+use crate::studio::player::Player;
 use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports};
 use crate::ui::bring_up::Surveyed;
 use crate::ui::{Editor, Notice, Panel, Shown};
@@ -30,20 +30,14 @@ const LOOK: Duration = Duration::from_millis(250);
 /// Messages that are kept.
 const KEPT: usize = 20;
 
-/// The link, once connected, and the last content sent.
+/// The player, once connected.
 #[derive(Debug, Default)]
 pub struct Board {
     /// Shared with the thread that waits for Ctrl-C.
-    link: Arc<Mutex<Option<Link>>>,
+    player: Arc<Mutex<Option<Player>>>,
     hears_signals: bool,
-    /// Number of times that other programs silenced the link.
-    silenced: u64,
-    calibration: Calibration,
-    /// The drives in turn, as sent.
-    drives: Option<Vec<Drive>>,
-    modulation: Option<Modulation>,
-    /// A motion is wanted, but its frames are not yet solved.
-    awaits_round: bool,
+    /// A scene or a motion is to be sent, once it is solved.
+    awaits: bool,
     compared: Option<(Arc<Solution>, Profile)>,
     survey: Option<Receiver<Surveyed>>,
     /// Whether ports have been listed: once at the beginning, then on request.
@@ -61,14 +55,13 @@ impl Board {
 
     /// Silences the board for other programs, while the window does something else.
     pub fn silencer(&self) -> Box<dyn Fn() + Send + Sync> {
-        let link = Arc::clone(&self.link);
-        Box::new(move || locked(&link).iter().for_each(|link| link.silencer().silence()))
+        let player = Arc::clone(&self.player);
+        Box::new(move || locked(&player).iter().for_each(|player| player.link.silencer().silence()))
     }
 
     /// Learns, before what other programs wish, whether they have silenced the board since the last frame.
     pub fn attend(&mut self, shown: &mut Shown) {
-        let Some(silenced) = locked(&self.link).as_ref().map(Link::silenced) else { return };
-        if std::mem::replace(&mut self.silenced, silenced) < silenced {
+        if locked(&self.player).as_mut().is_some_and(Player::was_silenced) {
             shown.board.plays = Plays::Nothing;
         }
     }
@@ -80,16 +73,16 @@ impl Board {
             BoardCommand::ChoosePort => self.choose_port(ctx),
             BoardCommand::Connect => self.connect(editor, shown, ctx),
             BoardCommand::Disconnect => {
-                *locked(&self.link) = None;
+                *locked(&self.player) = None;
                 (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
                 editor.board.virtual_port = None;
             }
             BoardCommand::TryWithout => self.try_without(editor, shown, ctx),
-            BoardCommand::Send => (self.drives, shown.board.plays) = (None, Plays::Scene),
-            BoardCommand::PlayMotion => (self.awaits_round, shown.board.plays) = (true, Plays::Motion),
+            BoardCommand::Send => (self.awaits, shown.board.plays) = (true, Plays::Scene),
+            BoardCommand::PlayMotion => (self.awaits, shown.board.plays) = (true, Plays::Motion),
             BoardCommand::Stop => {
                 shown.board.plays = Plays::Nothing;
-                locked(&self.link).iter().for_each(Link::stop);
+                locked(&self.player).iter_mut().for_each(Player::stop);
             }
             BoardCommand::One => {
                 let element = editor.board.element;
@@ -119,7 +112,7 @@ impl Board {
             editor.board.bring_up = None;
             return refuse(shown, error);
         }
-        *locked(&self.link) = None;
+        *locked(&self.player) = None;
         (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
         shown.board.surveyed = None;
         let (port, profile) = (editor.board.port().to_owned(), editor.board.profile);
@@ -153,14 +146,14 @@ impl Board {
     fn focus(&mut self, editor: &Editor, shown: &mut Shown) {
         let profile = editor.board.profile;
         let carrier = shown.board.found.map_or(profile.carrier(), |found| found.carrier);
-        let levels = solver::solve(&focus_scene(profile, carrier)).map_err(|error| error.to_string());
-        let levels = levels.and_then(|solution| {
-            Levels::new(profile, &solution.drive, &self.calibration).map_err(|error| error.to_string())
-        });
+        let Some(player) = &mut *locked(&self.player) else { return };
+        let solved = solver::solve(&focus_scene(profile, carrier)).map_err(|error| error.to_string());
+        let levels =
+            solved.and_then(|solution| player.levels(&solution.drive).map_err(|error| error.to_string()));
         match levels {
             Ok(levels) => {
                 shown.board.plays = Plays::Focus;
-                self.show(Content::Still(levels));
+                player.show(Content::Still(levels));
             }
             Err(error) => refuse(shown, error),
         }
@@ -185,8 +178,8 @@ impl Board {
     }
 
     fn show(&self, content: Content) {
-        if let Some(link) = &*locked(&self.link) {
-            link.show_unless_silenced(content, self.silenced);
+        if let Some(player) = &mut *locked(&self.player) {
+            player.show(content);
         }
     }
 
@@ -201,17 +194,15 @@ impl Board {
             let port = Path::new(form.port()).to_owned();
             let settings = Settings { port, profile: form.profile, baud: form.baud() };
             let ctx = ctx.clone();
-            let link = Link::open(settings, Box::new(move || ctx.request_repaint()));
-            Ok((calibration, link.map_err(|error| error.to_string())?))
+            Player::open(settings, calibration, Box::new(move || ctx.request_repaint()))
+                .map_err(|error| error.to_string())
         });
         match opened {
-            Ok((calibration, link)) => {
-                shown.board.health = Some(link.health());
+            Ok(player) => {
+                shown.board.health = Some(player.link.health());
                 shown.board.messages.clear();
                 self.hear_signals();
-                *locked(&self.link) = Some(link);
-                (self.calibration, self.drives, self.modulation) = (calibration, None, None);
-                self.silenced = 0;
+                *locked(&self.player) = Some(player);
             }
             Err(error) => shown.notice = Some(Notice { text: error, is_error: true }),
         }
@@ -230,7 +221,7 @@ impl Board {
     fn hear_signals(&mut self) {
         if !std::mem::replace(&mut self.hears_signals, true) {
             // Without it only the board's own watchdog remains, if any.
-            if let Err(error) = silence_on_signals(Arc::clone(&self.link)) {
+            if let Err(error) = silence_on_signals(Arc::clone(&self.player)) {
                 note(&format!("Ctrl-C will not silence the board: {error}"));
             }
         }
@@ -256,13 +247,13 @@ impl Board {
             Some(Err(error)) => refuse(shown, error),
             Some(Ok(None)) | None => {}
         }
-        let shared = Arc::clone(&self.link);
-        let held = locked(&shared);
-        let Some(link) = &*held else { return };
-        while let Some(event) = link.event() {
-            hear(event, link.settings().profile, shown);
+        let shared = Arc::clone(&self.player);
+        let mut held = locked(&shared);
+        let Some(player) = &mut *held else { return };
+        while let Some(event) = player.link.event() {
+            hear(event, player.link.settings().profile, shown);
         }
-        let health = link.health();
+        let health = player.link.health();
         // After an emergency stop a drag must not start the sound again: only a button pressed while the board is
         // still stopped does.
         let was_stopped = shown.board.health.as_ref().is_some_and(|before| before.stopped);
@@ -273,67 +264,36 @@ impl Board {
         ctx.request_repaint_after(LOOK);
         let felt = Modulation { shape: Envelope::Sine, ..Modulation::default() };
         let modulation = if shown.board.plays == Plays::Focus { &felt } else { &editor.scene().modulation };
-        if self.modulation.as_ref() != Some(modulation) {
-            match envelope::playable(link.settings().profile, modulation) {
-                Ok(()) => link.modulate(modulation.clone()),
-                Err(error) if matches!(shown.board.plays, Plays::Scene | Plays::Motion) => {
-                    link.stop();
-                    refuse(shown, error);
-                }
-                Err(_) => {}
-            }
-            self.modulation = Some(modulation.clone());
-        }
-        drop(held);
-        match shown.board.plays {
-            Plays::Scene => self.send_scene(editor, shown),
-            Plays::Motion if self.awaits_round => self.send_motion(editor, shown),
-            Plays::Nothing | Plays::Motion | Plays::One(_) | Plays::Checkerboard | Plays::Focus => {}
-        }
-    }
-
-    fn send_scene(&mut self, editor: &Editor, shown: &mut Shown) {
-        let Some(solution) = &shown.solution else {
-            // Without targets the board is silent.
-            if self.drives.take().is_some() {
-                locked(&self.link).iter().for_each(Link::stop);
-            }
-            return;
-        };
-        let drives = solution.drives();
-        if self.drives.as_ref() == Some(&drives) || (self.drives.is_some() && !editor.board.live) {
-            return;
-        }
-        let profile = editor.board.profile;
-        let levels = |drive: &Drive| Levels::new(profile, drive, &self.calibration);
-        if let Err(error) = plays(profile, editor) {
-            refuse(shown, error);
-            self.drives = Some(drives);
-            return;
-        }
-        match drives.iter().map(levels).collect() {
-            Ok(frames) => {
-                let rate = profile.turns_per_second(editor.board.baud().unwrap_or(profile.baud()));
-                self.show(Content::in_turn(frames, rate));
-            }
-            Err(error) => refuse(shown, error.to_string()),
-        }
-        self.drives = Some(drives);
-    }
-
-    fn send_motion(&mut self, editor: &Editor, shown: &mut Shown) {
-        let (Some(round), Some(cycle)) = (&shown.round, motion::cycle(editor.scene())) else { return };
-        self.awaits_round = false;
-        if let Err(error) = plays(editor.board.profile, editor) {
+        if let Err(error) = player.modulate(modulation)
+            && matches!(shown.board.plays, Plays::Scene | Plays::Motion)
+        {
+            player.stop();
             return refuse(shown, error);
         }
-        let levels = |drive: &Drive| Levels::new(editor.board.profile, drive, &self.calibration);
-        let frames: Result<Vec<_>, _> = round.frames.iter().map(|frame| levels(&frame.drive)).collect();
-        match frames {
-            Ok(frames) => {
-                self.show(Content::Motion { frames, rate: cycle.frames_per_second() });
+        let performance = match shown.board.plays {
+            Plays::Scene if shown.solution.is_none() => {
+                // Without targets the board is silent.
+                player.rest();
+                self.awaits = true;
+                None
             }
-            Err(error) => refuse(shown, error.to_string()),
+            Plays::Scene if self.awaits || editor.board.live => {
+                shown.solution.clone().map(Performance::Still)
+            }
+            Plays::Motion if self.awaits => shown.round.clone().map(Performance::Motion),
+            Plays::Nothing
+            | Plays::Scene
+            | Plays::Motion
+            | Plays::One(_)
+            | Plays::Checkerboard
+            | Plays::Focus => None,
+        };
+        let Some(performance) = performance else { return };
+        if std::mem::take(&mut self.awaits) {
+            player.forget();
+        }
+        if let Err(error) = player.play(editor.scene(), performance) {
+            refuse(shown, error);
         }
     }
 
@@ -366,27 +326,21 @@ impl Board {
 /// The thread waiting for Ctrl-C shares the link, so it must be closed explicitly.
 impl Drop for Board {
     fn drop(&mut self) {
-        drop(locked(&self.link).take());
+        drop(locked(&self.player).take());
     }
 }
 
-/// Whether a board plays the scene's array and modulation, or the reason why not.
-fn plays(profile: Profile, editor: &Editor) -> Result<(), String> {
-    profile.drives(editor.scene()).map_err(|error| error.to_string())?;
-    envelope::playable(profile, &editor.scene().modulation)
-}
-
-fn locked(link: &Mutex<Option<Link>>) -> MutexGuard<'_, Option<Link>> {
-    task::locked(link)
+fn locked(player: &Mutex<Option<Player>>) -> MutexGuard<'_, Option<Player>> {
+    task::locked(player)
 }
 
 #[cfg(unix)]
-fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
+fn silence_on_signals(player: Arc<Mutex<Option<Player>>>) -> std::io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
     let wait = move || {
         for signal in signals.forever() {
-            drop(locked(&link).take());
+            drop(locked(&player).take());
             // This ends the program; if it fails, the window can still be closed.
             let _ = signal_hook::low_level::emulate_default_handler(signal);
         }
@@ -396,9 +350,9 @@ fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
 
 /// Windows only has Ctrl-C and Ctrl-Break, and only for windows opened from a console.
 #[cfg(windows)]
-fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
+fn silence_on_signals(player: Arc<Mutex<Option<Player>>>) -> std::io::Result<()> {
     let end = move || {
-        drop(locked(&link).take());
+        drop(locked(&player).take());
         std::process::exit(130);
     };
     match ctrlc::set_handler(end) {
@@ -409,7 +363,7 @@ fn silence_on_signals(link: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
 }
 
 #[cfg(not(any(unix, windows)))]
-fn silence_on_signals(_: Arc<Mutex<Option<Link>>>) -> std::io::Result<()> {
+fn silence_on_signals(_: Arc<Mutex<Option<Player>>>) -> std::io::Result<()> {
     Ok(())
 }
 

@@ -1,40 +1,26 @@
 //! The played state: the solution of a scene and its sound.
 
-use std::sync::Arc;
-
 use crate::acoustics::{Air, Aperture};
 use crate::scene::{Focus, Scene};
-use crate::solver::frames::Sequence;
-use crate::solver::{self, Solution};
+use crate::studio::performance::Performance;
 use crate::studio::probe::{self, Reading};
 use crate::ui::Sound;
 
-pub type Solved = Result<Arc<Solution>, String>;
-
-/// The played state: the scene at rest, or a frame of its motion.
+/// A moment of a performance.
 #[derive(Clone, Debug)]
-pub enum Source {
-    Still(Arc<Solution>),
-    Frame(Arc<Sequence>, usize),
-}
-
-pub fn solve(scene: &Scene) -> Solved {
-    solve_with(scene, &mut |_| {})
-}
-
-/// Solutions with fewer drives in turn go to `so_far`.
-pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solved)) -> Solved {
-    let solved = solver::solve_with(scene, &mut |found| so_far(Ok(Arc::new(found))));
-    solved.map(Arc::new).map_err(|error| error.to_string())
+pub struct Source {
+    pub performance: Performance,
+    /// Of a motion.
+    pub frame: usize,
 }
 
 /// The played drive and its pressures, quantised to a number of phase levels if given.
 pub fn sound(scene: &Scene, levels: Option<u32>, source: &Source) -> Sound {
     let aperture = Aperture::new(scene);
-    let (drives, foci, pressures): (_, &[Focus], _) = match source {
-        Source::Still(solution) => (solution.drives(), &solution.foci, &solution.pressures),
-        Source::Frame(round, frame) => {
-            let frame = &round.frames[*frame];
+    let (drives, foci, pressures): (_, &[Focus], _) = match &source.performance {
+        Performance::Still(solution) => (solution.drives(), &solution.foci, &solution.pressures),
+        Performance::Motion(sequence) => {
+            let frame = &sequence.frames[source.frame];
             (vec![frame.drive.clone()], &frame.foci, &frame.pressures)
         }
     };

@@ -1,7 +1,5 @@
 //! The pressure at a point over time, computed on a thread on demand.
 
-use std::sync::Arc;
-
 use egui::Context;
 use glam::DVec3;
 
@@ -9,8 +7,7 @@ use crate::acoustics::Aperture;
 use crate::app::later::Later;
 use crate::drive::Drive;
 use crate::scene::{Scene, motion};
-use crate::solver::Solution;
-use crate::solver::frames::Sequence;
+use crate::studio::performance::Performance;
 use crate::studio::time_course;
 use crate::ui::{Course, Editor, Panel, Shown, course};
 
@@ -18,27 +15,10 @@ use crate::ui::{Course, Editor, Panel, Shown, course};
 const DRAWN: usize = 1000;
 const MOST: f64 = 400_000.0;
 
-/// The drives played in sequence.
-#[derive(Clone, Debug)]
-enum Played {
-    Frames(Arc<Sequence>),
-    Still(Arc<Solution>),
-}
-
-impl PartialEq for Played {
-    fn eq(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Frames(own), Self::Frames(others)) => Arc::ptr_eq(own, others),
-            (Self::Still(own), Self::Still(others)) => Arc::ptr_eq(own, others),
-            (Self::Frames(_), Self::Still(_)) | (Self::Still(_), Self::Frames(_)) => false,
-        }
-    }
-}
-
 /// The inputs of a time course.
 #[derive(Clone, Debug, PartialEq)]
 struct Wanted {
-    played: Played,
+    performance: Performance,
     aperture: Aperture,
     scene: Scene,
     /// Phases per period of the displayed board.
@@ -77,18 +57,15 @@ impl TimeCourse {
 
 fn wanted(editor: &Editor, shown: &Shown) -> Option<Wanted> {
     let scene = editor.scene();
-    let played = match &shown.round {
-        Some(round) => Played::Frames(round.clone()),
+    let performance = match &shown.round {
+        Some(round) => Performance::Motion(round.clone()),
         None if motion::moves(scene) => return None,
-        None => Played::Still(shown.solution.clone()?),
+        None => Performance::Still(shown.solution.clone()?),
     };
     let aperture = shown.sound.as_ref()?.aperture.clone();
-    let fits = match &played {
-        Played::Frames(round) => round.frames[0].drive.phases.len(),
-        Played::Still(solution) => solution.drive.phases.len(),
-    } == aperture.positions.len();
+    let fits = performance.first().phases.len() == aperture.positions.len();
     let at = course::place(editor, shown).filter(|_| fits)?;
-    Some(Wanted { played, aperture, scene: timed(scene), levels: editor.levels, at })
+    Some(Wanted { performance, aperture, scene: timed(scene), levels: editor.levels, at })
 }
 
 /// The part of a scene that times follow from.
@@ -102,17 +79,13 @@ fn timed(scene: &Scene) -> Scene {
 }
 
 fn make(wanted: &Wanted) -> Result<Course, String> {
-    let Wanted { played, aperture, scene, levels, at } = wanted;
-    let drives: Vec<Drive> = match played {
-        Played::Frames(round) => round.frames.iter().map(|frame| frame.drive.clone()).collect(),
-        Played::Still(solution) => solution.drives(),
-    };
+    let Wanted { performance, aperture, scene, levels, at } = wanted;
     let transfer = aperture.transfer(&[*at]);
     let pressure = |drive: &Drive| {
         let drive = levels.map_or_else(|| drive.clone(), |levels| drive.at_levels(levels));
         transfer.pressure(&drive.excitation(&aperture.driven))[0]
     };
-    let of_frames: Vec<_> = drives.iter().map(pressure).collect();
+    let of_frames: Vec<_> = performance.drives().iter().map(pressure).collect();
     let course = time_course::Course::new(scene, of_frames.len());
     let lines = course.spectrum(&of_frames, course::BAND)?;
     let modulus = |time: f64| course.pressure(&of_frames, time).norm();

@@ -4,7 +4,7 @@
 //! the previous value stays on screen.
 
 use std::sync::{Arc, Mutex, PoisonError};
-use web_time::{Duration, Instant};
+use web_time::Duration;
 
 use egui::Context;
 
@@ -14,30 +14,23 @@ use crate::app::job::{CompareMethods, Follow, Solve};
 use crate::app::later::Later;
 use crate::app::levitation::Levitating;
 use crate::app::mapping::{Look, Mapping};
-use crate::app::posing::{Solved, Source, sound};
+use crate::app::posing::{Source, sound};
 use crate::app::screen::Screen;
 use crate::app::space::Spacing;
 use crate::app::survey::Survey;
 use crate::app::time_course::TimeCourse;
 use crate::field::{Evaluator, Quantity, Request, Stages, missed};
-use crate::gauge::Gauge;
-use crate::scene::{Scene, Solver, check, motion, outline};
-use crate::solver::frames::Sequence;
-use crate::solver::{self, Problem, Solution, SolveError};
+use crate::scene::{Scene, check, motion};
+use crate::solver::{self, Problem};
 use crate::studio::liquid;
-use crate::studio::posing::{is_shape, posed, posed_in_motion};
+use crate::studio::performance::Performance;
+use crate::studio::posing::{posed, posed_in_motion};
 use crate::studio::reach;
+use crate::studio::solving::{Followed, Solved, Solving, Step};
 use crate::ui::board::Plays;
 use crate::ui::space::Stage;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Pressed, Shown, Sound};
-
-/// Limit of foci times elements solved between two frames; more are solved in the background.
-const AT_ONCE: usize = 120 * 256;
-/// The same for shapes: a frame allows a few steps.
-const AT_ONCE_OF_SHAPES: usize = 360 * 256;
-/// What is not solved after this time is solved in the background, too: the window stays at hand.
-const PROMPT: Duration = Duration::from_millis(100);
 
 /// Pixels per wavelength for radiation pressure: a square of the sound has two cycles per wavelength.
 const PER_WAVELENGTH: f64 = 6.0;
@@ -79,17 +72,14 @@ pub enum Seen<'a> {
 #[derive(Debug)]
 pub struct Workshop {
     pub mapping: Mapping,
-    /// The last requested scene, and its result.
-    solved: Option<(Scene, Solved)>,
+    solving: Solving,
     /// Warnings about targets out of reach, with their scene.
     reach: Option<(Scene, Vec<String>)>,
-    solving: Later<Scene, Solved>,
-    /// Foci times elements, and the solver, of a scene that was not solved in time between two frames.
-    slow: Option<(usize, Solver)>,
+    solved: Later<Scene, Solved>,
     bound: Later<Scene, f64>,
     methods: Later<Scene, Vec<MethodRow>>,
     wants_methods: Option<Scene>,
-    round: Later<Scene, Result<Arc<Sequence>, String>>,
+    round: Later<Scene, Followed>,
     pressed: Later<Request, Option<Pressed>>,
     survey: Survey,
     course: TimeCourse,
@@ -108,10 +98,9 @@ impl Workshop {
     pub fn new(evaluator: Evaluator, screen: Option<Screen>) -> Self {
         Self {
             mapping: Mapping::new(evaluator, screen),
-            solved: None,
+            solving: Solving::default(),
             reach: None,
-            solving: Later::default(),
-            slow: None,
+            solved: Later::default(),
             bound: Later::default(),
             methods: Later::default(),
             wants_methods: None,
@@ -136,7 +125,7 @@ impl Workshop {
     /// Whether background work is running, or GPU results are pending.
     pub fn is_busy(&self) -> bool {
         self.mapping.is_awaiting()
-            || self.solving.is_running()
+            || self.solved.is_running()
             || self.round.is_running()
             || self.methods.is_running()
             || self.bound.is_running()
@@ -153,7 +142,7 @@ impl Workshop {
         shown.problem = None;
         shown.pending = None;
         let came = [
-            self.solving.collect(),
+            self.solved.collect(),
             self.bound.collect(),
             self.methods.collect(),
             self.round.collect(),
@@ -244,9 +233,9 @@ impl Workshop {
         let scene = editor.scene();
         shown.board.steadied = None;
         if scene.targets.is_empty() {
-            self.solving.keep(None);
+            self.solved.keep(None);
+            self.solving.clear();
             shown.solution = None;
-            self.solved = None;
             return;
         }
         let mut posed = posed(scene);
@@ -254,67 +243,31 @@ impl Workshop {
             let profile = editor.board.profile;
             shown.board.steadied = profile.steady(&mut posed, editor.board.baud().unwrap_or(profile.baud()));
         }
-        self.solving.keep(Some(&posed));
-        if self.solved.as_ref().is_none_or(|(scene, _)| *scene != posed) {
-            let start = Instant::now();
-            let outcome = match amount(&posed).map(|amount| self.at_once(&posed, amount, shown)) {
-                Err(problem) => Err(problem),
-                Ok(Some(solved)) => solved,
-                Ok(None) => {
-                    self.solving.ask_for::<Solve>(&posed, ctx);
-                    match self.solving.get(&posed) {
-                        Some(solved) => solved.clone(),
-                        None => {
-                            shown.pending = Some(BEING_SOLVED.to_owned());
-                            return;
-                        }
-                    }
-                }
-            };
-            self.take(posed.clone(), outcome, start.elapsed().as_secs_f64(), shown);
+        self.solved.keep(Some(&posed));
+        let rests = !ctx.input(|input| input.pointer.any_down());
+        let mut step = self.solving.next(&posed, rests);
+        if step == Some(Step::Quick) && self.solving.solve_at_once(&posed) {
+            step = self.solving.next(&posed, rests);
         }
-        let is_idle = !ctx.input(|input| input.pointer.any_down());
-        if let Some((_, Ok(found))) = &self.solved
-            && is_shape(&posed)
-            && found.figures.is_none()
-            && is_idle
-        {
-            // The quick result is improved in the background: first by more drives in turn, as they come.
-            self.solving.ask_for::<Solve>(&posed, ctx);
-            let is_better =
-                |better: &Solution| better.figures.is_some() || better.others.len() > found.others.len();
-            if let Some(Ok(better)) = self.solving.get(&posed)
-                && is_better(better)
-            {
-                let better = Solution::clone(better).turned_to(found);
-                self.take(posed, Ok(Arc::new(better)), 0.0, shown);
+        if step.is_some() {
+            self.solved.ask_for::<Solve>(&posed, ctx);
+            if let Some(solved) = self.solved.get(&posed) {
+                self.solving.take(&posed, solved.clone());
             }
         }
-        if let Some((_, Err(problem))) = &self.solved {
-            shown.problem = Some(problem.clone());
+        if let Some(last) = &self.solving.last {
+            (shown.solving, shown.solution) = (1e3 * last.seconds, Some(last.clone()));
         }
-    }
-
-    /// The solution of a scene that is solved between two frames.
-    fn at_once(&mut self, posed: &Scene, amount: usize, shown: &Shown) -> Option<Solved> {
-        let most = if is_shape(posed) { AT_ONCE_OF_SHAPES } else { AT_ONCE };
-        let was_slow = |(slow, solver): &(usize, Solver)| amount >= *slow && *solver == posed.solver;
-        if amount > most || self.slow.as_ref().is_some_and(was_slow) {
-            return None;
-        }
-        let solve = || solver::solve_on(posed, shown.solution.as_deref());
-        match Gauge::default().within(PROMPT).lead(solve) {
-            Err(SolveError::Cancelled) => {
-                self.slow = Some((amount, posed.solver.clone()));
-                None
-            }
-            solved => Some(solved.map(Arc::new).map_err(|error| error.to_string())),
+        match self.solving.solved.as_ref().filter(|(scene, _)| *scene == posed) {
+            None => shown.pending = Some(BEING_SOLVED.to_owned()),
+            Some((_, Err(problem))) => shown.problem = Some(problem.clone()),
+            Some((_, Ok(_))) => {}
         }
     }
 
     /// Targets out of the array's reach, updated once nothing is dragged.
     fn reached(&mut self, ctx: &Context) -> &[String] {
-        let Some((posed, _)) = &self.solved else { return &[] };
+        let Some((posed, _)) = &self.solving.solved else { return &[] };
         let is_known = self.reach.as_ref().is_some_and(|(scene, _)| scene == posed);
         if !is_known && !ctx.input(|input| input.pointer.any_down()) {
             let cut = reach::cut_short(&Aperture::new(posed));
@@ -324,23 +277,10 @@ impl Workshop {
         self.reach.as_ref().map_or(&[], |(_, warnings)| warnings)
     }
 
-    fn take(&mut self, posed: Scene, outcome: Solved, elapsed: f64, shown: &mut Shown) {
-        shown.solving = outcome.as_ref().map_or(elapsed, |done| done.seconds) * 1e3;
-        if outcome.as_ref().is_ok_and(|done| done.seconds < PROMPT.as_secs_f64()) {
-            self.slow = None;
-        }
-        if let Ok(solution) = &outcome {
-            shown.solution = Some(solution.clone());
-        }
-        self.solved = Some((posed, outcome));
-    }
-
     /// The bound of the solution, and the comparison of methods.
     fn figures(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         shown.certified = None;
-        if let Some((scene, Ok(solution))) = &self.solved
-            && shown.solution.is_some()
-        {
+        if let Some((scene, Ok(solution))) = &self.solving.solved {
             let is_idle = !ctx.input(|input| input.pointer.any_down());
             if editor.panel == Panel::Solver && is_idle {
                 let foci = solution.foci.clone();
@@ -493,18 +433,11 @@ impl Workshop {
     fn source(&self, editor: &Editor, shown: &Shown) -> Option<Source> {
         match (&shown.round, editor.playback.frame) {
             (Some(round), Some(frame)) if frame < round.frames.len() => {
-                Some(Source::Frame(round.clone(), frame))
+                Some(Source { performance: Performance::Motion(round.clone()), frame })
             }
-            _ => shown.solution.clone().map(Source::Still),
+            _ => Some(Source { performance: Performance::Still(shown.solution.clone()?), frame: 0 }),
         }
     }
-}
-
-/// Foci times elements.
-fn amount(scene: &Scene) -> Result<usize, String> {
-    check::check(scene).map_err(|error| error.to_string())?;
-    let foci = outline::foci(scene).map_err(|error| error.to_string())?;
-    Ok(foci.len() * scene.elements())
 }
 
 fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {

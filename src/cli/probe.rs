@@ -8,7 +8,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::cli::{ProbeArgs, Probed, read_scene, time_course, write_or_print};
+use crate::cli::{ProbeArgs, Probed, progress, read_scene, time_course, write_or_print};
 use crate::drive::Drive;
 use crate::field::{Evaluator, Samples, reference};
 use crate::force::Levitation;
@@ -16,6 +16,7 @@ use crate::solver;
 use crate::source;
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::output::{Files, note, warn};
+use crate::studio::performance::Performance;
 use crate::studio::probe;
 use crate::table::TableError;
 
@@ -31,7 +32,9 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     let samples = read_table(&args.points, Samples::read)?;
     let drives = match &args.drive {
         Some(path) => vec![read_table(path, |csv| Drive::read(csv, scene.elements()))?],
-        None if args.time.time => time_course::drives(&scene, &args.scene.display().to_string())?,
+        None if args.time.time => {
+            Performance::of(&scene, &args.scene.display().to_string(), progress::begin)?.drives()
+        }
         None => {
             let solution = solver::solve(&scene).with_context(|| args.scene.display().to_string())?;
             solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));

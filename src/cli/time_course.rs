@@ -2,18 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::bail;
 use clap::Args;
 use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::cli::arguments::{above_zero, seconds};
-use crate::cli::{progress, write_or_print};
+use crate::cli::write_or_print;
 use crate::drive::Drive;
-use crate::scene::{Scene, motion};
-use crate::solver;
-use crate::studio::motion::{SOLVING, follow};
-use crate::studio::output::{self, note, warn};
+use crate::scene::Scene;
+use crate::studio::output::{self, note};
 use crate::studio::time_course::Course;
 
 /// Limits of a table's rows, and of pressures (frames times points) in memory.
@@ -39,17 +37,6 @@ pub struct TimeArgs {
     /// Highest frequency of --spectrum (Hz)
     #[arg(long, value_name = "HZ", default_value_t = 1000.0, requires = "spectrum", allow_negative_numbers = true, value_parser = above_zero(1e6, "a frequency in Hz"))]
     band: f64,
-}
-
-/// The drives of all frames of a motion, or those in turn.
-pub fn drives(scene: &Scene, name: &str) -> anyhow::Result<Vec<Drive>> {
-    if motion::moves(scene) {
-        let sequence = follow(scene, name, &progress::begin(SOLVING))?;
-        return Ok(sequence.frames.into_iter().map(|frame| frame.drive).collect());
-    }
-    let solution = solver::solve(scene).with_context(|| name.to_owned())?;
-    solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
-    Ok(solution.drives())
 }
 
 /// Writes the time course at points, and its spectrum if requested, from the `pressure` of every frame's drive.

@@ -1,20 +1,19 @@
 //! The loop from the desk to the board: the newest scene is solved by a thread beside it, played, and reported.
 
-use std::io;
 use std::sync::Arc;
 
 use web_time::{Duration, Instant};
 
-use crate::control::beside::{Beside, Done, Found, Work};
-use crate::control::board::{Board, Play};
+use crate::control::beside::{Beside, Found, Work};
+use crate::control::board::Board;
 use crate::control::desk::Desk;
 use crate::control::edit::{Edit, Wish};
 use crate::control::report::Report;
 use crate::device::health::Health;
 use crate::scene::{Scene, motion};
-use crate::solver::Solution;
-use crate::solver::frames::Sequence;
-use crate::studio::posing::{is_shape, posed, posed_in_motion};
+use crate::studio::performance::Performance;
+use crate::studio::posing::{posed, posed_in_motion};
+use crate::studio::solving::{Followed, Solving, Step};
 
 /// Polling interval of the board.
 const TICK: Duration = Duration::from_millis(20);
@@ -29,42 +28,34 @@ pub struct Live {
     desk: Arc<Desk>,
     board: Option<Board>,
     beside: Beside,
-    /// The last solved scene and its result.
-    solved: Option<(Scene, Result<Arc<Solution>, String>)>,
-    /// The solution from which a drag continues.
-    last: Option<Arc<Solution>>,
-    frames: Option<(Scene, Result<Arc<Sequence>, String>)>,
+    solving: Solving,
+    frames: Option<(Scene, Followed)>,
     seen: u64,
     changed: Instant,
 }
 
 impl Live {
-    /// # Errors
-    /// No thread to be had.
-    pub fn new(desk: Arc<Desk>, board: Option<Board>) -> io::Result<Self> {
+    pub fn new(desk: Arc<Desk>, board: Option<Board>) -> Self {
         if let Some(board) = &board {
             desk.silence_by(board.silencer());
         }
-        let its = Arc::clone(&desk);
-        Ok(Self {
+        Self {
+            beside: Beside::new(Arc::clone(&desk)),
             desk,
             board,
-            beside: Beside::start(move || its.bring_news())?,
-            solved: None,
-            last: None,
+            solving: Solving::default(),
             frames: None,
             seen: 0,
             changed: Instant::now(),
-        })
+        }
     }
 
     /// Waits briefly for a change, and processes due work.
     pub fn turn(&mut self) {
         self.desk.wait(self.seen, TICK);
         if let Some(board) = &mut self.board {
-            board.attend();
             // Only another send starts it again.
-            if board.was_stopped() && self.desk.wish().0.sends {
+            if board.attend() && self.desk.wish().0.sends {
                 // It names no target, so it cannot be refused.
                 let _ = self.desk.change(&[Edit::Send(false)]);
             }
@@ -80,14 +71,15 @@ impl Live {
             work = self.solve(&scene, &wish);
         }
         let refused = self.play(&scene, &wish);
-        let problem = refused.or_else(|| Some(self.solved.as_ref()?.1.as_ref().err()?.clone()));
+        let found = self.solving.solved.as_ref().map(|(_, solved)| solved.clone());
+        let problem = refused.or_else(|| found.clone()?.err());
         let is_quick_pending = matches!(work, Some(Work::Quick(_)));
         let solved = if is_quick_pending { self.desk.report().solved } else { generation };
         self.desk.tell(Report {
             serial: 0,
             generation,
             solved,
-            solution: self.solved.as_ref().and_then(|(_, solved)| solved.as_ref().ok().cloned()),
+            solution: found.and_then(Result::ok),
             wish: Some(wish),
             problem,
             is_solving: work.is_some(),
@@ -112,46 +104,36 @@ impl Live {
 
     /// Takes what is solved, and requests what is not.
     fn solve(&mut self, scene: &Scene, wish: &Wish) -> Option<Work> {
-        match self.beside.collect() {
-            Some(Done { scene, found: Found::Still(found) }) => {
-                // The full drive of a shape replaces a quick one that is played.
-                let found = found.map(|found| match &self.last {
-                    Some(last) if found.figures.is_some() => {
-                        Arc::new(Arc::unwrap_or_clone(found).turned_to(last))
-                    }
-                    Some(_) | None => found,
-                });
-                if let Ok(found) = &found {
-                    self.last = Some(Arc::clone(found));
-                }
-                self.solved = Some((scene, found));
+        while let Some(found) = self.beside.collect() {
+            match found {
+                Found::Still(scene, found) => self.solving.take(&scene, found),
+                Found::Motion(scene, found) => self.frames = Some((scene, found)),
             }
-            Some(Done { scene, found: Found::Motion(found) }) => self.frames = Some((scene, found)),
-            None => {}
         }
         let work = self.unsolved(scene, wish);
-        self.beside.want(work.clone(), self.last.as_ref());
+        self.beside.want(work.as_ref(), self.solving.last.as_ref());
         work
     }
 
     /// The most urgent work.
     fn unsolved(&mut self, scene: &Scene, wish: &Wish) -> Option<Work> {
         if scene.targets.is_empty() {
-            (self.solved, self.frames) = (None, None);
+            self.solving.clear();
+            self.frames = None;
             return None;
         }
         let posed = posed(scene);
-        let Some((_, solved)) = self.solved.as_ref().filter(|(solved, _)| *solved == posed) else {
+        let step = self.solving.next(&posed, self.changed.elapsed() > IDLE);
+        if step == Some(Step::Quick) {
             return Some(Work::Quick(posed));
-        };
+        }
         if self.board.is_some() && wish.sends && wish.moves && motion::moves(scene) {
             let moving = posed_in_motion(scene);
             if self.frames.as_ref().is_none_or(|(followed, _)| *followed != moving) {
                 return Some(Work::Motion(moving));
             }
         }
-        let is_quick = solved.as_ref().is_ok_and(|found| found.figures.is_none());
-        (is_quick && is_shape(&posed) && self.changed.elapsed() > IDLE).then_some(Work::Still(posed))
+        step.map(|_| Work::Full(posed))
     }
 
     /// Plays the result; returns the reason if the board cannot.
@@ -163,9 +145,9 @@ impl Live {
         }
         // While a scene is solved, the board plays the one before, if it has the same elements.
         let fits = |before: &Scene| before.elements() == scene.elements();
-        let play = if wish.moves && motion::moves(scene) {
+        let performance = if wish.moves && motion::moves(scene) {
             match self.frames.as_ref().filter(|(before, _)| fits(before)) {
-                Some((_, Ok(sequence))) => Play::Motion(Arc::clone(sequence)),
+                Some((_, Ok(sequence))) => Performance::Motion(Arc::clone(sequence)),
                 Some((_, Err(problem))) => {
                     board.stop();
                     return Some(problem.clone());
@@ -174,14 +156,14 @@ impl Live {
                 None => return None,
             }
         } else {
-            match self.solved.as_ref().filter(|(before, _)| fits(before)) {
-                Some((_, Ok(solution))) => Play::Still(Arc::clone(solution)),
+            match self.solving.solved.as_ref().filter(|(before, _)| fits(before)) {
+                Some((_, Ok(solution))) => Performance::Still(Arc::clone(solution)),
                 Some((_, Err(_))) | None => {
                     board.stop();
                     return None;
                 }
             }
         };
-        board.play(scene, play).err()
+        board.play(scene, performance).err()
     }
 }

@@ -1,20 +1,11 @@
 //! Replaces the board in builds without serial ports.
 
 use std::convert::Infallible;
-use std::sync::Arc;
 
 use crate::control::report::BoardReport;
 use crate::device::health::Health;
 use crate::scene::Scene;
-use crate::solver::Solution;
-use crate::solver::frames::Sequence;
-
-/// The content for a board.
-#[derive(Clone, Debug)]
-pub enum Play {
-    Still(Arc<Solution>),
-    Motion(Arc<Sequence>),
-}
+use crate::studio::performance::Performance;
 
 #[derive(Debug)]
 pub struct Board(Infallible);
@@ -24,7 +15,7 @@ impl Board {
         match self.0 {}
     }
 
-    pub fn attend(&mut self) {
+    pub fn attend(&mut self) -> bool {
         match self.0 {}
     }
 
@@ -32,15 +23,11 @@ impl Board {
         match self.0 {}
     }
 
-    pub fn was_stopped(&mut self) -> bool {
-        match self.0 {}
-    }
-
     pub fn stop(&mut self) {
         match self.0 {}
     }
 
-    pub fn play(&mut self, _: &Scene, _: Play) -> Result<(), String> {
+    pub fn play(&mut self, _: &Scene, _: Performance) -> Result<(), String> {
         match self.0 {}
     }
 

@@ -21,10 +21,14 @@ pub mod motion;
 pub mod opening;
 pub mod output;
 pub mod paintings;
+pub mod performance;
+#[cfg(feature = "serial")]
+pub mod player;
 pub mod posing;
 pub mod presets;
 pub mod probe;
 pub mod reach;
+pub mod solving;
 pub mod space;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod still;

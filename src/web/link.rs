@@ -1,18 +1,21 @@
 //! The link to a board for JavaScript, and a virtual board.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::device::board::memory::VirtualBoard;
 use crate::device::calibration::Calibration;
 use crate::device::health::State;
 use crate::device::levels::Levels;
 use crate::device::link::survey::{self, Discovery};
-use crate::device::link::{Content, Event, Link, Settings};
+use crate::device::link::{Content, Event, Settings};
 use crate::device::port;
 use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::scene::{Scene, file};
 use crate::solver;
+use crate::studio::performance::Performance;
+use crate::studio::player::Player;
 use wasm_bindgen::prelude::{JsError, wasm_bindgen};
 
 fn profile(name: &str) -> Result<Profile, JsError> {
@@ -69,7 +72,7 @@ impl Board {
 #[derive(Debug)]
 #[wasm_bindgen]
 pub struct Sender {
-    link: Link,
+    player: Player,
     scene: Scene,
     profile: Profile,
 }
@@ -85,12 +88,13 @@ impl Sender {
         let profile = profile(name)?;
         let scene = file::parse(scene, Path::new("scene.toml"))?;
         let settings = Settings { port: PathBuf::from(port), profile, baud };
-        Ok(Self { link: Link::open(settings, Box::new(|| {}))?, scene, profile })
+        let player = Player::open(settings, Calibration::default(), Box::new(|| {}))?;
+        Ok(Self { player, scene, profile })
     }
 
     /// The next message of the link, as text.
     pub fn event(&self) -> Option<String> {
-        self.link.event().map(|event| match event {
+        self.player.link.event().map(|event| match event {
             Event::Ready(found) => format!("ready at {}", found.baud),
             Event::Lost(why) => format!("lost: {why}"),
             Event::Notice(text) => text,
@@ -102,35 +106,35 @@ impl Sender {
     ///
     /// # Errors
     /// A scene that cannot be solved, or not played by the board.
-    pub fn show(&self) -> Result<Vec<f64>, JsError> {
-        let solution = solver::solve(&self.scene)?;
-        let levels = Levels::new(self.profile, &solution.drive, &Calibration::default())?;
-        self.link.modulate(self.scene.modulation.clone());
-        self.link.show(Content::Still(levels.clone()));
+    pub fn show(&mut self) -> Result<Vec<f64>, JsError> {
+        let performance = Performance::Still(Arc::new(solver::solve(&self.scene)?));
+        let levels = self.player.levels(performance.first())?;
+        self.player.forget();
+        self.player.play(&self.scene, performance).map_err(|error| JsError::new(&error))?;
         Ok(in_turn(&levels.drive()))
     }
 
     /// One element alone.
-    pub fn one(&self, element: usize) {
-        self.link.show(Content::Still(Levels::one(self.profile, element)));
+    pub fn one(&mut self, element: usize) {
+        self.player.show(Content::Still(Levels::one(self.profile, element)));
     }
 
-    pub fn stop(&self) {
-        self.link.stop();
+    pub fn stop(&mut self) {
+        self.player.stop();
     }
 
     pub fn is_ready(&self) -> bool {
-        self.link.health().state == State::Ready
+        self.player.link.health().state == State::Ready
     }
 
     pub fn is_in_place(&self) -> bool {
-        self.link.health().in_place
+        self.player.link.health().in_place
     }
 
     /// Frames, retransmissions, losses; then medians and jitters (ms) of the way to the board and back, of the way from a wish to its
     /// last byte, and of half periods of a modulation by swaps.
     pub fn figures(&self) -> Vec<f64> {
-        let health = self.link.health();
+        let health = self.player.link.health();
         let spread = [health.round_trip, health.latency, health.swaps].into_iter().flat_map(|spread| {
             let spread = spread.unwrap_or_default();
             [spread.median, spread.jitter].map(|time| 1e3 * time.as_secs_f64())

@@ -8,7 +8,6 @@ use std::sync::mpsc::sync_channel;
 
 use rosc::OscType;
 use sonoglyph::control;
-use sonoglyph::control::board::Play;
 use sonoglyph::control::desk::Desk;
 use sonoglyph::control::edit::Edit;
 use sonoglyph::control::live::Live;
@@ -19,6 +18,7 @@ use sonoglyph::device::link::Settings;
 use sonoglyph::device::profile::Profile;
 use sonoglyph::scene::{Envelope, Modulation, Scene};
 use sonoglyph::solver::{self, frames};
+use sonoglyph::studio::performance::Performance;
 
 use crate::waiting::{PATIENCE, eventually};
 use crate::{Udp, floats, message, scene};
@@ -120,7 +120,7 @@ fn what_has_not_changed_is_not_sent_again_and_a_modulation_is() {
     let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
     let mut own = opened(board.path(), PROFILE);
     let mut scene = scene(SCENE);
-    let play = Play::Still(Arc::new(solver::solve(&scene).unwrap()));
+    let play = Performance::Still(Arc::new(solver::solve(&scene).unwrap()));
     own.play(&scene, play.clone()).unwrap();
     eventually("the scene", || plays(&board, SCENE) && own.report().health.in_place);
     own.play(&scene, play.clone()).unwrap();
@@ -144,7 +144,7 @@ fn content_that_a_board_cannot_play_silences_it_until_the_next() {
     let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
     let mut own = opened(board.path(), PROFILE);
     let scene = scene(SCENE);
-    let play = Play::Still(Arc::new(solver::solve(&scene).unwrap()));
+    let play = Performance::Still(Arc::new(solver::solve(&scene).unwrap()));
     let tones = Modulation { shape: Envelope::Tones, ..Modulation::default() };
     let tones = Scene { modulation: tones, ..scene.clone() };
     let mut small = scene.clone();
@@ -163,7 +163,7 @@ fn content_that_a_board_cannot_play_silences_it_until_the_next() {
 fn an_emergency_stop_lasts_until_the_next_send() {
     let board = Board::start(Setup::new(Profile::Native), Box::new(|_| {})).unwrap();
     let desk = Arc::new(Desk::new(Arc::new(scene(SCENE)), Box::new(|| {})));
-    let mut live = Live::new(Arc::clone(&desk), Some(opened(board.path(), Profile::Native))).unwrap();
+    let mut live = Live::new(Arc::clone(&desk), Some(opened(board.path(), Profile::Native)));
     for _ in 0..2 {
         eventually("sound", || {
             // Sent until the board has seen the release.
@@ -202,7 +202,7 @@ impl Drop for End<'_> {
 
 /// The loop of the server on a thread of its own, until `work` returns.
 fn while_live(board: &Board, desk: &Arc<Desk>, work: impl FnOnce()) {
-    let mut live = Live::new(Arc::clone(desk), Some(opened(board.path(), PROFILE))).unwrap();
+    let mut live = Live::new(Arc::clone(desk), Some(opened(board.path(), PROFILE)));
     std::thread::scope(|scope| {
         let end = End(desk);
         scope.spawn(|| {
@@ -245,7 +245,7 @@ fn a_silenced_link_refuses_what_its_owner_plays() {
     let board = Board::start(Setup::new(PROFILE), Box::new(|_| {})).unwrap();
     let mut own = opened(board.path(), PROFILE);
     let scene = scene(SCENE);
-    let [first, second] = [0, 1].map(|_| Play::Still(Arc::new(solver::solve(&scene).unwrap())));
+    let [first, second] = [0, 1].map(|_| Performance::Still(Arc::new(solver::solve(&scene).unwrap())));
     own.play(&scene, first).unwrap();
     eventually("the scene", || plays(&board, SCENE));
     own.silencer()();
@@ -272,7 +272,7 @@ fn a_motion_follows_its_changes_and_one_without_a_solution_is_silent() {
     let watch = move |frame: &Shown| drop(sender.try_send(frame.levels.clone()));
     let board = Board::start(Setup::new(PROFILE), Box::new(watch)).unwrap();
     let desk = Arc::new(Desk::new(Arc::new(scene(&text(0.01, ""))), Box::new(|| {})));
-    let mut live = Live::new(Arc::clone(&desk), Some(opened(board.path(), PROFILE))).unwrap();
+    let mut live = Live::new(Arc::clone(&desk), Some(opened(board.path(), PROFILE)));
     desk.change(&[Edit::Send(true)]).unwrap();
     for size in [0.01, 0.02] {
         let scene = scene(&text(size, ""));

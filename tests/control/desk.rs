@@ -57,7 +57,7 @@ fn the_author_of_a_change_tells_of_it_and_of_no_refused_one() {
 fn without_a_board_no_frames_of_a_motion_are_solved() {
     let text = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[motion]\npath = \"circle\"\nframes = 4\n";
     let desk = Arc::new(Desk::new(Arc::new(scene(text)), Box::new(|| {})));
-    let mut live = Live::new(Arc::clone(&desk), None).unwrap();
+    let mut live = Live::new(Arc::clone(&desk), None);
     for sends in [false, true] {
         desk.change(&[Edit::Motion(true), Edit::Send(sends)]).unwrap();
         eventually("a drive", || {

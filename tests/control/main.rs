@@ -60,7 +60,7 @@ impl Serving {
         let over = Arc::new(AtomicBool::new(false));
         let (its, its_desk) = (Arc::clone(&over), Arc::clone(&desk));
         let run = move || {
-            let mut live = Live::new(its_desk, None).unwrap();
+            let mut live = Live::new(its_desk, None);
             while !its.load(Ordering::Relaxed) {
                 live.turn();
             }

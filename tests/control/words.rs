@@ -340,7 +340,7 @@ fn a_report_tells_of_a_solution_that_came_or_went() {
 fn the_loop_rests_until_something_changes() {
     let text = "format = 1\n[[target]]\nat = [0, 0, 0.1]\n";
     let desk = Arc::new(Desk::new(Arc::new(scene(text)), Box::new(|| {})));
-    let mut live = Live::new(desk, None).unwrap();
+    let mut live = Live::new(desk, None);
     live.turn();
     let begun = Instant::now();
     (0..10).for_each(|_| live.turn());
@@ -368,7 +368,7 @@ fn shapes_and_many_foci_are_solved_in_the_background() {
         is_solved(&text(0.0));
         // The first drive of a shape is a quick one, without figures.
         let desk = Arc::new(Desk::new(Arc::new(scene(&text(0.0).replace("0.02", "0.06"))), Box::new(|| {})));
-        let mut live = Live::new(Arc::clone(&desk), None).unwrap();
+        let mut live = Live::new(Arc::clone(&desk), None);
         eventually("a drive", || {
             live.turn();
             desk.report().solution.is_some()

@@ -1,6 +1,7 @@
 //! The window's Device panel with a virtual board: drags on the screen arrive over a real line.
 
 use std::net::UdpSocket;
+use std::path::Path;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -25,7 +26,7 @@ use super::{Screen, window};
 const PATIENCE: Duration = Duration::from_secs(60);
 const POINT: &str = "format = 1\n[[target]]\nkind = \"point\"\nat = [0.0, 0.0, 0.1]\n";
 
-fn until(screen: &mut Screen, what: &str, condition: impl Fn(&Screen) -> bool) {
+pub fn until(screen: &mut Screen, what: &str, condition: impl Fn(&Screen) -> bool) {
     let start = Instant::now();
     while !condition(screen) {
         assert!(
@@ -45,7 +46,13 @@ fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
     let (sender, shown) = sync_channel(100_000);
     let watch = move |frame: &Shown| drop(sender.try_send(frame.clone()));
     let board = Board::start(Setup::new(profile), Box::new(watch)).unwrap();
-    let scene = sonoglyph::scene::file::parse(POINT, "point.toml".as_ref()).unwrap();
+    let screen = connected_to(board.path(), profile, POINT);
+    (screen, board, shown)
+}
+
+/// The window on a scene, with its Device panel connected to a board at a port.
+pub fn connected_to(port: &Path, profile: Profile, scene: &str) -> Screen {
+    let scene = sonoglyph::scene::file::parse(scene, "point.toml".as_ref()).unwrap();
     let mut screen =
         Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(|context| window(&context.egui_ctx));
     let editor = screen.state_mut().editor_mut();
@@ -53,14 +60,14 @@ fn connected(profile: Profile) -> (Screen, Board, Receiver<Shown>) {
     editor.panel = Panel::Device;
     editor.was_warned = true;
     editor.board.profile = profile;
-    editor.board.port = board.path().display().to_string();
+    editor.board.port = port.display().to_string();
     screen.run_steps(4);
     screen.get_by_label("Connect").click();
     let is_ready = |screen: &Screen| {
         screen.state().shown().board.health.as_ref().is_some_and(|health| health.state == State::Ready)
     };
     until(&mut screen, "the board", is_ready);
-    (screen, board, shown)
+    screen
 }
 
 /// The levels of the scene's solution for the board.
@@ -320,7 +327,7 @@ fn a_board_can_be_emulated() {
 }
 
 /// Clicks on a button as soon as it is enabled.
-fn press(screen: &mut Screen, name: &str) {
+pub fn press(screen: &mut Screen, name: &str) {
     until(screen, name, |screen| {
         screen.query_by_label(name).is_some_and(|node| !node.accesskit_node().is_disabled())
     });

@@ -20,6 +20,8 @@ mod figure;
 mod files;
 mod gpu;
 mod motion;
+#[cfg(all(unix, feature = "serial", feature = "cli"))]
+mod parity;
 mod quantities;
 mod reach;
 #[path = "../requirement/mod.rs"]

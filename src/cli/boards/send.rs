@@ -8,18 +8,16 @@ use anyhow::{Context, bail};
 
 use crate::cli::boards::{SendArgs, calibration};
 use crate::cli::{interrupt, progress, read_scene};
-use crate::device::calibration::Calibration;
 use crate::device::envelope;
 use crate::device::health::{Found, Health, State};
-use crate::device::levels::{self, Levels};
-use crate::device::link::{Content, Event, Link, Settings};
-use crate::drive::Drive;
+use crate::device::levels;
+use crate::device::link::{Event, Settings};
 use crate::rounding;
 use crate::scene::{Scene, motion};
-use crate::solver;
 use crate::studio::felt::Offer;
-use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{Files, mention, note, say, warn};
+use crate::studio::performance::Performance;
+use crate::studio::player::{self, Player};
 
 /// Default playing time of a scene at rest.
 const AT_REST: Duration = Duration::from_secs(1);
@@ -49,38 +47,33 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     if let Some(offer) = Offer::new(&scene, true, args.profile, settings.baud()) {
         note(&offer.to_string());
     }
-    let link = Link::open(settings.clone(), Box::new(|| {}))?;
-    let found = loop {
-        match link.event_within(Duration::from_millis(20)) {
-            Some(Event::Ready(found)) => break found,
-            Some(Event::Lost(why)) => bail!(why),
-            Some(Event::Notice(text)) => note(&text),
-            None if interrupted.is_set() => return Ok(()),
-            None => {}
-        }
-    };
+    let mut player = Player::open(settings.clone(), calibration, Box::new(|| {}))?;
+    player.part = Some(part);
+    let found = player::ready(&player.link, || interrupted.is_set(), note)?;
+    let Some(found) = found else { return Ok(()) };
     follow_carrier(&mut scene, found);
     args.profile.steady(&mut scene, settings.baud()).iter().for_each(|text| note(text));
-    let modulation = scene.modulation.clone();
+    let cycle = motion::cycle(&scene).map(|cycle| Duration::from_secs_f64(1.0 / cycle.rate));
     // On its own thread, so that an interrupt need not wait for the solver.
     let (sender, solved) = sync_channel(1);
-    let solve = move || sender.send(content((&scene, part), &name, &settings, &calibration));
+    let solve = move || sender.send(Performance::of(&scene, &name, progress::begin));
     std::thread::Builder::new().name("solve".to_owned()).spawn(solve)?;
-    let (content, lasts) = loop {
+    let performance = loop {
         match solved.recv_timeout(Duration::from_millis(20)) {
-            Ok(content) => break content?,
+            Ok(performance) => break performance?,
             Err(RecvTimeoutError::Disconnected) => bail!("the solver ended without a solution"),
             Err(RecvTimeoutError::Timeout) if interrupted.is_set() => return Ok(()),
             Err(RecvTimeoutError::Timeout) => {}
         }
     };
-    link.modulate(modulation);
-    link.show(content);
+    let notice = player.play(&played, performance).map_err(|error| anyhow::anyhow!(error))?;
+    notice.iter().for_each(|notice| warn(notice));
 
+    let link = player.link;
     let lasts = match (args.seconds, args.repeat) {
         (Some(seconds), _) => Some(Duration::from_secs_f64(seconds)),
         (None, true) => None,
-        (None, false) => Some(lasts),
+        (None, false) => Some(cycle.unwrap_or(AT_REST)),
     };
     let mut begun = None;
     let shown = Instant::now();
@@ -155,35 +148,6 @@ fn follow_carrier(scene: &mut Scene, found: Found) {
         warn(&notice);
         scene.array.frequency = found.carrier;
     }
-}
-
-/// The content for the board, and the duration of its cycle.
-fn content(
-    (scene, part): (&Scene, Range<usize>),
-    name: &str,
-    settings: &Settings,
-    calibration: &Calibration,
-) -> anyhow::Result<(Content, Duration)> {
-    let profile = settings.profile;
-    let levels = |drive: &Drive| Levels::new(profile, &drive.part(part.clone()), calibration);
-    let warn_of = |drive: &Drive| {
-        let notice = levels::amplitude_notice(profile, &drive.part(part.clone()), calibration);
-        notice.iter().for_each(|notice| warn(notice));
-    };
-    let Some(cycle) = motion::cycle(scene) else {
-        let solution = solver::solve(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
-        solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
-        warn_of(&solution.drive);
-        let frames = solution.drives().iter().map(levels).collect::<Result<_, _>>()?;
-        return Ok((Content::in_turn(frames, profile.turns_per_second(settings.baud())), AT_REST));
-    };
-    let sequence = follow(scene, name, &progress::begin(SOLVING))?;
-    let loudness = |drive: &&Drive| drive.amplitudes.iter().sum::<f64>();
-    let softest = sequence.frames.iter().map(|frame| &frame.drive);
-    softest.min_by(|a, b| loudness(a).total_cmp(&loudness(b))).iter().for_each(|drive| warn_of(drive));
-    let frames = sequence.frames.iter().map(|frame| levels(&frame.drive)).collect::<Result<_, _>>()?;
-    let content = Content::Motion { frames, rate: cycle.frames_per_second() };
-    Ok((content, Duration::from_secs_f64(1.0 / cycle.rate)))
 }
 
 /// The status line of a link.

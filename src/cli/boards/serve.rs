@@ -66,7 +66,7 @@ pub fn run(args: &ServeArgs) -> anyhow::Result<()> {
     let its = Arc::clone(&desk);
     interrupted.then(move || its.silence())?;
     let server = Server::start(settings(args), Arc::clone(&desk))?;
-    let mut live = Live::new(Arc::clone(&desk), board)?;
+    let mut live = Live::new(Arc::clone(&desk), board);
     for line in server.addresses().lines() {
         say!("{line}")?;
     }

@@ -20,6 +20,7 @@ use crate::scene::{Envelope, Modulation};
 use crate::solver;
 use crate::studio::bring_up::{HEIGHT, Report, Verdict, focus_scene, survey_line};
 use crate::studio::output::{self, Files, note, say, warn};
+use crate::studio::player;
 
 /// Duration of an element without questions.
 const ELEMENT: Duration = Duration::from_millis(40);
@@ -92,25 +93,14 @@ impl Check {
     fn board(&mut self, args: &CheckArgs, baud: Option<u32>) -> anyhow::Result<()> {
         let settings = Settings { port: args.port.clone(), profile: self.profile, baud };
         let link = Link::open(settings, Box::new(|| {}))?;
-        let Some(found) = self.wait_until_ready(&link)? else { return Ok(()) };
+        let found = player::ready(&link, || self.interrupted.is_set(), warn)?;
+        let Some(found) = found else { return Ok(()) };
         self.note(Verdict::Passed, format!("the link is open at {} baud", found.baud))?;
         self.walk(&link)?;
         self.focus(&link, found)?;
         self.stop(&link)?;
         let health = link.close();
         self.leave(&health, &args.port)
-    }
-
-    fn wait_until_ready(&mut self, link: &Link) -> anyhow::Result<Option<Found>> {
-        while !self.interrupted.is_set() {
-            match link.event_within(POLL) {
-                Some(Event::Ready(found)) => return Ok(Some(found)),
-                Some(Event::Lost(why)) => bail!(why),
-                Some(Event::Notice(text)) => warn(&text),
-                None => {}
-            }
-        }
-        Ok(None)
     }
 
     /// Whether the content plays in time. Notices of the link go to standard error.
