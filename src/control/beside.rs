@@ -155,12 +155,7 @@ mod tests {
     }
 
     /// Wants work until it is done, as the loop does.
-    fn solved(
-        beside: &mut Beside,
-        told: &Receiver<()>,
-        work: &Work,
-        before: Option<&Arc<Solution>>,
-    ) -> Found {
+    fn solved(beside: &mut Beside, work: &Work, before: Option<&Arc<Solution>>) -> Found {
         let begun = Instant::now();
         while begun.elapsed() < PATIENCE {
             beside.want(Some(work), before);

@@ -216,6 +216,7 @@ pub fn flat(placed: &[Placed]) -> Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::acoustics::{Clearance, Emitters, element};
     use crate::scene::{Array, Board, ElementModel, Elements, Placed};
 
     #[test]

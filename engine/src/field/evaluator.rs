@@ -102,7 +102,7 @@ mod tests {
     use super::*;
     use crate::field::quantity::Part;
     use crate::field::slope;
-    use crate::scene::{Array, Board, Plane, Scene};
+    use crate::scene::{Array, Board, Scene};
 
     /// Two boards face to face, 0.2 m apart.
     fn between_boards() -> (Aperture, Drive) {

@@ -291,6 +291,8 @@ pub fn pipeline(device: &wgpu::Device, name: &str, source: &str) -> wgpu::Comput
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::Quantity;
+    use crate::field::gpu::{Reading, adapter};
     use crate::requirement::found;
 
     /// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.

@@ -225,6 +225,7 @@ fn peak(aperture: &Aperture, lattice: &Lattice, values: &[f32]) -> Option<f32> {
 mod tests {
     use super::*;
     use crate::scene::{Array, Scene};
+    use glam::Vec3;
 
     #[test]
     fn beyond_the_lattice_the_field_is_that_of_its_rim() {
