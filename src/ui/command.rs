@@ -67,7 +67,7 @@ impl Command {
 /// Export formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
-    /// The map with axes, with the options of [`Editor::figure`].
+    /// The map with axes, with the options of [`crate::ui::Editor::figure`].
     Figure(Format),
     /// The map as displayed.
     Map,
@@ -81,6 +81,6 @@ pub enum Export {
     Profile,
     /// Positions and directions of the elements.
     Elements,
-    /// Every frame of the displayed motion, with the options of [`Editor::film`].
+    /// Every frame of the displayed motion, with the options of [`crate::ui::Editor::film`].
     Motion(Kind),
 }

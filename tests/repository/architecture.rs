@@ -62,7 +62,6 @@ const LAYERS: &[(&str, &[&str])] = &[
             "web_time",
         ],
     ),
-    ("web", &["console_error_panic_hook", "js_sys", "wasm_bindgen", "wasm_bindgen_futures", "web_time"]),
     (
         "studio",
         &[
@@ -83,6 +82,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "web_time",
         ],
     ),
+    ("web", &["console_error_panic_hook", "js_sys", "wasm_bindgen", "wasm_bindgen_futures", "web_time"]),
     (
         "control",
         &[
@@ -409,11 +409,12 @@ fn arrows(files: &BTreeMap<String, String>) -> BTreeMap<&str, BTreeSet<&str>> {
         path.strip_prefix(module).is_some_and(|rest| rest.is_empty() || rest.starts_with("::"))
     };
     let origin = |mut path: String| {
-        let longer = |path: &str| {
-            let known = passed_on.iter().filter(|(name, origin)| name != origin && within(path, name));
+        // A function may have its file's name.
+        let known = |path: &str| {
+            let known = passed_on.iter().filter(|(name, origin)| within(path, name) && !within(origin, name));
             known.max_by_key(|(name, _)| name.len())
         };
-        while let Some((name, origin)) = longer(&path) {
+        while let Some((name, origin)) = known(&path) {
             path = format!("{origin}{}", &path[name.len()..]);
         }
         path
@@ -441,21 +442,17 @@ fn arrows(files: &BTreeMap<String, String>) -> BTreeMap<&str, BTreeSet<&str>> {
     files.iter().map(|(module, text)| (module.as_str(), targets(module, text))).collect()
 }
 
-/// The files left after repeatedly removing those that name no other.
+/// The files from which arrows lead back to them.
 fn circles(files: &BTreeMap<String, String>) -> BTreeSet<&str> {
-    let mut arrows = arrows(files);
-    loop {
-        let free: Vec<_> = arrows.iter().filter(|(_, to)| to.is_empty()).map(|(from, _)| *from).collect();
-        if free.is_empty() {
-            return arrows.into_keys().collect();
+    let arrows = arrows(files);
+    let comes_back = |start: &&str| {
+        let (mut met, mut next) = (BTreeSet::new(), vec![*start]);
+        while let Some(file) = next.pop() {
+            next.extend(arrows[file].iter().filter(|to| met.insert(**to)));
         }
-        for file in free {
-            arrows.remove(file);
-            arrows.values_mut().for_each(|to| {
-                to.remove(file);
-            });
-        }
-    }
+        met.contains(start)
+    };
+    arrows.keys().copied().filter(comes_back).collect()
 }
 
 /// Folders whose files still name each other.

@@ -4,15 +4,11 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use glam::{DVec2, DVec3};
-use num_complex::Complex64;
-use rayon::prelude::*;
 
 use crate::acoustics::air::Air;
 use crate::acoustics::element::Element;
 use crate::acoustics::face;
 use crate::acoustics::face::{Face, Layout, Pose};
-use crate::acoustics::row::Rows;
-use crate::acoustics::transfer::Transfer;
 use crate::scene::{Placed, Reflector, Scene};
 
 /// The array as a radiator: boards of equal elements at known positions, the driven ones, and their images in
@@ -152,42 +148,6 @@ impl Aperture {
         (!driven.is_empty()).then(|| places.fold((DVec3::MAX, DVec3::MIN), grow))
     }
 
-    /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; including reflections.
-    pub fn transfer(&self, points: &[DVec3]) -> Transfer {
-        let mut transfer = Transfer::zeros(points.len(), self.driven.len());
-        Rows::new(self).fill(points, &mut transfer);
-        transfer
-    }
-
-    /// [`Transfer::in_turn`] at many points, without room for their transfer.
-    ///
-    /// # Panics
-    /// Other than a value per driven element and drive.
-    pub fn pressures(&self, points: &[DVec3], drives: &[Complex64]) -> Vec<Complex64> {
-        /// Points per task of a thread.
-        const TASK: usize = 128;
-        /// Rows of some hundred elements that stay in the nearest cache, with their drive.
-        const RUN: usize = 4;
-        let rows = Rows::new(self);
-        let room = |points: usize| Transfer::zeros(points, self.driven.len());
-        let drives: Vec<_> =
-            drives.chunks(self.driven.len().max(1)).map(|drive| room(0).played(drive)).collect();
-        let of_task = |(points, pressures): (&[DVec3], &mut [Complex64])| {
-            let mut transfer = room(RUN.min(points.len()));
-            for (points, to) in points.chunks(RUN).zip(pressures.chunks_mut(RUN)) {
-                rows.fill(points, &mut transfer);
-                to.copy_from_slice(&transfer.taking_turns(&drives));
-            }
-        };
-        let mut pressures = vec![Complex64::ZERO; points.len()];
-        if points.len() <= TASK {
-            of_task((points, &mut pressures));
-        } else {
-            points.par_chunks(TASK).zip(pressures.par_chunks_mut(TASK)).for_each(of_task);
-        }
-        pressures
-    }
-
     /// The resolution (m) near a point: λ/(2 NA), NA the sine of half the angle subtended by the wider side of the
     /// widest board.
     pub fn resolution(&self) -> impl Fn(DVec3) -> f64 {
@@ -218,6 +178,7 @@ mod tests {
     use super::*;
     use crate::acoustics::{Clearance, Emitters, element};
     use crate::scene::{Array, Board, ElementModel, Elements, Placed};
+    use num_complex::Complex64;
 
     #[test]
     fn elements_are_numbered_row_by_row_and_centred() {

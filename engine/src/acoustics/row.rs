@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::acoustics::element::{NEAREST, Radiator};
 use crate::acoustics::{Aperture, Element, Face, Transfer};
@@ -180,6 +181,44 @@ impl<'a> Elements<'a> {
 pub struct Rows<'a> {
     /// Each with its columns of the transfer.
     faces: Vec<(&'a Face, Range<usize>, Elements<'a>)>,
+}
+
+impl Aperture {
+    /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; including reflections.
+    pub fn transfer(&self, points: &[DVec3]) -> Transfer {
+        let mut transfer = Transfer::zeros(points.len(), self.driven.len());
+        Rows::new(self).fill(points, &mut transfer);
+        transfer
+    }
+
+    /// [`Transfer::in_turn`] at many points, without room for their transfer.
+    ///
+    /// # Panics
+    /// Other than a value per driven element and drive.
+    pub fn pressures(&self, points: &[DVec3], drives: &[Complex64]) -> Vec<Complex64> {
+        /// Points per task of a thread.
+        const TASK: usize = 128;
+        /// Rows of some hundred elements that stay in the nearest cache, with their drive.
+        const RUN: usize = 4;
+        let rows = Rows::new(self);
+        let room = |points: usize| Transfer::zeros(points, self.driven.len());
+        let drives: Vec<_> =
+            drives.chunks(self.driven.len().max(1)).map(|drive| room(0).played(drive)).collect();
+        let of_task = |(points, pressures): (&[DVec3], &mut [Complex64])| {
+            let mut transfer = room(RUN.min(points.len()));
+            for (points, to) in points.chunks(RUN).zip(pressures.chunks_mut(RUN)) {
+                rows.fill(points, &mut transfer);
+                to.copy_from_slice(&transfer.taking_turns(&drives));
+            }
+        };
+        let mut pressures = vec![Complex64::ZERO; points.len()];
+        if points.len() <= TASK {
+            of_task((points, &mut pressures));
+        } else {
+            points.par_chunks(TASK).zip(pressures.par_chunks_mut(TASK)).for_each(of_task);
+        }
+        pressures
+    }
 }
 
 impl<'a> Rows<'a> {

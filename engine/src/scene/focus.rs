@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub struct Focus {
     /// m
     pub position: DVec3,
-    /// Target pressure: relative to the other foci, or Pa (peak), depending on [`Solver::pressures`].
+    /// Target pressure: relative to the other foci, or Pa (peak), depending on [`crate::scene::Solver::pressures`].
     pub target: f64,
     /// The origin of the focus.
     pub part: Part,

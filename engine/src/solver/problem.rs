@@ -25,7 +25,7 @@ pub struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// The foci of [`outline::foci`], or others like them.
+    /// The foci of [`crate::scene::outline::foci`], or others like them.
     ///
     /// # Panics
     /// No foci, a focus beyond 1000 km or NaN, or a target that is not positive.
@@ -60,7 +60,7 @@ impl<'a> Problem<'a> {
         Self { surroundings, traps, drives, ..Self::new(aperture, foci) }
     }
 
-    /// Adds surroundings to foci of shapes and separate foci: `best` is then [`shape::best`].
+    /// Adds surroundings to foci of shapes and separate foci: `best` is then [`crate::solver::shape::best`].
     pub fn with_surroundings(self, surroundings: Surroundings) -> Self {
         Self { surroundings: Some(surroundings), ..self }
     }
@@ -79,6 +79,6 @@ pub struct Excitation {
     pub iterations: u32,
     /// ‖H u - p‖/‖p‖ for methods that prescribe the complex p.
     pub residual: Option<f64>,
-    /// Levelling weights of the foci, if the method has them, for [`excite_from`].
+    /// Levelling weights of the foci, if the method has them, for [`crate::solver::excite_from`].
     pub weights: Option<Vec<f64>>,
 }

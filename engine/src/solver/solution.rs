@@ -38,7 +38,7 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// The guaranteed fraction of the best possible smallest pressure/target at full drive, given the [`bound`].
+    /// The guaranteed fraction of the best possible smallest pressure/target at full drive, given the [`crate::solver::bound`].
     pub fn certified(&self, bound: f64) -> f64 {
         let relative = self.pressures.iter().zip(&self.foci).map(|(p, focus)| p.norm() / focus.target);
         let weakest = relative.fold(f64::INFINITY, f64::min);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use crate::field::cells::Cells;
 use crate::field::interpolation::Resampling;
-use crate::field::stages::Job;
+use crate::field::stages::job::Job;
 use crate::simd::{Instructions, Isa, Kernel, fused};
 use crate::surface::caustic;
 use crate::surface::{Light, Rays};

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::field::interpolation::{Between, interpolate};
 use crate::field::quantity::{Part, Sound, Sounds};
-use crate::field::stages::Job;
+use crate::field::stages::job::Job;
 use crate::field::stages::samples::Samples;
 use crate::field::stages::site::Filled;
 

@@ -7,6 +7,7 @@
 mod caustic;
 mod depression;
 mod force;
+mod job;
 mod kept;
 mod lattice;
 mod on_cpu;
@@ -19,6 +20,7 @@ mod site;
 mod weakest;
 mod work;
 
+use job::Job;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -49,19 +51,6 @@ pub enum Picture<'a> {
     OnGpu(Texture),
     /// r, g, b, a of every pixel, row by row.
     OnCpu(&'a [[u8; 4]]),
-}
-
-/// Everything that a stage may need.
-struct Job<'a> {
-    request: &'a Request,
-    key: &'a SiteKey,
-    site: &'a Site,
-    frame: &'a Frame,
-    /// The pixels that do not count for the peak.
-    left_out: &'a LeftOut,
-    probes: &'a Probes,
-    /// Of the drives that count, of every element.
-    excitations: &'a Arc<Vec<Vec<Complex64>>>,
 }
 
 /// The pipeline of one evaluator.

@@ -1,7 +1,8 @@
 //! Replaces the GPU stages in builds without GPU.
 
 use crate::field::gpu::{Gpu, Texture};
-use crate::field::stages::{Job, Map, Work};
+use crate::field::stages::job::Job;
+use crate::field::stages::{Map, Work};
 use crate::field::{Colouring, GpuError};
 
 #[derive(Debug)]

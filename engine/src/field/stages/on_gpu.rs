@@ -5,10 +5,11 @@ use num_complex::Complex64;
 use crate::field::gpu::chain::Interpolated;
 use crate::field::gpu::{Chain, Gathered, Shape, Texture};
 use crate::field::quantity::{Constants, Part, Quantity};
+use crate::field::stages::job::Job;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
 use crate::field::stages::site::{Frame, SiteKey};
-use crate::field::stages::{By, Job, Map, Work};
+use crate::field::stages::{By, Map, Work};
 use crate::field::{Colouring, Gpu, GpuError};
 
 #[derive(Debug)]

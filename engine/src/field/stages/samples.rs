@@ -11,8 +11,9 @@ use crate::field::Wave;
 use crate::field::plan::{Grid, TABLE_CEILING};
 use crate::field::quantity::Part;
 use crate::field::slope::part_on_cpu;
+use crate::field::stages::Work;
+use crate::field::stages::job::Job;
 use crate::field::stages::kept::Kept;
-use crate::field::stages::{Job, Work};
 use crate::field::transfer::{Layout, Transfer};
 use crate::gauge::Gauge;
 

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::field::Samples;
 use crate::field::interpolation::Resampling;
 use crate::field::plan::promised;
-use crate::field::stages::Job;
+use crate::field::stages::job::Job;
 use crate::field::stages::probes::MARGIN;
 use crate::simd::larger;
 

@@ -1,3 +1,5 @@
+//! Tests of the scene file.
+
 mod documented;
 
 use super::*;

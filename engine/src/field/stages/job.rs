@@ -1,0 +1,23 @@
+//! One map to be made: its request, and what all stages may need.
+
+use std::sync::Arc;
+
+use num_complex::Complex64;
+
+use crate::field::stages::Request;
+use crate::field::stages::probes::Probes;
+use crate::field::stages::site::{Frame, Site, SiteKey};
+use crate::field::vicinity::LeftOut;
+
+/// Everything that a stage may need.
+pub(super) struct Job<'a> {
+    pub(super) request: &'a Request,
+    pub(super) key: &'a SiteKey,
+    pub(super) site: &'a Site,
+    pub(super) frame: &'a Frame,
+    /// The pixels that do not count for the peak.
+    pub(super) left_out: &'a LeftOut,
+    pub(super) probes: &'a Probes,
+    /// Of the drives that count, of every element.
+    pub(super) excitations: &'a Arc<Vec<Vec<Complex64>>>,
+}
