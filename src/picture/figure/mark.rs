@@ -1,4 +1,4 @@
-//! Lines, areas, words and pixels of a page, in points.
+//! Lines, areas, words and pixels of a page, in millimetres.
 
 use strum::IntoStaticStr;
 
