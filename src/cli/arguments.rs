@@ -5,13 +5,13 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::str::FromStr;
 
-use clap::CommandFactory;
 use clap::error::Error;
+use clap::{Args, Command};
 use glam::DVec3;
 
-use crate::cli::{Cli, Next};
 use crate::echo;
 use crate::scene::{Listener, check};
+use crate::studio::evaluator::Backend;
 use crate::studio::output;
 
 /// Limit of a message about arguments.
@@ -33,28 +33,26 @@ impl std::error::Error for BadArguments {}
 ///
 /// # Errors
 /// [`BadArguments`], or a standard output that cannot be written.
-pub fn answer(error: &Error) -> anyhow::Result<Next> {
+pub fn answer(error: &Error) -> anyhow::Result<()> {
     if error.use_stderr() {
         let _ = writeln!(io::stderr(), "{}", shown(error).trim_end());
         return Err(BadArguments.into());
     }
     drop(output::standard()?);
-    error.print().and_then(|()| io::stdout().flush()).map_err(output::unsaid)?;
-    Ok(Next::Exit)
+    error.print().and_then(|()| io::stdout().flush()).map_err(output::unsaid)
 }
 
 /// Refuses a first word that is neither a command nor a file, and suggests a similar command.
 ///
 /// # Errors
 /// [`BadArguments`].
-pub fn refuse_misspelt() -> anyhow::Result<()> {
+pub fn refuse_misspelt(commands: &Command) -> anyhow::Result<()> {
     /// Least Jaro-Winkler similarity of a suggestion.
     const SIMILAR: f64 = 0.85;
     let Some(word) = std::env::args_os().nth(1).and_then(|word| word.into_string().ok()) else {
         return Ok(());
     };
     let is_word = !word.is_empty() && word.chars().all(|c| c.is_ascii_lowercase());
-    let commands = Cli::command();
     let mut names = commands.get_subcommands().map(|command| command.get_name()).chain(["help"]);
     if !is_word || names.any(|name| name == word) || Path::new(&word).exists() {
         return Ok(());
@@ -84,6 +82,13 @@ fn shown(error: &Error) -> String {
     }
     let text = echo::lines(&text);
     text[..text.floor_char_boundary(MOST_BYTES)].to_owned()
+}
+
+#[derive(Clone, Copy, Debug, Args)]
+pub struct BackendArgs {
+    /// Evaluator of the field
+    #[arg(long, value_enum, default_value_t = Backend::Auto)]
+    pub backend: Backend,
 }
 
 /// Parser of numbers within a range.

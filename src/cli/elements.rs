@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::{read_scene, write_or_print};
+use crate::cli::scene::{read_scene, write_or_print};
 use crate::studio::elements;
 use crate::studio::output::Files;
 

@@ -6,7 +6,8 @@ use anyhow::bail;
 use clap::Args;
 use glam::DVec3;
 
-use crate::cli::{arguments, progress, read_scene};
+use crate::cli::scene::read_scene;
+use crate::cli::{arguments, progress};
 use crate::studio::flight::{self, Course};
 use crate::studio::levitation;
 use crate::studio::motion::SOLVING;

@@ -3,11 +3,10 @@
 use std::path::PathBuf;
 
 use anyhow::Context;
-use clap::{Args, Command, CommandFactory};
+use clap::{Args, Command};
 use clap_complete::Shell;
 use clap_mangen::Man;
 
-use crate::cli::Cli;
 use crate::echo;
 use crate::studio::output;
 
@@ -27,14 +26,14 @@ pub struct ManualArgs {
     output: Option<PathBuf>,
 }
 
-pub fn completions(args: &CompletionsArgs) -> anyhow::Result<()> {
+pub fn completions(args: &CompletionsArgs, mut program: Command) -> anyhow::Result<()> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "sonoglyph", &mut script);
+    clap_complete::generate(args.shell, &mut program, "sonoglyph", &mut script);
     print(&script)
 }
 
-pub fn run(args: &ManualArgs) -> anyhow::Result<()> {
-    let mut program = Cli::command().disable_help_subcommand(true);
+pub fn run(args: &ManualArgs, program: Command) -> anyhow::Result<()> {
+    let mut program = program.disable_help_subcommand(true);
     // Only a built command knows its full name, such as `sonoglyph-render`.
     program.build();
     if let Some(folder) = &args.output {

@@ -4,8 +4,9 @@ use std::io::{BufWriter, Write};
 
 use anyhow::bail;
 
-use crate::cli::solve::Methods;
-use crate::cli::{COLUMN, SolveArgs, progress, read_scene};
+use crate::cli::progress;
+use crate::cli::scene::{COLUMN, read_scene};
+use crate::cli::solve::{Methods, SolveArgs};
 use crate::rounding::{millimetres, milliseconds, pascals};
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};

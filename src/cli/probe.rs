@@ -1,14 +1,18 @@
 //! `sonoglyph probe`: complex pressure, or the force on a bead, at points from a CSV file.
 
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
+use clap::{Args, ValueEnum};
 use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::cli::{ProbeArgs, Probed, progress, read_scene, time_course, write_or_print};
+use crate::cli::arguments::BackendArgs;
+use crate::cli::scene::{read_scene, write_or_print};
+use crate::cli::time_course::TimeArgs;
+use crate::cli::{progress, time_course};
 use crate::drive::Drive;
 use crate::field::{Evaluator, Samples, reference};
 use crate::force::Levitation;
@@ -19,6 +23,39 @@ use crate::studio::output::{Files, note, warn};
 use crate::studio::performance::Performance;
 use crate::studio::probe;
 use crate::table::TableError;
+
+#[derive(Debug, Args)]
+pub struct ProbeArgs {
+    /// Scene file
+    pub scene: PathBuf,
+    /// CSV with the columns x, y, z (m)
+    #[arg(long, value_name = "FILE.csv")]
+    pub points: PathBuf,
+    #[command(flatten)]
+    pub backend: BackendArgs,
+    /// Drive in the format of `solve --csv`, instead of the solver's
+    #[arg(long, value_name = "FILE.csv")]
+    pub drive: Option<PathBuf>,
+    /// Computed quantity
+    ///
+    /// `force`: Gor'kov potential, radiation force on the scene's `[bead]` without its weight, and the symmetric part
+    /// of the stiffness -dF/dx, in f64 from analytic derivatives; the mean over several drives.
+    #[arg(long, value_enum, default_value_t = Probed::Pressure, conflicts_with = "time")]
+    pub quantity: Probed,
+    #[command(flatten)]
+    pub time: TimeArgs,
+    /// Output file [default: standard output]
+    #[arg(short, long, value_name = "FILE.csv")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Probed {
+    /// Complex peak pressure, and RMS
+    Pressure,
+    /// Radiation force on the scene's bead
+    Force,
+}
 
 pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     let mut files = Files::new();

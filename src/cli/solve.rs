@@ -1,18 +1,22 @@
 //! `sonoglyph solve`: the drive of a scene and its quality, as a table, JSON or CSV.
 
+use std::path::PathBuf;
+
+use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use comfy_table::{CellAlignment, Table};
 use glam::DVec3;
 use strum::VariantArray;
 
 use crate::acoustics::Aperture;
-use crate::cli::{COLUMN, SolveArgs, names, read_scene};
+use crate::cli::scene::{COLUMN, read_scene};
+use crate::cli::{arguments, names};
 use crate::drive::Drive;
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
 use crate::rounding::{
     millimetres, milliseconds, pascals, pascals_at_most, percent, percent_at_least, percent_at_most,
 };
-use crate::scene::{Amplitudes, Focus, Method, Pressures, Scene, Turns, check};
+use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, Turns, check};
 use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::findings::{Findings, Played};
@@ -24,6 +28,36 @@ const SILENT: &str = "no sound reaches the foci";
 const UNIFORMITY: &str = "uniformity (std/mean)";
 const COMPARED: [&str; 7] =
     [UNIFORMITY, "relative to single", "residual", "evenness", "strength", "contrast", "error"];
+
+#[derive(Debug, Args)]
+pub struct SolveArgs {
+    /// Scene file
+    pub scene: PathBuf,
+    /// Solver method, instead of the scene's
+    #[arg(long, value_parser = methods())]
+    pub method: Option<Methods>,
+    /// Print JSON; an array of objects for `--method all`
+    #[arg(long)]
+    pub json: bool,
+    /// Write the drive: element, x, y (m), phase (rad), amplitude
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Quality on a board with L phase levels per period, rounded and refined; --csv writes the refined drive
+    #[arg(long, value_name = "L", value_parser = clap::value_parser!(u32).range(2..=65536))]
+    pub levels: Option<u32>,
+    /// Solve every frame of the scene's motion, each starting from the previous one
+    ///
+    /// --csv then writes a row per frame: frame, time (s), and phase_0, phase_1, ... (rad), `nan` for elements that are
+    /// off. --json prints one object whose `frames` hold time, foci, pressures (Pa, peak) and phases.
+    #[arg(long, conflicts_with = "levels")]
+    pub motion: bool,
+    /// Duration of the further search (s), instead of the scene's
+    #[arg(long, value_name = "S", conflicts_with = "motion", allow_negative_numbers = true, value_parser = arguments::parse_search)]
+    pub search: Option<f64>,
+    /// Exposure at a listener's position (m), instead of the scene's
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_listener)]
+    pub listener: Option<Listener>,
+}
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Methods {

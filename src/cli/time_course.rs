@@ -8,7 +8,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::cli::arguments::{above_zero, seconds};
-use crate::cli::write_or_print;
+use crate::cli::scene::write_or_print;
 use crate::drive::Drive;
 use crate::scene::Scene;
 use crate::studio::output::{self, note};

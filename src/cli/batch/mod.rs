@@ -5,20 +5,45 @@ pub mod task;
 mod workers;
 
 use std::io::{BufReader, BufWriter, Write};
+use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
 use anyhow::{Context, bail};
+use clap::Args;
 
-use crate::cli::BatchArgs;
 use crate::cli::batch::task::Task;
 use crate::cli::interrupt::{self, Interrupted};
+use crate::cli::names;
+use crate::scene::Method;
 use crate::studio::output::{self, Files};
 
 /// Interval of checks for an interrupt.
 const POLL: Duration = Duration::from_millis(50);
+
+#[derive(Debug, Args)]
+pub struct BatchArgs {
+    /// Solver method, instead of the scenes'
+    #[arg(long, value_parser = names::method())]
+    pub method: Option<Method>,
+    /// Omit what takes longer than the drive: bound, side lobe, traps and, without --field, widths
+    #[arg(long)]
+    pub no_limits: bool,
+    /// Add peak, its position and the mean of the RMS pressure on the scene's plane
+    #[arg(long)]
+    pub field: bool,
+    /// Also write the RMS pressure on the plane: FOLDER/LINE.npy, float32, row 0 at the smallest y; implies --field
+    #[arg(long, value_name = "FOLDER")]
+    pub data: Option<PathBuf>,
+    /// Threads [default: number of cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Pixels of the field along x
+    #[arg(long, value_name = "W", default_value_t = 256, value_parser = clap::value_parser!(u16).range(2..=4096))]
+    pub size: u16,
+}
 
 pub(super) fn run(args: &BatchArgs) -> anyhow::Result<()> {
     if let Some(folder) = &args.data {

@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 
 use crate::cli::boards::BoardArgs;
 use crate::cli::interrupt;
-use crate::cli::read_scene;
+use crate::cli::scene::read_scene;
 use crate::device::board::{Board, Report, Setup};
 use crate::device::profile::Profile;
 use crate::drive::Drive;

@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 
 use crate::cli::boards::{SendArgs, calibration};
-use crate::cli::{interrupt, progress, read_scene};
+use crate::cli::scene::read_scene;
+use crate::cli::{interrupt, progress};
 use crate::device::envelope;
 use crate::device::health::{Found, Health, State};
 use crate::device::levels;

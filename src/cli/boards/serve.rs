@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::cli::boards::parse_profile;
 use crate::cli::interrupt::{self, Interrupted};
-use crate::cli::read_scene;
+use crate::cli::scene::read_scene;
 use crate::control::board::Board;
 use crate::control::desk::Desk;
 use crate::control::live::Live;

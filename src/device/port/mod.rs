@@ -3,6 +3,7 @@
 //!
 //! Operations are `async` for the page's sake: on a computer they block.
 
+mod error;
 #[cfg(not(target_arch = "wasm32"))]
 mod system;
 #[cfg(not(target_arch = "wasm32"))]
@@ -13,8 +14,6 @@ mod page;
 #[cfg(target_arch = "wasm32")]
 use crate::device::port::page as here;
 
-use std::fmt;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use web_time::{Duration, Instant};
@@ -24,58 +23,14 @@ use crate::device::pace::Pace;
 use crate::device::profile::Profile;
 use crate::device::task;
 
+pub use crate::device::port::error::{Listed, PortError};
 #[cfg(target_arch = "wasm32")]
 pub use crate::device::port::page::{available, choose, is_there};
 #[cfg(not(target_arch = "wasm32"))]
 pub use crate::device::port::system::available;
 
-/// Time after which a blocked port counts as lost.
-const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
 /// Ports of this name and a profile's are virtual boards in this program.
 const VIRTUAL: &str = "virtual:";
-
-#[derive(Debug, thiserror::Error)]
-pub enum PortError {
-    #[cfg_attr(not(target_arch = "wasm32"), error("there is no port {0}; `sonoglyph ports` lists the ports"))]
-    #[cfg_attr(target_arch = "wasm32", error("there is no port {0} that this page may use"))]
-    Missing(String),
-    #[cfg_attr(
-        not(target_arch = "wasm32"),
-        error("{0} may not be opened by you; on Debian, members of the group dialout may")
-    )]
-    #[cfg_attr(target_arch = "wasm32", error("the browser does not let this page open {0}"))]
-    NoPermission(String),
-    #[error("{0} is in use by another program")]
-    Busy(String),
-    #[cfg(target_arch = "wasm32")]
-    #[error("{path} could not be opened: {error}; another program or page may have it")]
-    Unopened { path: String, error: io::Error },
-    #[error("{0} is not a serial port")]
-    NotSerial(String),
-    #[error("{path}: {baud} baud is not possible here: {error}")]
-    Baud { path: String, baud: u32, error: io::Error },
-    #[error("{path} was lost: {error}")]
-    Lost { path: String, error: io::Error },
-    #[error("{0} takes no bytes: the other end does not read")]
-    Stalled(String),
-}
-
-/// A port to choose.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Listed {
-    pub path: PathBuf,
-    /// Description of the adapter, or of a virtual board.
-    pub what: Option<String>,
-    /// Of a virtual board.
-    pub profile: Option<Profile>,
-}
-
-impl fmt::Display for Listed {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.path.display())?;
-        self.what.as_ref().map_or(Ok(()), |what| write!(f, " ({what})"))
-    }
-}
 
 /// The port of a virtual board in this program, which lives as long as the open port.
 pub fn virtual_board(profile: Profile) -> PathBuf {

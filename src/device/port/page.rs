@@ -9,7 +9,7 @@ use wasm_bindgen::{JsCast, JsValue};
 use wasm_bindgen_futures::JsFuture;
 use web_time::Duration;
 
-use crate::device::port::{Listed, PortError, WRITE_TIMEOUT};
+use crate::device::port::error::{Listed, PortError, WRITE_TIMEOUT};
 use crate::device::task::within;
 
 #[wasm_bindgen(module = "/src/device/port/page.js")]

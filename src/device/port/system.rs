@@ -13,7 +13,7 @@ use web_time::Duration;
 
 #[cfg(unix)]
 use crate::device::board;
-use crate::device::port::{Listed, PortError, WRITE_TIMEOUT};
+use crate::device::port::error::{Listed, PortError, WRITE_TIMEOUT};
 #[cfg(unix)]
 use crate::device::profile::Profile;
 use crate::echo;

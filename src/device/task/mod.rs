@@ -4,6 +4,7 @@
 //! Waiting code is `async`. On a thread it never yields: waits block, as exactly as the system's clock allows. In a
 //! page each wait is a timer or an event.
 
+mod lock;
 #[cfg(not(target_arch = "wasm32"))]
 mod thread;
 #[cfg(not(target_arch = "wasm32"))]
@@ -14,21 +15,17 @@ mod page;
 #[cfg(target_arch = "wasm32")]
 use crate::device::task::page as here;
 
+pub use crate::device::task::lock::locked;
 #[cfg(target_arch = "wasm32")]
 pub use crate::device::task::page::within;
 
 use std::io;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard};
 
 use web_time::{Duration, Instant};
 
 #[cfg(not(target_arch = "wasm32"))]
 pub use pollster::block_on as finish;
-
-/// Locked values stay consistent when a thread panics.
-pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// Waits for a time. A page always does its other work meanwhile.
 pub async fn sleep(time: Duration) {

@@ -11,7 +11,7 @@ use wasm_bindgen::prelude::wasm_bindgen;
 use wasm_bindgen_futures::{JsFuture, spawn_local};
 use web_time::{Duration, Instant};
 
-use crate::device::task::locked;
+use crate::device::task::lock::locked;
 
 #[wasm_bindgen(module = "/src/device/task/page.js")]
 extern "C" {

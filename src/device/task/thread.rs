@@ -6,7 +6,7 @@ use std::thread::{self, JoinHandle};
 
 use web_time::{Duration, Instant};
 
-use crate::device::task::locked;
+use crate::device::task::lock::locked;
 
 #[expect(clippy::unused_async, reason = "a page's waits")]
 pub async fn sleep(time: Duration) {

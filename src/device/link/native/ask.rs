@@ -2,7 +2,7 @@
 
 use web_time::{Duration, Instant};
 
-use crate::device::link::LinkError;
+use crate::device::link::shared::LinkError;
 use crate::device::native::packet::{Kind, Outcome, Packet, REPLY, Reply, Splitter};
 use crate::device::port::{Port, PortError};
 

@@ -1,11 +1,10 @@
 //! Connects to native devices: search, reset to a known state, and choice of the bit rate.
 
-use web_time::Instant;
+use web_time::{Duration, Instant};
 
 use crate::device::link::native::ask::Asker;
-use crate::device::link::native::session::Session;
-use crate::device::link::native::{Connection, SILENT};
-use crate::device::link::{Event, LinkError, Settings, Shared, Sounding};
+use crate::device::link::native::session::{SILENT, Session};
+use crate::device::link::shared::{Event, LEAD, LinkError, Settings, Shared, Sounding, Wanted};
 use crate::device::native::model;
 use crate::device::native::packet::{BROADCAST, Body, Info, Packet, Reply};
 use crate::device::port::Port;
@@ -13,6 +12,14 @@ use crate::device::profile::Profile;
 
 /// Of the protocol that this program speaks.
 const VERSION: u8 = 2;
+
+/// A session and its line.
+pub struct Connection<'a> {
+    board: Sounding<'a>,
+    asker: Asker,
+    shared: &'a Shared,
+    pub session: Session<'a>,
+}
 
 impl<'a> Connection<'a> {
     /// Finds the devices, silences them, and resets the state of earlier programs.
@@ -33,6 +40,26 @@ impl<'a> Connection<'a> {
         let session = Session::new(settings, info, &resets, shared, Instant::now());
         shared.tell(Event::Ready(session.found()));
         Ok(Self { board, asker, shared, session })
+    }
+
+    pub async fn send_what_fits(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
+        while self.board.port.backlog() < LEAD
+            && let Some(message) = self.session.next(wanted, Instant::now())
+        {
+            let gone = self.board.port.write(&message.line).await?;
+            self.session.sent(message, wanted, Instant::now(), gone);
+        }
+        Ok(())
+    }
+
+    /// Waits for answers or new work.
+    pub async fn listen(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
+        if let Some(rest) = self.session.rest(wanted, Instant::now()) {
+            self.shared.wait(wanted.generation, rest).await;
+            return Ok(());
+        }
+        let replies = self.asker.replies(&mut self.board.port, Duration::from_millis(1)).await?;
+        self.session.hear(&replies, wanted, Instant::now())
     }
 }
 

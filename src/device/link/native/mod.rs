@@ -9,18 +9,8 @@ mod motion;
 mod session;
 pub mod survey;
 
-use web_time::{Duration, Instant};
-
-use crate::device::link::native::ask::Asker;
-use crate::device::link::native::session::Session;
-use crate::device::link::{LEAD, LinkError, Settings, Shared, Sounding, Wanted};
-
-/// Packets without an answer at a time.
-const WINDOW: usize = 4;
-/// Time limit of an answer, unless a board turns out to be slower.
-const ANSWER: Duration = Duration::from_millis(100);
-/// Without any answer for so long the board is lost.
-const SILENT: Duration = Duration::from_millis(1500);
+use crate::device::link::native::connect::Connection;
+use crate::device::link::shared::{LinkError, Settings, Shared};
 
 pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
     let mut connection = Connection::open(settings, shared).await?;
@@ -32,35 +22,5 @@ pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> 
         connection.session.follow(&wanted);
         connection.send_what_fits(&wanted).await?;
         connection.listen(&wanted).await?;
-    }
-}
-
-/// A session and its line.
-struct Connection<'a> {
-    board: Sounding<'a>,
-    asker: Asker,
-    shared: &'a Shared,
-    session: Session<'a>,
-}
-
-impl Connection<'_> {
-    async fn send_what_fits(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
-        while self.board.port.backlog() < LEAD
-            && let Some(message) = self.session.next(wanted, Instant::now())
-        {
-            let gone = self.board.port.write(&message.line).await?;
-            self.session.sent(message, wanted, Instant::now(), gone);
-        }
-        Ok(())
-    }
-
-    /// Waits for answers or new work.
-    async fn listen(&mut self, wanted: &Wanted) -> Result<(), LinkError> {
-        if let Some(rest) = self.session.rest(wanted, Instant::now()) {
-            self.shared.wait(wanted.generation, rest).await;
-            return Ok(());
-        }
-        let replies = self.asker.replies(&mut self.board.port, Duration::from_millis(1)).await?;
-        self.session.hear(&replies, wanted, Instant::now())
     }
 }

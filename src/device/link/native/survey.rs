@@ -6,8 +6,10 @@ use std::path::Path;
 use web_time::{Duration, Instant};
 
 use crate::device::link::native::ask::Asker;
-use crate::device::link::native::{ANSWER, WINDOW, connect};
-use crate::device::link::{LEAD, LinkError};
+use crate::device::link::native::connect;
+use crate::device::link::native::session::{ANSWER, WINDOW};
+use crate::device::link::shared::LEAD;
+use crate::device::link::shared::LinkError;
 use crate::device::native::line;
 use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Status, Table};
 use crate::device::port::Port;

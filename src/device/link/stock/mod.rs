@@ -12,8 +12,9 @@ mod tests;
 use web_time::{Duration, Instant};
 
 use crate::device::health::Found;
+use crate::device::link::shared::{Event, LinkError, Settings};
+use crate::device::link::shared::{Shared, Sounding, Wanted};
 use crate::device::link::stock::session::{Session, Step};
-use crate::device::link::{Event, LinkError, Settings, Shared, Sounding, Wanted};
 use crate::device::port::{Port, PortError};
 use crate::device::{stock, task};
 

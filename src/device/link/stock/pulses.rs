@@ -7,8 +7,9 @@ use std::sync::Arc;
 use web_time::{Duration, Instant};
 
 use crate::device::levels::Levels;
+use crate::device::link::shared::Content;
+use crate::device::link::shared::Wanted;
 use crate::device::link::stock::rhythm::Rhythm;
-use crate::device::link::{Content, Wanted};
 
 /// Repetition interval of what does not change, in case a byte was damaged.
 pub const REFRESH: Duration = Duration::from_millis(250);

@@ -6,9 +6,10 @@ use web_time::{Duration, Instant};
 
 use crate::device::health::FrameRates;
 use crate::device::levels::Levels;
+use crate::device::link::shared::{Content, Settings};
+use crate::device::link::shared::{LEAD, Shared, Wanted};
 use crate::device::link::stock::pulses::{Act, Key, Pulses, REFRESH};
 use crate::device::link::stock::rhythm::Rhythm;
-use crate::device::link::{Content, LEAD, Settings, Shared, Wanted};
 use crate::device::pace::Pace;
 use crate::device::profile::Profile;
 use crate::device::stock::{self, Modulated};

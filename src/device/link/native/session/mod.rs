@@ -17,11 +17,17 @@ use crate::device::link::native::motion::Way;
 use crate::device::link::native::session::tasks::{
     Key, Purpose, Task, is_of, is_of_content, serves_one_wish,
 };
-use crate::device::link::native::{ANSWER, SILENT, WINDOW};
-use crate::device::link::{LinkError, Settings, Shared, Wanted};
+use crate::device::link::shared::{LinkError, Settings};
+use crate::device::link::shared::{Shared, Wanted};
 use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Reply};
 use crate::device::profile::Profile;
 
+/// Packets without an answer at a time.
+pub const WINDOW: usize = 4;
+/// Time limit of an answer, unless a board turns out to be slower.
+pub const ANSWER: Duration = Duration::from_millis(100);
+/// Without any answer for so long the board is lost.
+pub const SILENT: Duration = Duration::from_millis(1500);
 /// In 64 periods: the device mutes itself after 200 ms of silence.
 const WATCHDOG: u16 = 125;
 /// The longest pause in what a device hears.

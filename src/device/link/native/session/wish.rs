@@ -8,7 +8,8 @@ use crate::device::levels::Levels;
 use crate::device::link::native::motion::{self, Motion, Way};
 use crate::device::link::native::session::tasks::{Key, Purpose, Task, is_of, serves_one_wish};
 use crate::device::link::native::session::{SILENCER, Session, WATCHDOG};
-use crate::device::link::{Content, Wanted};
+use crate::device::link::shared::Content;
+use crate::device::link::shared::Wanted;
 use crate::device::native::packet::{Kind, Packet};
 use crate::scene::Modulation;
 

@@ -6,58 +6,16 @@ use std::time::Instant;
 use anyhow::{Context, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::figure::{FigureArgs, write as write_figure};
-use crate::cli::{RenderArgs, View, progress, read_scene};
+use crate::cli::render::args::{RenderArgs, look};
+use crate::cli::render::figure::{wish, write as write_figure};
+use crate::cli::scene::read_scene;
 use crate::echo;
 use crate::field::{Evaluator, Stages};
 use crate::rounding::milliseconds;
 use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say};
-use crate::studio::still::{self, Diagram, LARGEST_SIDE, Look, Moment, Size, Solved};
+use crate::studio::still::{self, Diagram, Solved};
 use crate::studio::{evaluator, figure};
-
-/// `W` or `WxH`.
-pub fn parse_size(text: &str) -> Result<Size, String> {
-    let side = |text: &str| match text.parse::<usize>() {
-        Ok(side) if (1..=LARGEST_SIDE).contains(&side) => Ok(side),
-        _ => Err(format!("`{text}` is not a number of pixels from 1 to {LARGEST_SIDE}")),
-    };
-    match text.split_once(['x', 'X']) {
-        Some((width, height)) => Ok(Size { width: side(width)?, height: Some(side(height)?) }),
-        None => Ok(Size { width: side(text)?, height: None }),
-    }
-}
-
-pub fn parse_moment(text: &str) -> Result<Moment, String> {
-    match text.parse::<usize>() {
-        _ if text == "mean" => Ok(Moment::Mean),
-        Ok(number) if number > 0 => Ok(Moment::Frame(number - 1)),
-        _ => Err("give a frame's number, counted from 1, or `mean`".to_owned()),
-    }
-}
-
-pub fn parse_tolerance(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        _ if text == "exact" => Ok(0.0),
-        // 0 evaluates every pixel, as in a scene.
-        Ok(tolerance) if (0.0..1.0).contains(&tolerance) => Ok(tolerance.abs()),
-        _ => Err("give a number from 0 (`exact`) to below 1".to_owned()),
-    }
-}
-
-/// The options common to all pictures.
-pub fn look(args: &RenderArgs) -> Look {
-    Look {
-        diagram: args.quantity,
-        shaded: args.view == View::Shaded,
-        colours: args.colours,
-        size: args.size,
-        numbers: args.data.is_some(),
-        backend: args.backend.backend,
-        moment: args.frame,
-        begin: progress::begin,
-    }
-}
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.volume.block.is_some() {
@@ -70,7 +28,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     if args.fps.is_some() {
         bail!("--fps applies to animations: add --motion or --waves");
     }
-    let (look, wish) = (look(args), FigureArgs::wish(args)?);
+    let (look, wish) = (look(args), wish(args)?);
     // All scenes are read and solved before the first is drawn, so that an error in the last costs no drawing.
     let (mut scenes, mut files) = (Vec::new(), Files::new());
     args.scenes.iter().try_for_each(|path| files.reads(path))?;
@@ -132,7 +90,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
 }
 
 /// One output per scene: the named file, or files in the named folder.
-pub(in crate::cli) fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
+pub fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Result<Vec<PathBuf>> {
     let named_as_folder = output.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
     if scenes.len() == 1 && !output.is_dir() && !named_as_folder {
         return Ok(vec![output.to_owned()]);
@@ -152,7 +110,7 @@ pub(in crate::cli) fn outputs(scenes: &[PathBuf], output: &Path) -> anyhow::Resu
 }
 
 /// Creates the output folder. The folder of a single named file must exist.
-pub(in crate::cli) fn make_folder(args: &RenderArgs, outputs: &[PathBuf]) -> anyhow::Result<()> {
+pub fn make_folder(args: &RenderArgs, outputs: &[PathBuf]) -> anyhow::Result<()> {
     if outputs.len() == 1 && outputs[0] == args.output {
         return Ok(());
     }

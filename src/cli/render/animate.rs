@@ -4,7 +4,8 @@ use std::time::Instant;
 
 use anyhow::bail;
 
-use crate::cli::{RenderArgs, View, progress, read_scene, render};
+use crate::cli::render::args::{RenderArgs, View, look};
+use crate::cli::{progress, scene::read_scene};
 use crate::field::{Colouring, Quantity, Request, Stages, missed};
 use crate::rounding::milliseconds;
 use crate::solver::frames;
@@ -45,7 +46,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     let mut files = Files::new();
     let mut scene = read_scene(path, args.method, &mut files)?;
     scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
-    let mut look = render::look(args);
+    let mut look = look(args);
     if is_shaded && look.size.is_none() {
         look.size = Some(Size { width: SHADED_WIDTH, height: None });
     }

@@ -1,0 +1,24 @@
+//! `sonoglyph render`: pictures, animations, volumes and 3D views of scenes.
+
+mod animate;
+pub mod args;
+mod figure;
+mod space;
+mod still;
+mod volume;
+
+use crate::cli::render::args::{RenderArgs, View};
+
+/// Runs the command.
+///
+/// # Errors
+/// Bad input, or output that cannot be written.
+pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
+    space::refuse(args)?;
+    match (args.motion || args.waves, args.volume.volume, args.view) {
+        (true, _, _) => animate::run(args),
+        (false, Some(counts), _) => volume::run(args, counts),
+        (false, None, View::Space) => space::run(args),
+        (false, None, View::Flat | View::Shaded) => still::run(args),
+    }
+}
