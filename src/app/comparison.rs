@@ -4,7 +4,6 @@ use std::f32::consts::{PI, TAU};
 
 use egui::Context;
 
-use crate::app::later::Later;
 use crate::app::mapping::{Look, Mapping, image, in_egui};
 use crate::app::posing::{Source, sound};
 use crate::drive::Drive;
@@ -12,10 +11,12 @@ use crate::field::quantity::Range;
 use crate::field::{Colouring, Request};
 use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
+use crate::studio::later::Later;
 use crate::studio::performance::Performance;
 use crate::studio::posing::{posed, posed_in_motion};
 use crate::studio::solving;
 use crate::ui::beside::{Beside, Compare, Difference, With};
+use crate::ui::part::wake;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, Map, Shown};
 
@@ -130,7 +131,7 @@ impl Comparison {
         };
         scene.solver.method = method;
         let wanted = (scene, moves);
-        self.solving.ask(&wanted, ctx, |(scene, moves)| match moves {
+        self.solving.ask(&wanted, wake(ctx), |(scene, moves)| match moves {
             false => solving::solve(scene, &mut |_| {}).map(Performance::Still),
             true => solving::follow(scene).map(Performance::Motion),
         });

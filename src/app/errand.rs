@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Context;
 
-use crate::app::beside;
+use crate::studio::later;
 
 /// Resolution of progress.
 const STEPS: f32 = 1000.0;
@@ -67,7 +67,7 @@ impl<T: Send + 'static> Errand<T> {
             drop(sender);
             ctx.request_repaint();
         };
-        beside::run("errand", run)?;
+        later::begin("errand", run)?;
         Ok(Self { progress, receiver })
     }
 

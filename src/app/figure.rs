@@ -6,12 +6,13 @@ use anyhow::Context;
 use eframe::egui::{self, ColorImage, TextureOptions};
 
 use crate::app::Window;
-use crate::app::later::Later;
 use crate::field::{Evaluator, Request, Stages};
 use crate::picture::Picture;
 use crate::picture::figure::{Figure, Format, Paper};
 use crate::scene::{Focus, Scene};
 use crate::studio::figure::{self, Wish};
+use crate::studio::later::Later;
+use crate::ui::part::wake;
 use crate::ui::{Dialog, Preview};
 
 /// Pixels of a preview's width.
@@ -86,7 +87,7 @@ impl Window {
         };
         let Previews { later, shown } = &mut self.previews;
         later.collect();
-        later.ask(&recipe, ctx, |recipe| recipe.preview().map_err(|error| format!("{error:#}")));
+        later.ask(&recipe, wake(ctx), |recipe| recipe.preview().map_err(|error| format!("{error:#}")));
         let Some(made) = later.get(&recipe) else { return };
         if shown.as_ref() == Some(&recipe) {
             return;

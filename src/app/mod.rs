@@ -1,6 +1,5 @@
 //! The window: the editor of [`crate::ui`], values derived from its scene, and its files.
 
-mod beside;
 mod comparison;
 #[cfg(not(target_arch = "wasm32"))]
 mod desktop;
@@ -10,8 +9,6 @@ mod figure;
 mod files;
 mod folders;
 mod job;
-mod later;
-mod levitation;
 #[cfg(feature = "serial")]
 mod link;
 #[cfg(not(feature = "serial"))]
@@ -28,9 +25,7 @@ mod screen;
 mod serving;
 pub mod settings;
 mod space;
-mod survey;
 mod thumbnails;
-mod time_course;
 #[cfg(target_arch = "wasm32")]
 mod worker;
 mod workshop;
@@ -232,7 +227,10 @@ impl Window {
 
     /// Whether background work is running.
     pub fn is_busy(&self) -> bool {
-        self.workshop.is_busy() || self.previews.is_busy() || !self.errands.is_empty()
+        self.workshop.is_busy()
+            || self.editor.parts.is_running()
+            || self.previews.is_busy()
+            || !self.errands.is_empty()
     }
 
     fn execute(&mut self, command: Command, ctx: &egui::Context) {

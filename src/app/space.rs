@@ -1,12 +1,11 @@
 //! The picture of the 3D view: coarse while something moves, fine at rest.
 
 use std::sync::Arc;
-use web_time::Instant;
 
 use egui::{ColorImage, Context, TextureId, TextureOptions};
+use web_time::Instant;
 
 use crate::acoustics::Aperture;
-use crate::app::later::Later;
 use crate::app::mapping::Mapping;
 use crate::app::screen::Screen;
 use crate::drive::Drive;
@@ -16,7 +15,9 @@ use crate::field::volume::scenery::Shot;
 use crate::field::volume::{Block, Camera, Scenery, Volume, march};
 use crate::field::{Gpu, GpuError};
 use crate::picture::Picture;
+use crate::studio::later::Later;
 use crate::studio::space;
+use crate::ui::part::wake;
 use crate::ui::space::{SpaceShown, Stage};
 use crate::ui::{Editor, Shown, Texture};
 
@@ -169,7 +170,7 @@ impl Spacing {
         }
         if is_still {
             let known = self.fine.clone().filter(|(of, _)| *of == sounding).map(|(_, volume)| volume);
-            self.pictures.ask(&best, ctx, move |wanted| {
+            self.pictures.ask(&best, wake(ctx), move |wanted| {
                 let start = Instant::now();
                 let volume = known.unwrap_or_else(|| wanted.sounding.volume(false));
                 let sampled = start.elapsed().as_secs_f64() * 1e3;
@@ -209,7 +210,7 @@ impl Spacing {
         if let Some(volume) = self.fields.get(sounding) {
             self.fine = Some((sounding.clone(), Arc::clone(volume)));
         } else if is_still {
-            self.fields.ask(sounding, ctx, |sounding| sounding.volume(false));
+            self.fields.ask(sounding, wake(ctx), |sounding| sounding.volume(false));
         }
         let is_fine = self.fine.as_ref().is_some_and(|(of, _)| of == sounding);
         if self.drawn.as_ref().is_some_and(|(drawn, is_coarse)| *is_coarse != is_fine && *drawn == wanted) {

@@ -3,38 +3,29 @@
 //! Every value is kept with its inputs and recomputed when they differ. Long computations run on threads; meanwhile
 //! the previous value stays on screen.
 
-use std::sync::{Arc, Mutex, PoisonError};
-use web_time::Duration;
-
 use egui::Context;
+use web_time::Duration;
 
 use crate::acoustics::Aperture;
 use crate::app::comparison::{self, Comparison};
-use crate::app::job::{CompareMethods, Follow, Solve};
-use crate::app::later::Later;
-use crate::app::levitation::Levitating;
+use crate::app::job::{CompareMethods, Follow, Solve, ask_for};
 use crate::app::mapping::{Look, Mapping};
-use crate::app::posing::{Source, sound};
+use crate::app::posing::{self, Source};
 use crate::app::screen::Screen;
 use crate::app::space::Spacing;
-use crate::app::survey::Survey;
-use crate::app::time_course::TimeCourse;
-use crate::field::{Evaluator, Quantity, Request, Stages, missed};
+use crate::field::{Evaluator, Quantity, missed};
 use crate::scene::{Scene, check, motion};
-use crate::solver::{self, Problem};
-use crate::studio::liquid;
+use crate::studio::later::Later;
 use crate::studio::performance::Performance;
 use crate::studio::posing::{posed, posed_in_motion};
 use crate::studio::reach;
 use crate::studio::solving::{Followed, Solved, Solving, Step};
 use crate::ui::board::Plays;
+use crate::ui::part::Now;
 use crate::ui::space::Stage;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Pressed, Shown, Sound};
+use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Shown, sound};
 
-/// Pixels per wavelength for radiation pressure: a square of the sound has two cycles per wavelength.
-const PER_WAVELENGTH: f64 = 6.0;
-const MOST_PER_SIDE: f64 = 1024.0;
 /// Displayed duration of a period of the sound, s.
 const OSCILLATION_PERIOD: f64 = 2.0;
 /// Interval between two of its pictures.
@@ -76,16 +67,9 @@ pub struct Workshop {
     /// Warnings about targets out of reach, with their scene.
     reach: Option<(Scene, Vec<String>)>,
     solved: Later<Scene, Solved>,
-    bound: Later<Scene, f64>,
     methods: Later<Scene, Vec<MethodRow>>,
     wants_methods: Option<Scene>,
     round: Later<Scene, Followed>,
-    pressed: Later<Request, Option<Pressed>>,
-    survey: Survey,
-    course: TimeCourse,
-    levitating: Levitating,
-    /// Its stages, with cached results.
-    presser: Arc<Mutex<Stages>>,
     comparison: Option<Comparison>,
     pub spacing: Spacing,
     motion: Clock,
@@ -101,15 +85,9 @@ impl Workshop {
             solving: Solving::default(),
             reach: None,
             solved: Later::default(),
-            bound: Later::default(),
             methods: Later::default(),
             wants_methods: None,
             round: Later::default(),
-            pressed: Later::default(),
-            survey: Survey::default(),
-            course: TimeCourse::default(),
-            levitating: Levitating::default(),
-            presser: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             comparison: None,
             spacing: Spacing::default(),
             motion: Clock::default(),
@@ -128,12 +106,7 @@ impl Workshop {
             || self.solved.is_running()
             || self.round.is_running()
             || self.methods.is_running()
-            || self.bound.is_running()
-            || self.pressed.is_running()
             || self.comparison.as_ref().is_some_and(Comparison::is_busy)
-            || self.survey.is_running()
-            || self.course.is_running()
-            || self.levitating.is_running()
             || self.spacing.is_running()
     }
 
@@ -143,33 +116,27 @@ impl Workshop {
         shown.pending = None;
         let came = [
             self.solved.collect(),
-            self.bound.collect(),
             self.methods.collect(),
             self.round.collect(),
-            self.pressed.collect(),
-            self.survey.collect(),
-            self.course.collect(),
-            self.levitating.collect(),
             self.spacing.collect(),
+            editor.parts.collect(),
         ];
         if came.contains(&true) {
             // The panels of this frame were drawn without it.
             ctx.request_repaint();
         }
         self.solve(editor, shown, ctx);
-        self.figures(editor, shown, ctx);
+        self.compare_all(editor, shown, ctx);
         self.follow(editor, shown, ctx);
         self.play(editor, shown, ctx);
         self.oscillate(editor, shown, ctx);
         let source = self.source(editor, shown);
-        shown.sound = source.as_ref().map(|source| sound(editor.scene(), editor.levels, source));
-        self.press(editor, shown, ctx);
+        shown.sound = source.as_ref().map(|source| posing::sound(editor.scene(), editor.levels, source));
         match *seen {
             Seen::Map { lens, beside } => {
                 self.spacing.rest(shown);
                 self.map(editor, shown, lens, ctx);
                 self.compare(editor, shown, source.as_ref(), beside, ctx);
-                self.survey.update(editor, shown, lens, ctx);
             }
             Seen::Space(stage) => {
                 if let Err(error) = self.spacing.update(editor, shown, stage, &self.mapping, ctx) {
@@ -178,12 +145,7 @@ impl Workshop {
                 }
             }
         }
-        self.course.update(editor, shown, ctx);
-        let lens = match *seen {
-            Seen::Map { lens, .. } => Some(lens),
-            Seen::Space(_) => None,
-        };
-        self.levitating.update(editor, shown, lens, ctx);
+        self.update_parts(editor, shown, seen, ctx);
         shown.warnings = warnings(editor, shown);
         shown.warnings.extend_from_slice(self.reached(ctx));
     }
@@ -194,7 +156,12 @@ impl Workshop {
             scene: editor.scene(),
             view: &editor.view,
             sound: shown.sound.as_ref(),
-            drives: shown.drives(editor, editor.view.quantity),
+            drives: sound::drives(
+                shown.round.as_ref(),
+                shown.sound.as_ref(),
+                editor.playback,
+                editor.view.quantity,
+            ),
             moment: editor.oscillation.part,
             full: comparison::common_range(editor, shown),
             lens,
@@ -250,7 +217,7 @@ impl Workshop {
             step = self.solving.next(&posed, rests);
         }
         if step.is_some() {
-            self.solved.ask_for::<Solve>(&posed, ctx);
+            ask_for::<Solve>(&mut self.solved, &posed, ctx);
             if let Some(solved) = self.solved.get(&posed) {
                 self.solving.take(&posed, solved.clone());
             }
@@ -277,19 +244,42 @@ impl Workshop {
         self.reach.as_ref().map_or(&[], |(_, warnings)| warnings)
     }
 
-    /// The bound of the solution, and the comparison of methods.
-    fn figures(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
-        shown.certified = None;
-        if let Some((scene, Ok(solution))) = &self.solving.solved {
-            let is_idle = !ctx.input(|input| input.pointer.any_down());
-            if editor.panel == Panel::Solver && is_idle {
-                let foci = solution.foci.clone();
-                self.bound.ask(scene, ctx, |scene| solver::bound(&Problem::new(&Aperture::new(scene), foci)));
-            }
-            shown.certified = self.bound.get(scene).map(|&bound| solution.certified(bound));
-        }
+    /// Requests the values of the parts.
+    fn update_parts(&self, editor: &mut Editor, shown: &Shown, seen: &Seen<'_>, ctx: &Context) {
+        let Editor { document, view, panel, layout, playback, levels, selection, pointed, parts, .. } =
+            editor;
+        let scene = &document.scene;
+        let sound = shown.sound.as_ref();
+        let now = Now {
+            scene,
+            view,
+            panel: (!layout.presents).then_some(*panel),
+            playback: *playback,
+            levels: *levels,
+            sound: sound.filter(|sound| sound.drive().phases.len() == sound.aperture.positions.len()),
+            solution: shown.solution.as_ref(),
+            solved: self
+                .solving
+                .solved
+                .as_ref()
+                .and_then(|(scene, solved)| Some((scene, solved.as_ref().ok()?))),
+            cycle: shown.round.as_ref(),
+            has_selection: !selection.is_empty(),
+            focus: sound::focus(scene, selection, sound),
+            pointer: *pointed,
+            lens: match *seen {
+                Seen::Map { lens, .. } => Some(lens),
+                Seen::Space(_) => None,
+            },
+            rests: !ctx.input(|input| input.pointer.any_down()),
+        };
+        parts.update(&now, ctx);
+    }
+
+    /// The comparison of methods.
+    fn compare_all(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         if let Some(wanted) = &self.wants_methods {
-            self.methods.ask_for::<CompareMethods>(wanted, ctx);
+            ask_for::<CompareMethods>(&mut self.methods, wanted, ctx);
             if let Some(rows) = self.methods.get(wanted) {
                 shown.methods = rows.clone();
                 self.wants_methods = None;
@@ -323,7 +313,7 @@ impl Workshop {
             shown.problem = Some(error.to_string());
             return;
         }
-        self.round.ask_for::<Follow>(&moving, ctx);
+        ask_for::<Follow>(&mut self.round, &moving, ctx);
         match self.round.get(&moving) {
             Some(Ok(round)) => shown.round = Some(round.clone()),
             Some(Err(problem)) => shown.problem = Some(problem.clone()),
@@ -331,32 +321,6 @@ impl Workshop {
         }
         if shown.is_following && (presses || editor.playback.frame.is_some()) {
             shown.pending = Some(AT_REST.to_owned());
-        }
-    }
-
-    /// The radiation pressure on the scene plane, once nothing is dragged.
-    fn press(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
-        let quantity = editor.view.quantity;
-        let is_of_array = |sound: &&Sound| sound.drive().phases.len() == sound.aperture.positions.len();
-        let sound = shown.sound.as_ref().filter(is_of_array);
-        let Some(sound) = sound.filter(|_| quantity.declaration().is_slow) else {
-            shown.pressed = None;
-            return;
-        };
-        if ctx.input(|input| input.pointer.any_down()) {
-            return;
-        }
-        // On planes too near for cells, the force is computed from pixels.
-        let pixels = editor.scene().plane.size * PER_WAVELENGTH / sound.aperture.wavelength();
-        let [width, height] = pixels.to_array().map(|side| side.ceil().clamp(1.0, MOST_PER_SIDE) as usize);
-        let drives = shown.drives(editor, quantity);
-        let request = Request::new(editor.scene(), drives, quantity, (width, height));
-        let presser = Arc::clone(&self.presser);
-        self.pressed.ask(&request, ctx, move |request| {
-            pressed(&mut presser.lock().unwrap_or_else(PoisonError::into_inner), request)
-        });
-        if let Some(pressed) = self.pressed.get(&request) {
-            shown.pressed.clone_from(pressed);
         }
     }
 
@@ -440,17 +404,12 @@ impl Workshop {
     }
 }
 
-fn pressed(stages: &mut Stages, request: &Request) -> Option<Pressed> {
-    let figures = stages.pressed(request).ok()?;
-    let beyond = figures.depression.and_then(|depression| liquid::beyond_linear_theory(depression.slope));
-    Some(Pressed { figures, beyond })
-}
-
 /// Warnings about the displayed results.
 fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
     let of_solution = shown.solution.iter().flat_map(|solution| &solution.warnings);
     let mut warnings: Vec<_> = of_solution.map(ToString::to_string).collect();
-    if let Some(beyond) = shown.pressed.as_ref().and_then(|pressed| pressed.beyond.clone()) {
+    let radiation = editor.parts.radiation.newest().and_then(Option::as_ref);
+    if let Some(beyond) = radiation.and_then(|radiation| radiation.beyond.clone()) {
         warnings.insert(0, beyond);
     }
     warnings.extend(shown.board.steadied.clone());

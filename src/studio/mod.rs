@@ -13,6 +13,7 @@ pub mod findings;
 pub mod flight;
 pub mod frames;
 pub mod json;
+pub mod later;
 pub mod levitation;
 pub mod link;
 pub mod liquid;

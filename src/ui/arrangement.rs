@@ -6,35 +6,11 @@ use crate::ui::{Command, Editor, Shown, menu, panels, section, status, theme, ti
 
 /// Widths of the right panel, beside the map and over it, in points.
 const PANEL: std::ops::Range<f32> = 260.0..520.0;
+
 const DRAWER: f32 = 340.0;
+
 /// Minimum width of tools, map and axes beside the panel.
 const SMALLEST_MAP: f32 = 520.0;
-
-/// Sizes of resizable panels in points.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Layout {
-    /// Width of the one on the right.
-    pub panel: f32,
-    /// Height of the cross-section.
-    pub section: f32,
-    /// The panel on the right is folded away.
-    pub is_folded: bool,
-    /// In a narrow window: whether it covers the map.
-    pub is_drawn_out: bool,
-    /// Presentation mode: the map and its colour bar alone.
-    pub presents: bool,
-}
-
-impl Layout {
-    /// Folds the panel on the right away, or brings it back.
-    pub fn toggle(&mut self, ctx: &egui::Context) {
-        if theme::is_narrow(ctx) {
-            self.is_drawn_out = !self.is_drawn_out;
-        } else {
-            self.is_folded = !self.is_folded;
-        }
-    }
-}
 
 /// Menu, view bar, status, tools, panel and line profile, as space permits.
 pub(super) fn around(

@@ -9,11 +9,12 @@ use crate::field::Quantity;
 use crate::field::quantity::Range;
 use crate::picture::figure::axes;
 use crate::studio::probe;
+use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
-    Editor, Map, Shown, Sound, arrows, context, cursor, gesture, guides, legend, marks, measure, path_marks,
-    theme, ticks,
+    Editor, Map, Shown, Sound, context, cursor, guides, legend, marks, measure, path_marks, pointer, theme,
+    ticks,
 };
 
 /// Points of the screen around the plot.
@@ -59,11 +60,11 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     let is_held = ui.input(|input| input.pointer.any_down()) || ui.ctx().text_edit_focused();
     let lens = editor.lens(rect, is_held);
     if editor.view.is_shaded() {
-        gesture::watch(editor, ui, &response, &lens);
+        pointer::watch(editor, ui, &response, &lens);
         return Canvas { lens: editor.lens(rect, is_held), response };
     }
     let was_typing = editor.is_typing();
-    gesture::act(editor, ui, &response, &lens);
+    pointer::act(editor, ui, &response, &lens);
     let cursor = match editor.tool {
         Tool::Select => egui::CursorIcon::Default,
         Tool::Text => egui::CursorIcon::Text,
@@ -110,8 +111,8 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     if editor.view.grid || editor.snaps {
         guides::grid(editor.grid, editor.view.is_light, &painter, lens);
     }
-    if let Some(arrows) = &shown.arrows {
-        arrows::paint(editor, arrows, &painter, lens);
+    if let Some(field) = editor.parts.arrows.newest() {
+        arrows::paint(field, &editor.view.axes(editor.scene()), &painter, lens);
     }
     if editor.view.marks {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());

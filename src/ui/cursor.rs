@@ -3,13 +3,10 @@
 use egui::{Color32, Context, Event, EventFilter, Id, Key, Modifiers, Painter, Response, Stroke, Ui, vec2};
 use glam::DVec2;
 
-use crate::ui::Editor;
-use crate::ui::edit;
-use crate::ui::group;
-use crate::ui::theme;
+use crate::ui::gesture::Typing;
 use crate::ui::tool::Tool;
-use crate::ui::typing::Typing;
 use crate::ui::view::Lens;
+use crate::ui::{Editor, edit, group, theme};
 
 /// Steps of an arrow key, with Ctrl and with Shift, m.
 const STEP: f64 = 1e-3;

@@ -3,10 +3,9 @@
 use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
-use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::scene::{Scene, Target};
-use crate::ui::arrangement::Layout;
+use crate::ui::beside;
 use crate::ui::board::BoardForm;
 use crate::ui::brush::Brush;
 use crate::ui::command::Command;
@@ -15,14 +14,15 @@ use crate::ui::dialog::figure::FigureForm;
 use crate::ui::dialog::file::Asking;
 use crate::ui::dialog::film::FilmForm;
 use crate::ui::document::Document;
-use crate::ui::gesture::Gesture;
+use crate::ui::fitted::Fitted;
+use crate::ui::gesture::{Gesture, Typing, Vertex};
 use crate::ui::guides::Guide;
-use crate::ui::looking::Fitted;
+use crate::ui::layout::{Layout, Panel};
+use crate::ui::parts::Parts;
+use crate::ui::playback::{Oscillation, Playback};
 use crate::ui::space::SpaceView;
 use crate::ui::tool::Tool;
-use crate::ui::typing::Typing;
 use crate::ui::view::View;
-use crate::ui::{beside, way};
 
 /// The edited document and the state of its display.
 #[derive(Debug)]
@@ -68,89 +68,16 @@ pub struct Editor {
     pub after_saving: Option<Command>,
     pub playback: Playback,
     pub oscillation: Oscillation,
-    pub course: CourseForm,
-    pub bead: BeadForm,
+    pub parts: Parts,
     /// Last position of the pointer on the map, m.
     pub pointed: Option<DVec3>,
     /// The last grabbed vertex of a motion's path.
-    pub(super) vertex: Option<way::Vertex>,
+    pub(super) vertex: Option<Vertex>,
     /// Number of phase levels of the displayed drive.
     pub levels: Option<u32>,
     pub board: BoardForm,
     /// Commands of other programs, possibly awaiting the user's consent.
     pub asked_by_others: Vec<Command>,
-}
-
-/// The displayed frame of the motion.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Playback {
-    /// `None` shows the scene at rest.
-    pub frame: Option<usize>,
-    pub playing: bool,
-    /// Slowdown of the playback.
-    pub slowness: f64,
-    /// Of a cycle, in [0, 1).
-    pub part: f64,
-    /// Whether playback repeats.
-    pub loops: bool,
-}
-
-impl Default for Playback {
-    fn default() -> Self {
-        Self { frame: None, playing: false, slowness: 20.0, part: 0.0, loops: true }
-    }
-}
-
-/// Display and position of the pressure over time.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CourseForm {
-    pub is_shown: bool,
-    pub place: CoursePlace,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum CoursePlace {
-    /// Of the selected target, or the first.
-    #[default]
-    Focus,
-    Pointer,
-    Listener,
-}
-
-/// Displayed forces on the scene's bead, and its position.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct BeadForm {
-    pub is_shown: bool,
-    pub place: BeadPlace,
-    pub arrows: bool,
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum BeadPlace {
-    /// The selected target, or else the first trap or focus.
-    #[default]
-    Target,
-    Pointer,
-}
-
-/// The phase of an instantaneous pressure.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Oscillation {
-    pub playing: bool,
-    /// Of a period, in [0, 1).
-    pub part: f64,
-}
-
-/// The page of the right panel.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
-#[strum(const_into_str)]
-pub enum Panel {
-    Scene,
-    Solver,
-    Drive,
-    Liquid,
-    Motion,
-    Device,
 }
 
 impl Editor {
@@ -190,8 +117,7 @@ impl Editor {
             after_saving: None,
             playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
-            course: CourseForm::default(),
-            bead: BeadForm::default(),
+            parts: Parts::default(),
             pointed: None,
             vertex: None,
             levels: None,

@@ -6,9 +6,10 @@ use glam::{DVec2, DVec3};
 use crate::scene::{Sampling, font, outline};
 use crate::ui::gesture::{self, Gesture};
 use crate::ui::measure::{self, ProfileLine};
+use crate::ui::parts::Extremes;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, Lens};
-use crate::ui::{Editor, Extremes, Shown, Sound, array, dimensions, edit, handle, palm, theme, transform};
+use crate::ui::{Editor, Shown, Sound, array, dimensions, edit, handle, palm, theme, transform};
 
 /// m: foci farther than this from the cut are drawn faint.
 const NEAR: f64 = 2e-3;
@@ -52,7 +53,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
     if let Some(sound) = &shown.sound {
         foci(editor, sound, painter, lens, pointer);
     }
-    if let Some(found) = &shown.extremes {
+    if let Some((Some(found), _)) = editor.parts.survey.exact() {
         extremes(editor, found, painter, lens);
     }
     if let (1, Some(&index)) = (editor.selection.len(), editor.selection.first())

@@ -4,7 +4,6 @@
 pub mod action;
 mod arrangement;
 mod array;
-pub mod arrows;
 pub mod beside;
 pub mod board;
 pub mod bring_up;
@@ -22,6 +21,7 @@ mod edit;
 mod editor;
 mod element_map;
 mod expression;
+mod fitted;
 mod frame;
 pub mod gallery;
 mod gesture;
@@ -30,6 +30,7 @@ mod guides;
 mod handle;
 mod icon;
 pub mod keys;
+mod layout;
 pub mod legend;
 mod looking;
 mod map;
@@ -39,10 +40,15 @@ mod menu;
 pub mod number;
 mod palm;
 mod panels;
+pub mod part;
+pub mod parts;
 mod path_marks;
+mod playback;
+mod pointer;
 pub mod section;
 mod segments;
 mod shown;
+pub mod sound;
 pub mod space;
 mod status;
 pub mod theme;
@@ -55,20 +61,20 @@ pub mod view;
 mod view_bar;
 mod way;
 
-pub use arrangement::Layout;
 pub use command::{Command, Export};
 pub use dialog::Dialog;
 pub use dialog::figure::{FigureForm, Preview};
 pub use dialog::file::{Asking, ELEMENTS, Entry, Folder, IMPORTED, Purpose};
 pub use dialog::film::FilmForm;
 pub use dialog::import::Import;
-pub use editor::{BeadForm, BeadPlace, CourseForm, CoursePlace, Editor, Oscillation, Panel, Playback};
+pub use editor::Editor;
 pub use frame::show;
+pub use layout::Layout;
+pub use layout::Panel;
 pub use map::{Map, Texture};
-pub use panels::{bead, course};
-pub use shown::{
-    Arrows, Course, Extremes, Levitated, MethodRow, Notice, Pressed, ServingShown, Shown, Sound,
-};
+pub use playback::{Oscillation, Playback};
+pub use shown::{MethodRow, Notice, ServingShown, Shown};
+pub use sound::Sound;
 
 /// Whether the window is a page of a browser.
 pub const IN_PAGE: bool = cfg!(target_arch = "wasm32");

@@ -4,8 +4,9 @@ use egui::{Align2, Color32, Painter, Pos2, Shape, Stroke, vec2};
 use glam::DVec3;
 
 use crate::scene::{MotionPath, motion, outline};
+use crate::ui::gesture::Vertex;
 use crate::ui::view::{Axes, Lens};
-use crate::ui::way::{self, Vertex};
+use crate::ui::way;
 use crate::ui::{Editor, Shown, edit, marks, theme};
 
 /// Points of the screen: half a handle.

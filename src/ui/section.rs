@@ -9,10 +9,10 @@ use glam::{DVec2, DVec3};
 use crate::field::Quantity;
 use crate::field::quantity::Range;
 use crate::picture::figure::axes;
-use crate::scene::outline;
 use crate::studio::convention::Convention;
 use crate::studio::width::Widths;
 use crate::ui::measure::{self, ProfileLine};
+use crate::ui::sound;
 use crate::ui::ticks;
 use crate::ui::view::{Cut, Lens};
 use crate::ui::{Dialog, Editor, Export, Map, Purpose, Shown, Sound, marks, theme};
@@ -225,7 +225,7 @@ fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut 
             axial(editor, focus);
         }
     }
-    if let Some(widths) = shown.widths.as_ref().and_then(widths) {
+    if let Some(widths) = editor.parts.survey.exact().and_then(|(_, found)| widths(found.as_ref()?)) {
         ui.separator();
         ui.label("Focus");
         copied(ui, &widths, "-6 dB widths of the focus across and along the beam, and its -6 dB area across");
@@ -255,11 +255,8 @@ pub fn copied(ui: &mut Ui, value: &str, tip: &str) {
 }
 
 /// The relevant focus: the selected one, or the first.
-pub fn focus(editor: &Editor, shown: &Shown) -> Option<DVec3> {
-    let of_selection = editor.selection.first().and_then(|&index| editor.scene().targets.get(index));
-    of_selection
-        .map(|target| outline::centre(&target.shape))
-        .or_else(|| shown.sound.as_ref()?.foci.first().map(|focus| focus.position))
+fn focus(editor: &Editor, shown: &Shown) -> Option<DVec3> {
+    sound::focus(editor.scene(), &editor.selection, shown.sound.as_ref())
 }
 
 /// Lays the line across the beam through a focus.

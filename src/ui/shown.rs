@@ -4,24 +4,17 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use crate::acoustics::{Air, Aperture};
-use crate::drive::Drive;
-use crate::field::{self, Quantity};
-use crate::force::{Forces, Hold};
-use crate::scene::{Bead, Focus, Method};
+use crate::scene::Method;
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
-use crate::studio::probe::{self, Reading};
-use crate::studio::time_course::Line;
-use crate::studio::width::Widths;
 use crate::ui::beside;
 use crate::ui::board::BoardShown;
 use crate::ui::map::{Map, Texture};
+use crate::ui::sound::Sound;
 use crate::ui::space::SpaceShown;
-use crate::ui::{Editor, Folder, Preview};
+use crate::ui::{Folder, Preview};
 
 /// The results for display.
 #[derive(Debug, Default)]
@@ -40,21 +33,10 @@ pub struct Shown {
     pub pending: Option<String>,
     /// A sentence each.
     pub warnings: Vec<String>,
-    /// The guaranteed fraction of the upper bound.
-    pub certified: Option<f64>,
     pub methods: Vec<MethodRow>,
     pub is_comparing: bool,
     pub round: Option<Arc<Sequence>>,
     pub is_following: bool,
-    pub pressed: Option<Pressed>,
-    pub extremes: Option<Extremes>,
-    /// At the position of [`crate::ui::CourseForm`], or the reason for its absence.
-    pub course: Option<Result<Course, String>>,
-    /// Levitation of the bead at its position.
-    pub levitated: Option<Levitated>,
-    pub arrows: Option<Arrows>,
-    /// Widths of the selected focus, while the line profile is shown.
-    pub widths: Option<Widths>,
     /// Files that were open last, the last one first.
     pub recent: Vec<PathBuf>,
     /// The folder in the file dialog.
@@ -81,19 +63,6 @@ pub struct Shown {
     pub figure: Option<Result<Preview, String>>,
 }
 
-impl Shown {
-    /// The drives of a map of this quantity: the played ones, or all frames of the motion if their mean counts and no
-    /// frame is displayed.
-    pub fn drives(&self, editor: &Editor, quantity: Quantity) -> Vec<Drive> {
-        match (&self.round, &self.sound) {
-            (Some(round), _) if quantity.declaration().is_slow && editor.playback.frame.is_none() => {
-                round.frames.iter().map(|frame| frame.drive.clone()).collect()
-            }
-            (_, sound) => sound.iter().flat_map(|sound| sound.drives.clone()).collect(),
-        }
-    }
-}
-
 /// Addresses of live control, and message counts.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ServingShown {
@@ -110,105 +79,10 @@ pub struct Notice {
     pub is_error: bool,
 }
 
-/// The played drive and its pressures.
-#[derive(Clone, Debug)]
-pub struct Sound {
-    pub aperture: Aperture,
-    pub air: Air,
-    pub bead: Bead,
-    /// Drives in turn, at least one.
-    pub drives: Vec<Drive>,
-    pub foci: Vec<Focus>,
-    /// The readings at the foci.
-    pub readings: Vec<Reading>,
-}
-
-impl Sound {
-    /// The first drive in turn.
-    pub fn drive(&self) -> &Drive {
-        &self.drives[0]
-    }
-
-    /// The values of a map at points of its plane, in f64; empty for quantities that depend on more than the points.
-    pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
-        let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
-        probe::values(
-            (&self.aperture, &self.air, &self.bead),
-            &self.drives,
-            (map.quantity, map.phase),
-            axes,
-            points,
-        )
-    }
-
-    pub fn value(&self, map: &Map, point: DVec3) -> Option<f64> {
-        self.values(map, &[point]).first().copied()
-    }
-}
-
 /// A method in the comparison.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MethodRow {
     pub method: Method,
     /// Or the reason for its absence.
     pub solution: Result<Arc<Solution>, String>,
-}
-
-/// The radiation pressure on the scene plane and its effects.
-#[derive(Clone, Debug)]
-pub struct Pressed {
-    pub figures: field::Pressed,
-    /// That the depression is beyond linear theory.
-    pub beyond: Option<String>,
-}
-
-/// The pressure at a point in the course of time.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Course {
-    /// m
-    pub at: DVec3,
-    /// Time (s) and |p| (Pa, peak).
-    pub moduli: Vec<[f64; 2]>,
-    /// Of |p|² (Pa²).
-    pub lines: Vec<Line>,
-}
-
-impl Course {
-    /// Of |p|², Pa².
-    pub fn mean(&self) -> f64 {
-        self.lines.first().map_or(0.0, |line| line.amplitude)
-    }
-
-    /// The strongest line besides the mean.
-    pub fn strongest(&self) -> Option<&Line> {
-        self.lines.iter().skip(1).max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
-    }
-}
-
-/// Levitation of the scene's bead at a point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Levitated {
-    pub hold: Hold,
-    /// Where it is put.
-    pub forces: Forces,
-    /// N, weight less buoyancy.
-    pub load: f64,
-    /// m from there along x, y and z, and the force (N) along the same axis.
-    pub curves: [Vec<[f64; 2]>; 3],
-    /// A warning about the bead.
-    pub warning: Option<String>,
-}
-
-/// Radiation forces (N) on the scene's bead at points (m) of the plane.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Arrows {
-    pub places: Vec<DVec3>,
-    pub forces: Vec<DVec3>,
-}
-
-/// The displayed maximum and peak side lobe: position (m), and |P| (Pa, peak).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extremes {
-    pub peak: Option<(DVec3, f64)>,
-    pub side_lobe: Option<(DVec3, f64)>,
 }

@@ -10,7 +10,8 @@ use crate::picture::figure::axes::round_step;
 use crate::scene::motion::{self, Cycle, Group};
 use crate::scene::{Easing, Keyframe, MotionPath};
 use crate::ui::board::Plays;
-use crate::ui::way::{self, Vertex};
+use crate::ui::gesture::Vertex;
+use crate::ui::way;
 use crate::ui::{Editor, Panel, Shown, path_marks, theme};
 
 /// Points of the screen.

@@ -6,24 +6,18 @@ use glam::{DQuat, DVec2, DVec3};
 use crate::scene::{Shape, Target, outline};
 use crate::ui::Editor;
 use crate::ui::edit;
+use crate::ui::gesture::Grip;
 use crate::ui::handle;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Lens};
 
 /// Distance of the box from the selection, and of the rotation handle from the box, in points.
 const AROUND: f32 = 14.0;
+
 const ABOVE: f32 = 22.0;
+
 /// Smallest size, m.
 const SMALLEST: f64 = 1e-3;
-
-/// The grabbed part of the box.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Grip {
-    /// A corner, and the fixed opposite one: m in the plane.
-    Corner { held: DVec2, fixed: DVec2 },
-    /// Rotation about this point.
-    Turn(DVec2),
-}
 
 /// Lower and upper corner (m) of the selection.
 fn bounds(editor: &Editor, axes: &Axes) -> Option<[DVec2; 2]> {

@@ -3,30 +3,12 @@
 use std::collections::BTreeSet;
 
 use egui::{Event, Key, Ui};
-use glam::DVec2;
 
 use crate::scene::{Shape, font};
 use crate::ui::Editor;
 use crate::ui::edit;
 use crate::ui::tool::{self, Tool};
 use crate::ui::view::Axes;
-
-/// A text being typed.
-#[derive(Clone, Debug)]
-pub struct Typing {
-    pub at: DVec2,
-    pub text: String,
-    /// Letters that were typed last and that the font lacks.
-    pub lacking: Vec<char>,
-    /// Its index in the scene once it is not empty.
-    index: Option<usize>,
-}
-
-impl Typing {
-    pub fn new(at: DVec2) -> Self {
-        Self { at, text: String::new(), lacking: Vec::new(), index: None }
-    }
-}
 
 /// Letters go to the text on the canvas.
 pub fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {

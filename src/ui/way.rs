@@ -7,44 +7,21 @@ use glam::{DVec2, DVec3};
 
 use crate::scene::motion::{self, Cycle, Group};
 use crate::scene::{Keyframe, Motion, MotionPath, Scene, Target, outline};
+use crate::ui::gesture::{Pull, Vertex};
 use crate::ui::view::{Axes, Lens};
 use crate::ui::{Editor, Panel};
 
 /// m: the sizes that a path can be pulled to.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-3..=1.0;
+
 /// Pick distance in points.
 const REACH: f32 = 9.0;
+
 /// Segments of a drawn path.
 const PIECES: u32 = 96;
+
 /// Snap distance to eighths of a turn, rad.
 const LEVEL: f64 = 0.035;
-
-/// A grabbed motion path: one of its handles, or the curve between them.
-#[derive(Clone, Debug)]
-pub struct Pull {
-    /// The target's index, or `None` for the scene's motion.
-    target: Option<usize>,
-    /// Origin of its offsets, m.
-    centre: DVec3,
-    handle: Option<usize>,
-    /// Grabbed point in the plane, m.
-    from: DVec2,
-    before: Motion,
-}
-
-impl Pull {
-    /// The target, if it is a target's own motion.
-    pub fn target(&self) -> Option<usize> {
-        self.target
-    }
-}
-
-/// The last grabbed vertex or keyframe.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Vertex {
-    pub target: Option<usize>,
-    pub index: usize,
-}
 
 /// A target's own motion, or the scene's.
 pub fn motion_of(scene: &Scene, target: Option<usize>) -> Option<&Motion> {

@@ -2,7 +2,8 @@
 
 use sonoglyph::force::{Levitation, Outcome};
 use sonoglyph::scene::{Board, Material, Target, Trap};
-use sonoglyph::ui::{Levitated, Panel};
+use sonoglyph::ui::Panel;
+use sonoglyph::ui::parts::levitation::Levitated;
 
 use super::*;
 
@@ -33,7 +34,7 @@ fn open_on_trap() -> Screen {
 }
 
 fn levitated(screen: &Screen) -> Levitated {
-    screen.state().shown().levitated.clone().expect("the bead has figures")
+    screen.state().editor().parts.levitation.newest().cloned().expect("the bead has figures")
 }
 
 /// The library's levitation of the scene on the screen.
@@ -75,16 +76,16 @@ fn a_point_becomes_a_trap_for_light_beads_but_not_for_heavy_ones() {
 
     screen.get_by_label("Force at a point").click();
     rest(&mut screen);
-    assert_eq!(screen.state().shown().levitated, None, "computed on demand");
+    assert_eq!(screen.state().editor().parts.levitation.newest(), None, "computed on demand");
 }
 
 #[test]
 fn arrows_are_the_forces_on_the_plane() {
     let mut screen = open_on_trap();
-    assert_eq!(screen.state().shown().arrows, None, "computed on demand");
+    assert_eq!(screen.state().editor().parts.arrows.newest(), None, "computed on demand");
     screen.get_by_label("Arrows on the map").click();
     rest(&mut screen);
-    let arrows = screen.state().shown().arrows.clone().unwrap();
+    let arrows = screen.state().editor().parts.arrows.newest().cloned().unwrap();
     assert!(arrows.places.len() > 100 && arrows.places.len() == arrows.forces.len());
     let height = scene(&screen).plane.centre.z;
     assert!(arrows.places.iter().all(|place| (place.z - height).abs() < 1e-12));
@@ -92,7 +93,8 @@ fn arrows_are_the_forces_on_the_plane() {
     // They stay on other pages, and vanish with the map.
     screen.state_mut().editor_mut().panel = Panel::Solver;
     rest(&mut screen);
-    assert!(screen.state().shown().arrows.is_some() && screen.state().shown().levitated.is_none());
+    let parts = &screen.state().editor().parts;
+    assert!(parts.arrows.newest().is_some() && parts.levitation.newest().is_none());
     key(&mut screen, Key::F3);
-    assert_eq!(screen.state().shown().arrows, None);
+    assert_eq!(screen.state().editor().parts.arrows.newest(), None);
 }

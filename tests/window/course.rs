@@ -2,7 +2,8 @@
 
 use egui::accesskit::Role;
 use sonoglyph::scene::{Envelope, Law, Listener, Motion, MotionPath, Target};
-use sonoglyph::ui::{Course, CoursePlace, Panel};
+use sonoglyph::ui::Panel;
+use sonoglyph::ui::parts::course::{Course, Place};
 
 use super::*;
 
@@ -23,7 +24,7 @@ fn press_button(screen: &mut Screen, name: &str) {
 }
 
 fn course(screen: &Screen) -> Course {
-    screen.state().shown().course.clone().unwrap().unwrap()
+    screen.state().editor().parts.course.newest().cloned().unwrap().unwrap()
 }
 
 #[test]
@@ -53,7 +54,7 @@ fn tones_are_edited_one_by_one_and_never_exceed_full_depth() {
 #[test]
 fn the_time_course_at_a_focus_has_the_spectrum_of_the_modulation() {
     let mut screen = open_on_motion();
-    assert_eq!(screen.state().shown().course, None, "computed on demand");
+    assert_eq!(screen.state().editor().parts.course.newest(), None, "computed on demand");
     pick(&mut screen, "Amplitude modulation", "sine");
     screen.get_by_label("Course of time and spectrum").click();
     rest(&mut screen);
@@ -80,7 +81,7 @@ fn the_time_course_at_a_focus_has_the_spectrum_of_the_modulation() {
 
     // At the last position of the pointer on the map.
     pick(&mut screen, "Place", "pointer");
-    assert_eq!(screen.state().editor().course.place, CoursePlace::Pointer);
+    assert_eq!(screen.state().editor().parts.course.form.place, Place::Pointer);
     let place = at(&screen, 20.0, -10.0);
     screen.hover_at(place);
     rest(&mut screen);

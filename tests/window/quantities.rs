@@ -208,7 +208,8 @@ fn method_and_quantity_are_chosen_by_clicks() {
     let mut screen = open_best();
     screen.get_by_label("Solver").click();
     rest(&mut screen);
-    assert!(screen.state().shown().certified.unwrap() > 0.3);
+    let bound = *screen.state().editor().parts.bound.exact().unwrap();
+    assert!(screen.state().shown().solution.as_ref().unwrap().certified(bound) > 0.3);
     screen.get_by_label("Compare all methods").scroll_to_me();
     rest(&mut screen);
     screen.get_by_label("Compare all methods").click();
@@ -222,7 +223,8 @@ fn method_and_quantity_are_chosen_by_clicks() {
     assert_eq!(scene(&screen).solver.method, Method::Naive);
     assert!(screen.state().shown().solution.as_ref().unwrap().quality.min_pressure < best);
     key(&mut screen, Key::Num4);
-    let depression = screen.state().shown().pressed.as_ref().unwrap().figures.depression.unwrap();
+    let radiation = screen.state().editor().parts.radiation.newest().unwrap().as_ref().unwrap();
+    let depression = radiation.pressed.depression.unwrap();
     assert!(depression.deepest > 1e-6 && depression.slope > 0.0);
     assert_eq!(screen.state().shown().map.as_ref().unwrap().quantity, Quantity::Depression);
     for panel in ["Drive", "Liquid", "Motion", "Device", "Scene"] {

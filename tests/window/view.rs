@@ -400,8 +400,8 @@ fn force_and_volume_do_not_depend_on_the_zoom() {
     screen.state_mut().editor_mut().view.quantity = Quantity::Depression;
     rest(&mut screen);
     let figures = |screen: &Screen| {
-        let pressed = screen.state().shown().pressed.as_ref().unwrap();
-        (pressed.figures.force, pressed.figures.depression.unwrap().volume)
+        let radiation = screen.state().editor().parts.radiation.newest().unwrap().as_ref().unwrap();
+        (radiation.pressed.force, radiation.pressed.depression.unwrap().volume)
     };
     let whole = figures(&screen);
     let lens = lens(&screen);

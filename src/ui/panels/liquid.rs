@@ -8,6 +8,7 @@ use crate::scene::{Light, LiquidName};
 use crate::studio::liquid;
 use crate::ui::panels::form::{choice, given, heading, variants};
 use crate::ui::panels::{MM, Unit, fact, form, number};
+use crate::ui::parts::RadiationFigures;
 use crate::ui::view::Cut;
 use crate::ui::{Editor, Shown, theme};
 
@@ -47,11 +48,11 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
         number(ui, ("Gravity", "9.81 m/s² on earth"), &mut liquid.gravity, gravity, 1e-3..=1e3);
     });
     depression(editor, shown, ui);
-    caustic(editor, shown, ui);
+    caustic(editor, ui);
 }
 
 /// The screen of caustics.
-fn caustic(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+fn caustic(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "Light on a screen");
     let liquid = &mut editor.document.scene.liquid;
     let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
@@ -75,7 +76,7 @@ fn caustic(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     if !editor.view.quantity.declaration().of_light && ui.button("Show the caustic").clicked() {
         show_surface(editor, Quantity::Caustic);
     }
-    let Some(light) = shown.pressed.as_ref().and_then(|pressed| pressed.figures.light) else { return };
+    let Some(light) = radiation(editor).and_then(|figures| figures.pressed.light) else { return };
     form(ui, "light", |ui| {
         let tip = "On a screen of the scene plane's size, of the light of the same area of the surface";
         fact(ui, ("Light on the screen", tip), liquid::landed(light));
@@ -93,6 +94,10 @@ fn show_surface(editor: &mut Editor, quantity: Quantity) {
     }
 }
 
+fn radiation(editor: &Editor) -> Option<&RadiationFigures> {
+    editor.parts.radiation.newest()?.as_ref()
+}
+
 fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     heading(ui, "Surface depression");
     if !editor.view.quantity.declaration().of_liquid {
@@ -101,8 +106,8 @@ fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             show_surface(editor, Quantity::Depression);
         }
     }
-    let Some(pressed) = &shown.pressed else { return };
-    let figures = pressed.figures;
+    let Some(radiation) = radiation(editor) else { return };
+    let figures = radiation.pressed;
     form(ui, "depression", |ui| {
         let tip = "Of the scene plane, to which force, depth, volume and slope refer";
         fact(ui, ("Area", tip), liquid::area(figures.size));
@@ -123,7 +128,7 @@ fn depression(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             fact(ui, ("Steepest slope", tip), digits(depression.slope));
         }
     });
-    if let Some(beyond) = &pressed.beyond {
+    if let Some(beyond) = &radiation.beyond {
         ui.label(egui::RichText::new(beyond).color(theme::warning(ui.visuals())));
     }
 }

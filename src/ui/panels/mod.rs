@@ -1,12 +1,10 @@
 //! The panel on the right: one page each for scene, solver, drive, liquid, motion and device.
 
-pub mod bead;
 mod boards;
 mod bring_up;
-pub mod course;
 mod device;
 mod drive;
-mod form;
+pub mod form;
 mod liquid;
 mod modulation;
 mod motion;
@@ -17,9 +15,10 @@ mod scene;
 mod solver;
 mod target;
 
-use crate::ui::{Command, Editor, Panel, Shown};
 use egui::{ScrollArea, Ui};
 use strum::VariantArray;
+
+use crate::ui::{Command, Editor, Panel, Shown};
 
 pub use form::{DEGREES, MM, PLAIN, Unit, bare_number, caption, fact, form, number, value};
 pub use target::{point, sampling};

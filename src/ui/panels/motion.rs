@@ -7,12 +7,13 @@ use crate::scene::{MotionPath, Scene, motion};
 use crate::solver::frames::Frame;
 use crate::ui::panels::form::heading;
 use crate::ui::panels::path::{self, Figures};
-use crate::ui::panels::{course, fact, form, modulation};
+use crate::ui::panels::{fact, form, modulation};
+use crate::ui::parts::course;
 use crate::ui::{Editor, Shown};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     modulation::show(editor, ui);
-    course::show(editor, shown, ui);
+    course::panel::show(editor, ui);
     ui.separator();
     settings(editor, ui);
     if !motion::moves(editor.scene()) {

@@ -8,7 +8,8 @@ use crate::acoustics::Air;
 use crate::scene::{ElementModel, Listener, Target};
 use crate::studio::probe;
 use crate::ui::panels::form::{choice, count, given, heading};
-use crate::ui::panels::{MM, PLAIN, Unit, bead, boards, fact, form, number, target};
+use crate::ui::panels::{MM, PLAIN, Unit, boards, fact, form, number, target};
+use crate::ui::parts::levitation;
 use crate::ui::{Editor, Shown, clipboard, edit, element_map, group, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
@@ -19,7 +20,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     ui.collapsing("Array", |ui| array(editor, ui));
     ui.collapsing("Boards", |ui| boards::show(editor, ui));
     ui.collapsing("Reflectors", |ui| boards::reflectors(editor, ui));
-    ui.collapsing("Bead", |ui| bead::show(editor, shown, ui));
+    ui.collapsing("Bead", |ui| levitation::panel::show(editor, ui));
     ui.collapsing("Air", |ui| air(editor, ui));
 }
 

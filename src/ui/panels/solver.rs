@@ -5,7 +5,6 @@ use egui::Ui;
 use crate::rounding::{millimetres, milliseconds, percent_at_least};
 use crate::scene::{Aim, Amplitudes, Method, Pressures, Turns};
 use crate::solver::{Figures, Quality, Solution};
-use crate::studio::convention::Convention;
 use crate::ui::panels::form::{choice, count, heading, variants};
 use crate::ui::panels::{PLAIN, fact, form, number, profile};
 use crate::ui::{Command, Editor, Shown, theme};
@@ -13,7 +12,7 @@ use crate::ui::{Command, Editor, Shown, theme};
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     settings(editor, ui);
     if let Some(solution) = &shown.solution {
-        quality(editor.view.convention, shown, solution, ui);
+        quality(editor, shown, solution, ui);
     }
     comparison(editor, shown, ui, commands);
     if let Some(sound) = &shown.sound {
@@ -65,7 +64,8 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     ui.label(egui::RichText::new(describe(solver.method)).weak());
 }
 
-fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut Ui) {
+fn quality(editor: &Editor, shown: &Shown, solution: &Solution, ui: &mut Ui) {
+    let convention = editor.view.convention;
     let quality = &solution.quality;
     heading(ui, "Quality");
     if quality.is_silent() {
@@ -89,8 +89,8 @@ fn quality(convention: Convention, shown: &Shown, solution: &Solution, ui: &mut 
         } else {
             foci(quality, ui);
         }
-        let certified = match shown.certified {
-            Some(certified) => format!("at least {}", percent_at_least(certified, 0)),
+        let certified = match editor.parts.bound.exact() {
+            Some(&bound) => format!("at least {}", percent_at_least(solution.certified(bound), 0)),
             None => "…".to_owned(),
         };
         fact(ui, ("Fraction of the upper bound", "Guaranteed; no drive exceeds the bound"), certified);

@@ -1,19 +1,29 @@
-//! Values that take longer than a frame, computed on a thread.
+//! Values that take longer than a frame, computed in the background.
 
-use std::borrow::Borrow;
-use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
+use std::io;
+use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
 
-use egui::Context;
-
-use crate::app::beside;
-use crate::app::job::Job;
+use crate::device::task::Task;
 use crate::gauge::Cancel;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::gauge::Gauge;
-use crate::scene::Scene;
 
 /// Values before the end of a computation that wait until they are collected.
 const KEPT: usize = 16;
+/// Time in which a page shows a frame.
+#[cfg(target_arch = "wasm32")]
+const FRAME: web_time::Duration = web_time::Duration::from_millis(20);
+
+/// Begins background work: on a thread, or in a page, which has one, once a frame is on the screen.
+///
+/// # Errors
+/// No thread can be started.
+pub fn begin(name: &str, work: impl FnOnce() + Send + 'static) -> io::Result<()> {
+    let make = async move || {
+        #[cfg(target_arch = "wasm32")]
+        crate::device::task::sleep(FRAME).await;
+        work();
+    };
+    Task::start(name, make).map(drop)
+}
 
 /// A value computed elsewhere, with its inputs. Of several requests only the latest is fulfilled.
 #[derive(Debug)]
@@ -28,7 +38,6 @@ pub struct Later<K, V> {
 struct Running<K, V> {
     key: K,
     receiver: Receiver<News<V>>,
-    /// Of a job: its value is then dropped.
     cancel: Cancel,
 }
 
@@ -39,6 +48,27 @@ enum News<V> {
     Last(V),
 }
 
+/// The end at which a computation puts its values.
+#[derive(Debug)]
+pub struct Answer<V> {
+    sender: SyncSender<News<V>>,
+    /// Set when nobody needs the value any more.
+    pub cancel: Cancel,
+}
+
+impl<V> Answer<V> {
+    /// Gives a value before the end.
+    pub fn so_far(&self, value: V) {
+        // The receiver may be gone.
+        let _ = self.sender.send(News::SoFar(value));
+    }
+
+    /// Gives the last value.
+    pub fn last(self, value: V) {
+        let _ = self.sender.send(News::Last(value));
+    }
+}
+
 impl<K, V> Default for Later<K, V> {
     fn default() -> Self {
         Self { running: None, done: None, failed: None }
@@ -47,78 +77,55 @@ impl<K, V> Default for Later<K, V> {
 
 impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
     /// Ensures that the value for `key` is available or pending. One value is computed at a time; repeat the request
-    /// every frame.
-    pub fn ask(&mut self, key: &K, ctx: &Context, work: impl FnOnce(&K) -> V + Send + 'static) {
-        self.ask_with(key, ctx, |key, _| work(key));
-    }
-
-    /// The same, of work that has values before its end, for its second argument.
-    fn ask_with(
+    /// every frame. `wake` is called when the value is there.
+    pub fn ask(
         &mut self,
         key: &K,
-        ctx: &Context,
-        work: impl FnOnce(&K, &mut dyn FnMut(V)) -> V + Send + 'static,
+        wake: impl Fn() + Send + 'static,
+        work: impl FnOnce(&K) -> V + Send + 'static,
     ) {
-        if self.is_refused(key) {
+        self.ask_with(key, wake, |key, _| work(key));
+    }
+
+    /// The same, of work with values before its end.
+    pub fn ask_with(
+        &mut self,
+        key: &K,
+        wake: impl Fn() + Send + 'static,
+        work: impl FnOnce(&K, &Answer<V>) -> V + Send + 'static,
+    ) {
+        let own = key.clone();
+        self.ask_by(key, |answer| {
+            let make = move || {
+                let last = work(&own, &answer);
+                answer.last(last);
+                wake();
+            };
+            begin("later", make).is_ok()
+        });
+    }
+
+    /// The same, of work done elsewhere; `begin` returns whether it has begun.
+    pub fn ask_by(&mut self, key: &K, begin: impl FnOnce(Answer<V>) -> bool) {
+        if self.running.is_some() || self.get(key).is_some() || self.failed.as_ref() == Some(key) {
             return;
         }
         let (sender, receiver) = sync_channel(KEPT);
-        let (own, ctx) = (key.clone(), ctx.clone());
-        let make = move || {
-            let send = |news| {
-                // The receiver may be gone.
-                let _ = sender.send(news);
-                ctx.request_repaint();
-            };
-            let last = work(&own, &mut |value| send(News::SoFar(value)));
-            send(News::Last(last));
-        };
-        match beside::run("later", make) {
-            Ok(()) => {
-                self.running = Some(Running { key: key.clone(), receiver, cancel: Cancel::default() });
-            }
-            Err(_) => self.failed = Some(key.clone()),
+        let cancel = Cancel::default();
+        if begin(Answer { sender, cancel: cancel.clone() }) {
+            self.running = Some(Running { key: key.clone(), receiver, cancel });
+        } else {
+            self.failed = Some(key.clone());
         }
     }
 
-    /// Cancels a running job, unless it is for this key.
+    /// Cancels running work, unless it is for this key.
     pub fn keep(&mut self, key: Option<&K>) {
         if let Some(running) = &self.running
             && Some(&running.key) != key
         {
             running.cancel.cancel();
         }
-    }
-
-    /// The same for a job on a scene; a job for another scene is cancelled.
-    pub fn ask_for<J: Job<Made = V>>(&mut self, key: &K, ctx: &Context)
-    where
-        K: Borrow<Scene>,
-    {
-        self.keep(Some(key));
-        #[cfg(not(target_arch = "wasm32"))]
-        if !self.is_refused(key) {
-            let cancel = Cancel::default();
-            let gauge = Gauge::default().until(&cancel);
-            self.ask_with(key, ctx, move |key, so_far| gauge.lead(|| J::make_with(key.borrow(), so_far)));
-            self.running.iter_mut().for_each(|running| running.cancel = cancel.clone());
-        }
-        #[cfg(target_arch = "wasm32")]
-        if !self.is_refused(key) {
-            let (sender, receiver) = sync_channel(1);
-            let ctx = ctx.clone();
-            crate::app::worker::ask::<J>(key.borrow(), move |made| {
-                // The receiver may be gone.
-                let _ = sender.send(News::Last(made));
-                ctx.request_repaint();
-            });
-            self.running = Some(Running { key: key.clone(), receiver, cancel: Cancel::default() });
-        }
-    }
-
-    /// Whether another value is pending, or this one is available or has failed.
-    fn is_refused(&self, key: &K) -> bool {
-        self.running.is_some() || self.get(key).is_some() || self.failed.as_ref() == Some(key)
     }
 
     /// Collects the newest value, and returns whether there was one, or none will come. Call it every frame.
@@ -150,9 +157,14 @@ impl<K: Clone + PartialEq + Send + 'static, V: Send + 'static> Later<K, V> {
         self.done.as_ref().filter(|(own, _)| own == key).map(|(_, value)| value)
     }
 
-    /// The inputs of the current value.
+    /// The key of the newest value.
     pub fn latest(&self) -> Option<&K> {
         self.done.as_ref().map(|(key, _)| key)
+    }
+
+    /// The newest value.
+    pub fn newest(&self) -> Option<&V> {
+        self.done.as_ref().map(|(_, value)| value)
     }
 
     pub fn is_running(&self) -> bool {
@@ -169,14 +181,17 @@ mod tests {
 
     #[test]
     fn values_before_the_end_count_until_the_last_comes() {
-        let ctx = Context::default();
         let mut later = Later::default();
         let (go, wait) = sync_channel(1);
-        later.ask_with(&1, &ctx, move |key, so_far| {
-            so_far(key * 10);
-            wait.recv().unwrap();
-            key * 100
-        });
+        later.ask_with(
+            &1,
+            || {},
+            move |key, answer| {
+                answer.so_far(key * 10);
+                wait.recv().unwrap();
+                key * 100
+            },
+        );
         let start = Instant::now();
         let until = |later: &mut Later<i32, i32>, expected| {
             while later.get(&1) != Some(&expected) {
@@ -194,24 +209,23 @@ mod tests {
 
     #[test]
     fn the_latest_wish_is_fulfilled_and_what_panics_is_not_tried_again() {
-        let ctx = Context::default();
         let mut later = Later::default();
         let start = Instant::now();
-        later.ask(&1, &ctx, |key| key * 10);
+        later.ask(&1, || {}, |key| key * 10);
         while later.get(&2) != Some(&20) {
             later.collect();
-            later.ask(&2, &ctx, |key| key * 10);
+            later.ask(&2, || {}, |key| key * 10);
             assert!(start.elapsed() < Duration::from_secs(20));
             thread::sleep(Duration::from_millis(1));
         }
         assert_eq!(later.get(&1), None);
-        later.ask(&3, &ctx, |_| panic!("on purpose"));
+        later.ask(&3, || {}, |_| panic!("on purpose"));
         while later.is_running() {
             later.collect();
-            later.ask(&3, &ctx, |_| panic!("not again"));
+            later.ask(&3, || {}, |_| panic!("not again"));
             thread::sleep(Duration::from_millis(1));
         }
-        later.ask(&3, &ctx, |_| 30);
+        later.ask(&3, || {}, |_| 30);
         assert!(!later.is_running() && later.get(&3).is_none());
     }
 }

@@ -1,24 +1,24 @@
-//! Measurements of the displayed field on a thread: its maximum, peak side lobe and focal widths.
+//! Measurements of the displayed field: its maximum, peak side lobe and focal widths.
 
-use egui::Context;
 use glam::DVec3;
 
 use crate::acoustics::{Aperture, Clearance};
-use crate::app::later::Later;
 use crate::drive::Drive;
 use crate::field::{Evaluator, Quantity, Request, Stages, side_lobe};
 use crate::scene::{Focus, Plane, Scene};
 use crate::studio::width::{self, Widths};
-use crate::ui::section;
-use crate::ui::view::Lens;
-use crate::ui::{Editor, Extremes, Shown};
+use crate::ui::part::{Now, Part};
 
 /// Resolution of the search for the maximum, in pixels of the map's wider side.
 const PIXELS: f64 = 600.0;
 
-/// The inputs of the extremes.
+/// The measurements on the map.
+#[derive(Debug, Default)]
+pub struct Survey;
+
+/// The inputs of the measurements.
 #[derive(Clone, Debug, PartialEq)]
-struct Surveyed {
+pub struct Input {
     scene: Scene,
     aperture: Aperture,
     drives: Vec<Drive>,
@@ -30,55 +30,50 @@ struct Surveyed {
     focus: Option<DVec3>,
 }
 
-#[derive(Debug, Default)]
-pub struct Survey {
-    found: Later<Surveyed, (Option<Extremes>, Option<Widths>)>,
+/// The displayed maximum and peak side lobe: position (m), and |P| (Pa, peak).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extremes {
+    pub peak: Option<(DVec3, f64)>,
+    pub side_lobe: Option<(DVec3, f64)>,
 }
 
-impl Survey {
-    pub fn is_running(&self) -> bool {
-        self.found.is_running()
-    }
+impl Part for Survey {
+    type Input = Input;
+    type Output = (Option<Extremes>, Option<Widths>);
 
-    /// Collects finished values, and returns whether there were any.
-    pub fn collect(&mut self) -> bool {
-        self.found.collect()
-    }
-
-    /// Requests the displayed measurements, if nothing is dragged.
-    pub fn update(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
-        (shown.extremes, shown.widths) = (None, None);
-        let marks = editor.view.extremes;
-        let focus = section::focus(editor, shown).filter(|_| editor.view.section);
-        let Some(sound) = shown.sound.as_ref().filter(|_| marks || focus.is_some()) else { return };
-        if sound.drive().phases.len() != sound.aperture.positions.len() {
-            return;
-        }
-        let plane = editor.view.plane(editor.scene(), lens);
-        let surveyed = Surveyed {
-            scene: Scene { plane: plane.clone(), ..editor.scene().clone() },
+    fn input(&self, now: &Now<'_>) -> Option<Input> {
+        let marks = now.view.extremes;
+        let focus = now.focus.filter(|_| now.view.section);
+        let sound = now.sound.filter(|_| marks || focus.is_some())?;
+        let plane = now.view.plane(now.scene, now.lens?);
+        Some(Input {
+            scene: Scene { plane: plane.clone(), ..now.scene.clone() },
             aperture: sound.aperture.clone(),
             drives: sound.drives.clone(),
             foci: sound.foci.clone(),
             plane,
             marks,
             focus,
-        };
-        if !ctx.input(|input| input.pointer.any_down()) && !editor.playback.playing {
-            self.found.ask(&surveyed, ctx, measure);
-        }
-        (shown.extremes, shown.widths) = self.found.get(&surveyed).copied().unwrap_or_default();
+        })
+    }
+
+    fn may_begin(&self, now: &Now<'_>) -> bool {
+        now.rests && !now.playback.playing
+    }
+
+    fn computation(&self) -> impl FnOnce(&Input) -> Self::Output + Send + 'static {
+        measure
     }
 }
 
-fn measure(surveyed: &Surveyed) -> (Option<Extremes>, Option<Widths>) {
-    let Surveyed { aperture, drives, marks, focus, .. } = surveyed;
+fn measure(input: &Input) -> (Option<Extremes>, Option<Widths>) {
+    let Input { aperture, drives, marks, focus, .. } = input;
     let widths = focus.map(|focus| width::widths(aperture, drives, focus));
-    (marks.then(|| extremes(surveyed)), widths)
+    (marks.then(|| extremes(input)), widths)
 }
 
-fn extremes(surveyed: &Surveyed) -> Extremes {
-    let Surveyed { scene, aperture, drives, foci, plane, .. } = surveyed;
+fn extremes(input: &Input) -> Extremes {
+    let Input { scene, aperture, drives, foci, plane, .. } = input;
     let mut stages = Stages::new(Evaluator::Cpu);
     let lobe = side_lobe::loudest(&mut stages, aperture, plane, drives, foci).ok();
     Extremes {

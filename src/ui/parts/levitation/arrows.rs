@@ -3,8 +3,12 @@
 use egui::{Color32, Painter, Stroke, Vec2, vec2};
 use glam::{DVec2, DVec3};
 
-use crate::ui::view::Lens;
-use crate::ui::{Arrows, Editor};
+use crate::acoustics::Aperture;
+use crate::drive::Drive;
+use crate::force::Levitation;
+use crate::scene::Scene;
+use crate::ui::part::{Now, Part};
+use crate::ui::view::{Axes, Lens};
 
 /// Points of the screen from arrow to arrow, and of the longest.
 const APART: f32 = 26.0;
@@ -16,22 +20,66 @@ const USUAL: f64 = 0.95;
 const INK: Color32 = Color32::from_rgb(250, 250, 250);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 150);
 
+/// Display of the arrows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Arrows {
+    pub is_shown: bool,
+}
+
+/// The drives, the bead, and the positions of the arrows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Input {
+    scene: Scene,
+    aperture: Aperture,
+    drives: Vec<Drive>,
+    /// m
+    places: Vec<DVec3>,
+}
+
+/// Radiation forces (N) on the scene's bead at points (m) of the plane.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Field {
+    pub places: Vec<DVec3>,
+    pub forces: Vec<DVec3>,
+}
+
+impl Part for Arrows {
+    type Input = Input;
+    type Output = Field;
+
+    fn input(&self, now: &Now<'_>) -> Option<Input> {
+        let lens = now.lens.filter(|_| self.is_shown && !now.view.is_shaded())?;
+        let sound = now.sound?;
+        Some(Input {
+            scene: now.scene.clone(),
+            aperture: sound.aperture.clone(),
+            drives: sound.drives.clone(),
+            places: places(now.scene, &now.view.axes(now.scene), lens),
+        })
+    }
+
+    fn computation(&self) -> impl FnOnce(&Input) -> Field + Send + 'static {
+        |Input { scene, aperture, drives, places }| {
+            let levitation = Levitation::new(scene, aperture, drives);
+            Field { forces: levitation.forces_at(places), places: places.clone() }
+        }
+    }
+}
+
 /// Positions of arrows (m) on the visible part of the plane, in front of the array.
-pub fn places(editor: &Editor, lens: &Lens) -> Vec<DVec3> {
-    let axes = editor.view.axes(editor.scene());
+fn places(scene: &Scene, axes: &Axes, lens: &Lens) -> Vec<DVec3> {
     let count = [lens.rect.width(), lens.rect.height()].map(|side| ((side / APART) as i32 / 2).max(1));
     let at = |i: i32, j: i32| {
         let offset = vec2(i as f32, j as f32) * APART;
         axes.world(lens.flat(lens.rect.center() + offset))
     };
     let rows = (-count[1]..=count[1]).flat_map(|j| (-count[0]..=count[0]).map(move |i| (i, j)));
-    let lowest = editor.scene().wavelength() / 2.0;
-    let is_home = editor.scene().is_home();
+    let lowest = scene.wavelength() / 2.0;
+    let is_home = scene.is_home();
     rows.map(|(i, j)| at(i, j)).filter(|place| !is_home || place.z > lowest).collect()
 }
 
-pub fn paint(editor: &Editor, arrows: &Arrows, painter: &Painter, lens: &Lens) {
-    let axes = editor.view.axes(editor.scene());
+pub fn paint(arrows: &Field, axes: &Axes, painter: &Painter, lens: &Lens) {
     let along = |force: &DVec3| DVec2::new(force.dot(axes.x), force.dot(axes.y));
     let forces: Vec<_> = arrows.forces.iter().map(along).collect();
     let mut sizes: Vec<_> =

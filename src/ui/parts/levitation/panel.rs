@@ -2,14 +2,14 @@
 
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, PlotPoints};
-use glam::DVec3;
 
 use crate::force::Outcome;
-use crate::scene::{Bead, Material, Shape};
+use crate::scene::{Bead, Material};
 use crate::studio::levitation;
 use crate::ui::panels::form::{choice, given, still_plot, variants};
 use crate::ui::panels::{MM, Unit, fact, form, number};
-use crate::ui::{BeadPlace, Editor, Levitated, Shown, measure, section, theme};
+use crate::ui::parts::levitation::{Levitated, Place};
+use crate::ui::{Editor, measure, theme};
 
 /// Points of the screen.
 const HEIGHT: f32 = 120.0;
@@ -17,47 +17,26 @@ const HEIGHT: f32 = 120.0;
 const COLOURS: [Color32; 3] =
     [Color32::from_rgb(226, 98, 84), Color32::from_rgb(98, 176, 84), Color32::from_rgb(84, 148, 226)];
 
-/// Where the bead is put, m.
-pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
-    let at = match editor.bead.place {
-        BeadPlace::Target if editor.selection.is_empty() => {
-            trap(editor).or_else(|| section::focus(editor, shown))
-        }
-        BeadPlace::Target => section::focus(editor, shown),
-        BeadPlace::Pointer => editor.pointed,
-    };
-    at.filter(|at| !editor.scene().is_home() || at.z > 0.0)
-}
-
-/// Position of the first played trap; beads do not sit at its lobes.
-fn trap(editor: &Editor) -> Option<DVec3> {
-    let mut targets = editor.scene().targets.iter().filter(|target| target.visible);
-    targets.find_map(|target| {
-        let Shape::Trap { at, .. } = target.shape else { return None };
-        Some(at)
-    })
-}
-
-pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+pub fn show(editor: &mut Editor, ui: &mut Ui) {
     material(&mut editor.document.scene.bead, ui);
-    ui.checkbox(&mut editor.bead.arrows, "Arrows on the map").on_hover_text(
+    ui.checkbox(&mut editor.parts.arrows.form.is_shown, "Arrows on the map").on_hover_text(
         "Where the sound drives the bead on the cut; the longer, the stronger. Weight is left out",
     );
-    ui.checkbox(&mut editor.bead.is_shown, "Force at a point")
+    ui.checkbox(&mut editor.parts.levitation.form.is_shown, "Force at a point")
         .on_hover_text("Whether a bead is held there, and the force along x, y and z");
-    if !editor.bead.is_shown {
+    if !editor.parts.levitation.form.is_shown {
         return;
     }
     form(ui, "bead place", |ui| {
-        let places = [(BeadPlace::Target, "target"), (BeadPlace::Pointer, "pointer")];
+        let places = [(Place::Target, "target"), (Place::Pointer, "pointer")];
         let tip = "Target: the selected one, or else the first trap or focus. Pointer: its last position on the map";
-        choice(ui, ("Place", tip), &mut editor.bead.place, &places);
+        choice(ui, ("Place", tip), &mut editor.parts.levitation.form.place, &places);
     });
-    match &shown.levitated {
+    match editor.parts.levitation.newest() {
         Some(levitated) => figures(levitated, ui),
-        None => drop(ui.label(match editor.bead.place {
-            BeadPlace::Pointer => "Move the pointer over the map.",
-            BeadPlace::Target => "Nothing is played there.",
+        None => drop(ui.label(match editor.parts.levitation.form.place {
+            Place::Pointer => "Move the pointer over the map.",
+            Place::Target => "Nothing is played there.",
         })),
     }
 }

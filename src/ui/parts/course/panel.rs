@@ -2,53 +2,37 @@
 
 use egui::Ui;
 use egui_plot::{Line, PlotPoints};
-use glam::DVec3;
 
 use crate::studio::time_course;
 use crate::ui::panels::form::{choice, heading, still_plot};
 use crate::ui::panels::{fact, form};
-use crate::ui::{Course, CoursePlace, Editor, Shown, measure, section, theme};
+use crate::ui::parts::course::{BAND, Course, Place};
+use crate::ui::{Editor, measure, theme};
 
 /// Points of the screen.
 const HEIGHT: f32 = 92.0;
-/// Limit of displayed lines, Hz.
-pub const BAND: f64 = 1000.0;
 
-/// Position of the time course.
-pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
-    let at = match editor.course.place {
-        CoursePlace::Focus => section::focus(editor, shown),
-        CoursePlace::Pointer => editor.pointed,
-        CoursePlace::Listener => editor.scene().listener.as_ref().map(|listener| listener.at),
-    };
-    at.filter(|at| at.z > 0.0)
-}
-
-pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
+pub fn show(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "At a point");
     let tip =
         "Pressure under modulation, motion and the frame rate of the board, and the spectrum of its square";
-    ui.checkbox(&mut editor.course.is_shown, "Course of time and spectrum").on_hover_text(tip);
-    if !editor.course.is_shown {
+    ui.checkbox(&mut editor.parts.course.form.is_shown, "Course of time and spectrum").on_hover_text(tip);
+    if !editor.parts.course.form.is_shown {
         return;
     }
     form(ui, "course place", |ui| {
-        let places = [
-            (CoursePlace::Focus, "focus"),
-            (CoursePlace::Pointer, "pointer"),
-            (CoursePlace::Listener, "listener"),
-        ];
+        let places = [(Place::Focus, "focus"), (Place::Pointer, "pointer"), (Place::Listener, "listener")];
         let tip =
             "Focus: the position of the selected or the first target. Pointer: its last position on the map";
-        choice(ui, ("Place", tip), &mut editor.course.place, &places);
+        choice(ui, ("Place", tip), &mut editor.parts.course.form.place, &places);
     });
-    let Some(course) = &shown.course else {
-        ui.label(match editor.course.place {
-            CoursePlace::Pointer if editor.pointed.is_none() => "Move the pointer over the map.",
-            CoursePlace::Listener if editor.scene().listener.is_none() => {
+    let Some(course) = editor.parts.course.newest() else {
+        ui.label(match editor.parts.course.form.place {
+            Place::Pointer if editor.pointed.is_none() => "Move the pointer over the map.",
+            Place::Listener if editor.scene().listener.is_none() => {
                 "There is no listener: the Scene panel sets one."
             }
-            CoursePlace::Focus | CoursePlace::Pointer | CoursePlace::Listener => "Nothing is played there.",
+            Place::Focus | Place::Pointer | Place::Listener => "Nothing is played there.",
         });
         return;
     };

@@ -1,0 +1,58 @@
+//! The parts of the window, a folder or a file each.
+
+mod bound;
+pub mod course;
+pub mod levitation;
+mod radiation;
+mod survey;
+
+use egui::Context;
+
+use crate::ui::part::{Background, Derived, Now};
+use crate::ui::parts::bound::Bound;
+use crate::ui::parts::course::TimeCourse;
+use crate::ui::parts::levitation::Levitation;
+use crate::ui::parts::levitation::arrows::Arrows;
+use crate::ui::parts::radiation::Radiation;
+use crate::ui::parts::survey::Survey;
+
+pub use radiation::RadiationFigures;
+pub use survey::Extremes;
+
+/// All parts.
+#[derive(Debug, Default)]
+pub struct Parts {
+    pub arrows: Derived<Arrows>,
+    pub bound: Derived<Bound>,
+    pub course: Derived<TimeCourse>,
+    pub levitation: Derived<Levitation>,
+    pub radiation: Derived<Radiation>,
+    pub survey: Derived<Survey>,
+}
+
+impl Parts {
+    fn all(&self) -> [&dyn Background; 6] {
+        let Self { arrows, bound, course, levitation, radiation, survey } = self;
+        [arrows, bound, course, levitation, radiation, survey]
+    }
+
+    fn all_mut(&mut self) -> [&mut dyn Background; 6] {
+        let Self { arrows, bound, course, levitation, radiation, survey } = self;
+        [arrows, bound, course, levitation, radiation, survey]
+    }
+
+    /// Collects finished values, and returns whether there were any.
+    pub fn collect(&mut self) -> bool {
+        self.all_mut().map(|part| part.collect()).contains(&true)
+    }
+
+    /// Requests the displayed values.
+    pub fn update(&mut self, now: &Now<'_>, ctx: &Context) {
+        self.all_mut().into_iter().for_each(|part| part.update(now, ctx));
+    }
+
+    /// Whether anything is being computed.
+    pub fn is_running(&self) -> bool {
+        self.all().into_iter().any(|part| part.is_running())
+    }
+}

@@ -1,0 +1,75 @@
+//! The played drive and its pressures.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::acoustics::{Air, Aperture};
+use crate::drive::Drive;
+use crate::field::Quantity;
+use crate::scene::{Bead, Focus, Scene, outline};
+use crate::solver::frames::Sequence;
+use crate::studio::probe::{self, Reading};
+use crate::ui::map::Map;
+use crate::ui::playback::Playback;
+
+/// The played drive and its pressures.
+#[derive(Clone, Debug)]
+pub struct Sound {
+    pub aperture: Aperture,
+    pub air: Air,
+    pub bead: Bead,
+    /// Drives in turn, at least one.
+    pub drives: Vec<Drive>,
+    pub foci: Vec<Focus>,
+    /// The readings at the foci.
+    pub readings: Vec<Reading>,
+}
+
+impl Sound {
+    /// The first drive in turn.
+    pub fn drive(&self) -> &Drive {
+        &self.drives[0]
+    }
+
+    /// The values of a map at points of its plane, in f64; empty for quantities that depend on more than the points.
+    pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
+        let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
+        probe::values(
+            (&self.aperture, &self.air, &self.bead),
+            &self.drives,
+            (map.quantity, map.phase),
+            axes,
+            points,
+        )
+    }
+
+    pub fn value(&self, map: &Map, point: DVec3) -> Option<f64> {
+        self.values(map, &[point]).first().copied()
+    }
+}
+
+/// The drives of a map of this quantity: the played ones, or all frames of the motion if their mean counts and no frame
+/// is displayed.
+pub fn drives(
+    cycle: Option<&Arc<Sequence>>,
+    sound: Option<&Sound>,
+    playback: Playback,
+    quantity: Quantity,
+) -> Vec<Drive> {
+    match cycle {
+        Some(cycle) if quantity.declaration().is_slow && playback.frame.is_none() => {
+            cycle.frames.iter().map(|frame| frame.drive.clone()).collect()
+        }
+        _ => sound.iter().flat_map(|sound| sound.drives.clone()).collect(),
+    }
+}
+
+/// The position of the relevant focus (m): of the selected target, or of the first focus.
+pub fn focus(scene: &Scene, selection: &BTreeSet<usize>, sound: Option<&Sound>) -> Option<DVec3> {
+    let of_selection = selection.first().and_then(|&index| scene.targets.get(index));
+    of_selection
+        .map(|target| outline::centre(&target.shape))
+        .or_else(|| sound?.foci.first().map(|focus| focus.position))
+}
