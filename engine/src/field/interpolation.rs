@@ -1,4 +1,7 @@
-//! From samples to pixels along one axis: a Kaiser-windowed sinc.
+//! Interpolation from samples to pixels along one axis, by a Kaiser-windowed sinc.
+//!
+//! Slopes along the plane are interpolated from the same samples, by the derivative of the sinc under the same
+//! window.
 
 use std::f64::consts::PI;
 

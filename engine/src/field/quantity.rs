@@ -1,8 +1,13 @@
 //! The quantities of a field. Each is declared once: its parts of the sound, its formula in Rust and in WGSL, unit,
 //! range, and names.
 //!
-//! A formula maps the sound of one drive at one point to one real number. The numbers of several drives are averaged;
-//! RMS values take the root of that mean, a liquid responds to it, and of a vector the length of the mean is taken.
+//! A formula maps the sound of one drive at one point to one real number. The numbers of several drives are
+//! averaged; RMS values take the root of that mean, a liquid responds to it, and of a vector the length of the mean
+//! is taken.
+//!
+//! Menus, arguments, legends, colour maps, contour lines and both evaluators use the declaration, so a new quantity
+//! is one more declaration (`docs/adding-a-quantity.md`). Only the force on a bead has no formula (`is_vector`): it
+//! needs second derivatives of the sound in all directions (`stages::force`).
 
 use std::ops::{Mul, Sub};
 

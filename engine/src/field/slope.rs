@@ -1,5 +1,9 @@
 //! Slopes of the pressure along a direction where no grid provides them: by differences in f32, and in f64 by the
 //! transfer's own slopes.
+//!
+//! Slopes along the plane's normal are differences between samples on four more planes, a thirty-second and a
+//! sixteenth of a wavelength away on either side. One table of these differences is used like that of the pressure.
+//! Near the array, without interpolation, all slopes are such differences.
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};

@@ -1,12 +1,20 @@
 //! The constants of the array and its drive for the f32 evaluators, computed in f64.
 //!
-//! Phase is counted in turns and reduced by `t - round(t)`: shading languages guarantee nothing for the sine of a
-//! large angle. Sine, cosine and directivity are our own polynomials, identical in both evaluators.
+//! The f32 evaluators stay within 2e-5 of the peak of the f64 reference, in complex values. Three techniques make
+//! this possible:
 //!
-//! Every board is evaluated in its own coordinates. The elements of a flat board lie in z = 0, so a distance is r =
-//! z + ρ²/(r + z), and e^{-jkz} is common to all elements: it is applied once per sample with a phase reduced in f64,
-//! and f32 handles only the small second part. So distant planes are as accurate as near ones. The elements of a
-//! curved board have heights h and individual directions: r = |z| + (ρ² + h² - 2zh)/(r + |z|).
+//! - Phase is counted in turns and reduced by `t - round(t)`: shading languages guarantee nothing for the sine of a
+//!   large angle.
+//! - Sine, cosine and directivity are our own polynomials, identical in both evaluators.
+//! - Every board is evaluated in its own coordinates (`Samples::seen_from`), and complex samples add. The elements
+//!   of a flat board lie in z = 0, so a distance is r = z + ρ²/(r + z), and e^{-jkz} is common to all elements: it
+//!   is applied once per sample with a phase reduced in f64, and f32 handles only the small second part. So distant
+//!   planes are as accurate as near ones.
+//!
+//! The elements of a curved board have heights h and individual directions ([`Sources::tilts`], a second vector per
+//! element, and no shared table): r = |z| + (ρ² + h² - 2zh)/(r + |z|). The image in a reflector is a board with
+//! another pose, a gain, and the elements of its original. Cases beyond the polynomials (elements of more than four
+//! wavelengths, extreme absorption) use the reference.
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};

@@ -2,8 +2,9 @@
 //!
 //! Where a sample axis is shared ([`crate::field::plan::Shared`]), the transfer from element n to sample i equals
 //! that from element 0 to the sample `n · shared.samples` before it. One longer line of samples then serves all
-//! elements along that axis: the table of a parallel plane is a hundred to a thousand times smaller and stays in the
-//! caches.
+//! elements along that axis: a plane parallel to a 16 x 16 array needs a table of 0.4 MB instead of 35 MB, which
+//! stays in the fastest caches. Otherwise the table is stored in the order of access. Tables above 256 MiB
+//! ([`crate::field::plan::TABLE_CEILING`]) are not built; each superposition then evaluates the waves again.
 
 use std::f64::consts::TAU;
 

@@ -1,11 +1,18 @@
-//! `best` for separate foci: levelled iteration, and a contest of starts where their phases decide how strong a drive can
-//! be.
+//! `best` for separate foci: levelled iteration, and a contest of starts where their phases decide how strong a
+//! drive can be.
 //!
-//! The waves of close foci, and of foci at repeated distances as in grids and rings, add up to the same pattern on the
-//! array for many pairs of foci. Wherever they cancel, elements have nothing to play for, unless the focal phases suit
-//! each other: one local optimum has half the pressure of another. Power on the Gram matrix, where these elements play
-//! softly, does not tell them apart. So many starts iterate on the elements, in rounds that fewer and fewer survive; the
-//! last ones descend to the largest soft minimum of all foci, and the best of them is disturbed and descends again.
+//! Eight scattered starts climb in parallel on R = H H*, one per SIMD lane (`starts`), to focal phases with
+//! constructive interference. A damped weighted iteration then weights the foci, and up to five Gauss-Newton steps
+//! level them (`iteration`). For 8 foci H (5 to 10 ns per entry) takes a third of the time, for 32 a quarter;
+//! levelling takes most of the rest. [`best_from`] continues from the previous solution and its weights; it needs H
+//! but not R.
+//!
+//! The waves of close foci, and of foci at repeated distances as in grids and rings, add up to the same pattern on
+//! the array for many pairs of foci. Wherever they cancel, elements contribute nothing, unless the focal phases
+//! suit each other: one local optimum has half the pressure of another. Power on the Gram matrix, where these
+//! elements have small amplitudes, does not tell them apart. So many starts iterate on the elements, in rounds that
+//! fewer and fewer survive; the last ones descend to the largest soft minimum of all foci, and the best of them is
+//! disturbed and descends again.
 
 use std::f64::consts::TAU;
 

@@ -1,5 +1,11 @@
 //! Methods with free focal phases: phase conjugation, Gerchberg-Saxton and its variants, greedy search, and the
-//! combination `best`.
+//! levelling of `best`.
+//!
+//! A levelling step is the smallest change of element phases that equalises the moduli, from the real M x M matrix
+//! J Jᵀ of `acoustics::jacobian`. Only moduli are prescribed, so foci closer than the array's resolution stay level
+//! and strong; prescribing the complex field there, as alternating projections with R do, costs much of their
+//! pressure. A step of the weighted iteration or of levelling is one pass over H, `Transfer::drive_by`: back to the
+//! elements, normalised, and forward to the foci, block by block in cache.
 
 use std::f64::consts::TAU;
 use web_time::{Duration, Instant};

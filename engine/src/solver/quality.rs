@@ -1,4 +1,8 @@
 //! Quality figures of a drive, and an upper bound on all drives.
+//!
+//! The bound is a Lagrangian dual: any weights on foci and elements give a bound. Good weights come from the
+//! weighted iteration with drives of rank eight: that relaxed problem has no poor local optima, and the bound is
+//! the dual of its optimum.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};

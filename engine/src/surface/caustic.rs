@@ -2,7 +2,9 @@
 //! evenly over its image on the screen, also where patches fold over each other.
 //!
 //! A patch with signed area a on the screen covers its pixels with its light over a. [`Coverage`] sums along edges,
-//! each with the difference of its two adjacent patches, so light is conserved.
+//! eight at a time, each with the difference of its two adjacent patches, row by row of pixels: folds are areas of
+//! opposite sign, and light is conserved. Bands of rows are independent and sums have a fixed order, so the result
+//! does not depend on the number of threads.
 
 use rayon::prelude::*;
 

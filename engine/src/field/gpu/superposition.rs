@@ -1,7 +1,7 @@
 //! Sums over the elements on the GPU.
 //!
-//! There is no table of transfer values as on the CPU: with llvmpipe, reading a value took three times as long as computing
-//! it, and a real GPU computes faster still.
+//! There is no table of transfer values as on the CPU: with llvmpipe, reading a value took three times as long as
+//! computing it, and a real GPU computes faster still.
 
 use std::ops::Range;
 

@@ -1,4 +1,7 @@
 //! Figures of a liquid's surface (depth, slope, force, volume) on the displayed plane.
+//!
+//! The maximum depth and slope lie between the cells: they are maxima (`summit`) of the surface that the window of
+//! the pixels interpolates, on the plane including its edge.
 
 use glam::DVec2;
 use rayon::prelude::*;

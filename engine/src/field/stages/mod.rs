@@ -1,8 +1,28 @@
-//! The pipeline of a map: from drives to values, and from values to colours and contour lines, with the latest result
-//! of each stage.
+//! The pipeline of a map: from drives to values, and from values to colours and contour lines, with the latest
+//! result of each stage.
 //!
-//! Every stage keeps its result together with its inputs, and reruns only when they differ. [`Work`] counts how often
-//! each ran.
+//! Every stage keeps its result together with its inputs, compares these (`==`), and reruns only when they differ:
+//! there are no flags and no invalidation calls. [`Work`] counts how often each ran; `engine/tests/field/stages.rs`
+//! checks the table.
+//!
+//! | stage | inputs | result |
+//! |---|---|---|
+//! | plan (`site`) | array, medium, plane with its tolerance, parts of the sound; for a liquid its capillary length | sample positions, and whether the quantity is formed at pixels or cells |
+//! | transfer (CPU) | the same | H from every element to every sample, one table for the pressure and one for its normal slope |
+//! | superposition | the same, and the drives | H u at the samples, without silent elements |
+//! | interpolation | the same, and the size in pixels or the cells | the parts of the sound there |
+//! | forming | the same, the quantity, air and moment | one number per position, averaged over the drives |
+//! | response | the same, and the liquid except light | the liquid's depth per cell |
+//! | caustic | the response, refractive index, screen and direction of light, size | brightness per pixel, from rays between the cells |
+//! | pixels | cells, envelope, size | values, their peak, and the error against f64 at 48 pixels and more beside elements |
+//! | picture, contours | values, colours, range and scale; a level | colours; contour lines |
+//!
+//! *f64.* Samples are evaluated by the reference where f32 rounding exceeds the tolerance (by the measured error),
+//! where f32 has no room for the elements, and next to the rim of an exact piston. If the error is still too large,
+//! every pixel is evaluated: where the field is weak, window leakage dominates.
+//!
+//! *Liquids.* The pressure at the cells becomes a depth ([`Tank`]), in f64 on the CPU. A moving surface is a
+//! request with the depth of every cell and uses the same later stages.
 
 mod caustic;
 mod depression;

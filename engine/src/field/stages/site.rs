@@ -1,4 +1,11 @@
 //! The site of a quantity: pixels or cells, and the samples it requires.
+//!
+//! A single part of the sound of one drive is formed at the pixels. Squares of several drives or parts, and the
+//! pressure on a liquid, are formed at *cells*, six per wavelength, since a square has twice the bandwidth and all
+//! later steps (mean, depression, pixels) are linear: fewer complex numbers are interpolated. Squaring doubles
+//! relative errors; where errors are differences of squares, the samples keep two fifths of the tolerance. Where
+//! cells would be too close to the array, pixels are used, except for a liquid. A magnitude such as the intensity
+//! is not band-limited: it is always formed at the pixels.
 
 use glam::DVec3;
 

@@ -3,8 +3,11 @@
 //! With I the mean |p|² of all drives in turn at samples of weight w and target T,
 //!   L = Σ w (s I - T)² / Σ w T², s = Σ w I T / Σ w I² the best scale,
 //!   ∂L/∂I = 2 s w (s I - T) / Σ w T², since the derivative by s vanishes.
-//! For a liquid's depression C I replaces I, C being the liquid's response, and ∂L/∂I is multiplied by C.
-//! Where the quiet region has the same samples, its share of the objective is a function of the same I.
+//!
+//! For a liquid's depression C I replaces I, C being the liquid's response in cosine modes on the same samples, and
+//! ∂L/∂I is multiplied by its adjoint, which is C. Where the quiet region has the same samples, its share of the
+//! objective is a function of the same I. It has a small weight, without which some places are louder than the
+//! area.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,8 @@
 //! Sample points of areas and their margins, with target values.
+//!
+//! An area is a raster of the prescribed |p|² (`scene::cover`: filled shapes, broad strokes, pictures). Its foci,
+//! λ/2 apart, serve display and figures; the solver fits |p|² on samples λ/4 apart, over the area and 3.7 λ around
+//! it.
 
 use glam::{DVec2, DVec3};
 
