@@ -1,4 +1,12 @@
 //! The displayed map: its inputs, and the stages that recompute it when they differ.
+//!
+//! The map fills the canvas for any view of the plane: zooming makes another plane. It is recomputed when its
+//! inputs ([`Wanted`]) differ (`==`). A phase map with brightness by amplitude is covered by a veil: a second
+//! [`Mapping`] of the RMS pressure, opaque at zero and transparent at the peak (`picture::colour::veil`).
+//!
+//! If the GPU does not draw the window, as in a page, each requested map is displayed before the next is requested:
+//! otherwise a drag, which requests a map per frame, would never display any. On the desktop the same happens for
+//! `Window::new` with a GPU, which `tests/window/gpu.rs` tests.
 
 use std::f64::consts::TAU;
 use web_time::Instant;

@@ -1,4 +1,7 @@
-//! Live control of the document by other programs: changes are applied before a frame, and results reported after it.
+//! Live control of the document by other programs: changes are applied before a frame, and results reported after
+//! it.
+//!
+//! Remote changes are merged into the document target by target, and a burst of them is one undo step.
 
 use std::sync::Arc;
 

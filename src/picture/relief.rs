@@ -1,4 +1,8 @@
 //! A shaded relief of a liquid's surface, as a photograph would show it.
+//!
+//! The picture is one march per column over the surface, on all cores; the window gives it half the canvas' pixels.
+//! The same code draws the pages of `render`, frames of films and rasters of figures. Targets are edited over the
+//! flat map.
 
 use std::ops::Range;
 

@@ -1,8 +1,10 @@
 //! Background tasks with waits: threads on a computer; in a page, which has one thread and may not block, tasks
 //! between other work.
 //!
-//! Waiting code is `async`. On a thread it never yields: waits block, as exactly as the system's clock allows. In a
-//! page each wait is a timer or an event.
+//! Waiting code is `async` and exists once. On a thread it never yields: waits block, as exactly as the system's
+//! clock allows, and the task spins on the clock for the last 0.3 ms before a swap. In a page each wait is a timer
+//! or an event. The timers run in a worker (`page.js`), accurate to about a millisecond also in a hidden page,
+//! without spinning.
 
 #[cfg(not(target_arch = "wasm32"))]
 mod thread;

@@ -1,4 +1,7 @@
 //! Playback of a motion on a native board: from its own store, or streamed frame by frame.
+//!
+//! A motion is played from the device's store, with a number of frames that ends its cycle on time, or streamed if
+//! the line carries more frames.
 
 /// Tolerated relative deviation of a stored cycle's duration.
 const CYCLE_TOLERANCE: f64 = 1e-2;

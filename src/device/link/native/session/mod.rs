@@ -1,6 +1,16 @@
-//! What is said to native devices and heard from them, in a time that is given: neither a line nor a clock is here.
+//! The protocol with native devices as a value: it is given the wanted state, answers and the time, and has neither
+//! a line nor a clock.
 //!
-//! A wish becomes tasks, packets in a fixed order: the first frame, then ENABLE, then everything else.
+//! A wish becomes tasks, packets in a fixed order: the first frame, alone until ENABLE is confirmed, then
+//! everything else. Frames go to four slots in turn, none of them in play, and are committed by the packet that
+//! carries them, so a damaged frame is never played. If a slot is busy, its frame was taken and the answer lost:
+//! the frame begins again in another slot. Several devices on a line (`native-N`) have addresses; the leader's
+//! packet goes last, and its mark on `sync` makes all change frames in the same period. A packet to each device
+//! every 50 ms satisfies its watchdog (200 ms). The emergency stop ends the wanted state; only a new one sounds
+//! again.
+//!
+//! The tests let a session converse with models of devices over lines that lose and change bytes, in simulated
+//! time: 20 000 random conversations take two minutes.
 
 mod tasks;
 #[cfg(all(test, unix))]
