@@ -7,8 +7,7 @@
 //! [`native::model::Model`]; [`board`] puts it at the other end of a line.
 //!
 //! [`profile`] lists the boards: each is one [`declaration`], in a file of its own in `device/profile`.
-//! `docs/adding-a-board.md` is the guide to adding a board. The link, ports and virtual boards depend on the
-//! feature `serial`.
+//! `docs/adding-a-board.md` is the guide to adding a board.
 
 #[cfg(feature = "serial")]
 pub mod board;

@@ -1,7 +1,7 @@
 //! The library in a browser: its interface to JavaScript, and the places where a page differs from a desktop.
 //!
-//! The page is the window's code compiled for `wasm32-unknown-unknown`, with the features `window` and `serial` and
-//! without `cli`; `web/build` makes it a folder of static files. Where a browser differs, one file replaces another
+//! The page is the window's code compiled for `wasm32-unknown-unknown`, with the feature `window` and without
+//! `cli`; `web/build` makes it a folder of static files. Where a browser differs, one file replaces another
 //! (`#[path]`), invisibly to higher layers:
 //!
 //! | desktop | page |
