@@ -108,8 +108,8 @@ pub struct Grid {
     /// Half-width (samples) and shape of the window.
     pub half_width: usize,
     pub beta: f64,
-    /// For every contributing board and image: its index in the aperture, and the repetition of sample columns and
-    /// rows from element to element.
+    /// Contributing boards and images: index in the aperture, and the repetition of sample columns and rows from element
+    /// to element.
     pub heard: Vec<(usize, [Option<Shared>; 2])>,
 }
 
@@ -280,7 +280,7 @@ struct Layout {
     covered: Range<f64>,
     /// Cycles per wavelength.
     highest: DVec2,
-    /// Of every face.
+    /// Repetition of sample columns and rows on every face.
     shared: Vec<[Option<Shared>; 2]>,
 }
 

@@ -98,12 +98,12 @@ fn direction(part: Part, [x, y, normal]: [DVec3; 3]) -> Option<DVec3> {
 #[derive(Clone, Debug)]
 pub struct SoundTransfer {
     parts: u8,
-    /// Of the pressure at each point and, if any part is one, of the slopes among the parts.
+    /// Transfer of the pressure at each point and, if any part is one, of the slopes among the parts.
     transfer: Transfer,
 }
 
 impl SoundTransfer {
-    /// For these parts of the sound, along a plane's axes and its normal.
+    /// The transfer of these parts of the sound, along a plane's axes and its normal.
     pub fn new(aperture: &Aperture, parts: u8, axes: [DVec3; 3], points: &[DVec3]) -> Self {
         let directions: Vec<_> = Part::of(parts).filter_map(|part| direction(part, axes)).collect();
         let transfer = match directions[..] {

@@ -59,7 +59,7 @@ pub struct Wave {
     /// 1/λ, in f32 for distances and in f64 for [`Wave::turns`].
     pub turns_per_metre: f32,
     exact_turns_per_metre: f64,
-    /// Of an element at full drive, as in [`Sources::elements`].
+    /// Strength of an element at full drive, as in [`Sources::elements`].
     strength: f64,
     /// D in s = 2 sin²θ - 1.
     pub directivity: Polynomial<24>,
@@ -154,7 +154,7 @@ pub fn sounding(aperture: &Aperture, face: &Face, drive: &Drive) -> Vec<usize> {
     driven.iter().copied().filter(|&n| drive.amplitudes[n] != 0.0).collect()
 }
 
-/// As [`Sources::tilts`], of these elements of a board.
+/// [`Sources::tilts`] of these elements of a board.
 pub fn tilts(layout: &Layout, elements: impl Iterator<Item = usize>) -> Vec<[f32; 4]> {
     let tilt = |n: usize| {
         let (z, normal) = (layout.positions[n].z, layout.normals[n]);
@@ -244,7 +244,7 @@ impl<const MOST: usize> Polynomial<MOST> {
         Some(fitted(few)).filter(is_near).or_else(|| Some(fitted(MOST)).filter(is_near))
     }
 
-    /// As the evaluators have it, rounding included.
+    /// The value that the evaluators compute, rounding included.
     fn at(&self, s: f32) -> f32 {
         self.coefficients[..self.terms].iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
     }

@@ -39,7 +39,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// For a board's elements, at samples in its coordinates that repeat from element to element according to
+    /// The layout of a board's elements, at samples in its coordinates that repeat from element to element according to
     /// `shared`.
     pub fn new(board: &Face, samples: &Samples, shared: [Option<Shared>; 2]) -> Self {
         let count = board.layout.positions.len();

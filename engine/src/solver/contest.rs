@@ -28,7 +28,7 @@ use crate::solver::{Excitation, Problem, starts, statistics};
 const SCATTERED: usize = 24;
 /// Entrants of a round, and weighted iterations of each.
 const ROUNDS: [(usize, u32); 2] = [(usize::MAX, 10), (8, 15)];
-/// Of those that descend.
+/// Entrants that descend.
 const FINALISTS: usize = 4;
 /// Sharpness of the soft minimum, and steps with it.
 const DESCENT: [(f64, usize); 2] = [(10.0, 12), (80.0, 24)];
@@ -65,7 +65,7 @@ pub fn best_from(problem: &Problem<'_>, before: &Excitation, iterations: u32) ->
 /// Whether a contest is worth its time: where starts differ much in power (`spread`: standard deviation over mean), or
 /// distances are repeated.
 fn pays(problem: &Problem<'_>, spread: f64) -> bool {
-    /// Of random sets, one in 200 has more.
+    /// Spread that one in 200 random sets exceeds.
     const EVEN: f64 = 0.2;
     problem.foci.len() > 2 && (spread > EVEN || is_regular(&problem.foci, problem.aperture.wavelength()))
 }
@@ -86,7 +86,7 @@ fn is_regular(foci: &[Focus], wavelength: f64) -> bool {
 
 /// The strongest drive of `first` and of all entrants.
 fn strongest(problem: &Problem<'_>, first: Excitation, climbed: impl Iterator<Item = Phasors>) -> Excitation {
-    /// Of elements times foci times scattered starts: larger problems have fewer starts.
+    /// Limit of elements times foci times scattered starts: larger problems have fewer starts.
     const WORK: usize = 3_000_000;
     const FEWEST: usize = 4;
     let (transfer, targets) = (&problem.transfer, &problem.targets()[..]);

@@ -42,7 +42,7 @@ const KEPT_OF_TRAPS: f64 = 0.7;
 pub struct Sequence {
     pub frames: Vec<Frame>,
     pub steps: PhaseSteps,
-    /// Time that finding all drives took.
+    /// Time (s) for all drives.
     pub seconds: f64,
 }
 
@@ -64,7 +64,7 @@ impl Frame {
         statistics::mean(self.pressures.iter().map(|p| p.norm()))
     }
 
-    /// Of the weakest focus, Pa, peak.
+    /// Pressure of the weakest focus, Pa, peak.
     pub fn min_pressure(&self) -> f64 {
         self.pressures.iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min)
     }
@@ -83,15 +83,15 @@ impl Frame {
 /// methods solve each frame independently.
 ///
 /// # Errors
-/// As [`solver::solve`], and frames that [`motion::frames`] refuses.
+/// The errors of [`solver::solve`], and frames that [`motion::frames`] refuses.
 pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
     follow_with(scene, &Gauge::current())
 }
 
-/// As [`follow`], reporting the number of solved frames, under the limits of `progress`.
+/// Solves like [`follow`], reporting the number of solved frames, under the limits of `progress`.
 ///
 /// # Errors
-/// As [`follow`].
+/// The errors of [`follow`].
 pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveError> {
     let start = Instant::now();
     if !motion::moves(scene) && *scene.drives_in_turn().end() > 1 {

@@ -288,12 +288,12 @@ impl State<'_, 1> {
 
     /// Levels the foci with the smallest change of phases: Gauss-Newton steps.
     ///
-    /// Of all phase changes δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, the shortest is Jᵀ y with J Jᵀ y = s A - |p|, for
+    /// The shortest of all phase changes δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, is Jᵀ y with J Jᵀ y = s A - |p|, for
     /// the s that makes it shortest; and Jᵀ y is what H* (y e^{jθ}) adds to u across its own direction, θ being the
     /// phases of p. Damped, since J Jᵀ is singular for foci closer than the array resolves. Only moduli are
     /// prescribed: prescribing the complex field of such foci is far costlier.
     fn level(&mut self, targets: &[f64]) {
-        /// Of the mean of the diagonal.
+        /// Damping relative to the mean of the diagonal.
         const DAMPING: f64 = 1e-2;
         let count = targets.len();
         let mut jacobian = PhaseJacobian::default();

@@ -124,14 +124,14 @@ const INTERPOLATION: &str = include_str!("../../../../shaders/interpolation.wgsl
 pub enum Program {
     /// Sums over the elements.
     Field(FieldProgram),
-    /// From samples to intermediate values, which are interpolated again.
+    /// Interpolation from samples to intermediate values, which are interpolated again.
     Across,
-    /// From that to values.
+    /// Interpolation from these to values.
     Form(Quantity),
-    /// From the sound at the pixels to values.
+    /// Values from the sound at the pixels.
     FormDirect(Quantity),
     Gather,
-    /// From values to colours.
+    /// Colours from values.
     Picture(Scale),
     /// Space, ray by ray; with smooth edges or quickly.
     Volume(Seen, bool),

@@ -58,7 +58,7 @@ struct Surface<'a> {
 struct Block {
     first: [usize; 2],
     cells: [usize; 2],
-    /// To a cell, along each axis.
+    /// Rays to a cell, along each axis.
     rays: usize,
 }
 

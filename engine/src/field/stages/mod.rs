@@ -88,7 +88,7 @@ pub struct Stages {
     declined: Option<Request>,
     colours: Kept<(Request, Colouring), Vec<[u8; 4]>>,
     contours: Kept<(Request, f32), Vec<Line>>,
-    /// Of the last two stages; the others count their own.
+    /// Work of the last two stages; the others count their own.
     work: Work,
 }
 
@@ -100,7 +100,7 @@ struct Ground {
     /// The request of the last refinement, so that maps do not depend on history.
     refined: Option<Request>,
     frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes)>>,
-    /// Of the drives with these elements driven.
+    /// Excitations of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
     work: Work,
 }
@@ -244,7 +244,7 @@ impl Stages {
     /// The map by value, if possible in this memory: requesting it again recomputes it from the earlier stages.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn take_map(&mut self, request: &Request, memory: Vec<f32>) -> Result<Map, FieldError> {
         if self.map.key.is_none() {
             self.map.value.values = memory;
@@ -258,7 +258,7 @@ impl Stages {
     /// browser.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn poll(&mut self, request: &Request) -> Result<Option<&Map>, FieldError> {
         let is_there = self.advance(&request.relevant()?, false)?;
         Ok(is_there.then_some(&self.map.value))
@@ -305,7 +305,7 @@ impl Stages {
     /// Never blocks on a GPU.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn picture(&mut self, request: &Request, colouring: &Colouring) -> Result<Picture<'_>, FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
@@ -327,7 +327,7 @@ impl Stages {
     /// measurable.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn figures(&mut self, request: &Request) -> Result<Option<(Map, Option<f64>)>, FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
@@ -351,7 +351,7 @@ impl Stages {
     /// The map as colours r, g, b, a of every pixel, row by row; updates the map first.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn colours(&mut self, request: &Request, colouring: &Colouring) -> Result<&[[u8; 4]], FieldError> {
         let key = (request.relevant()?, colouring.clone());
         self.advance(&key.0, true)?;
@@ -365,7 +365,7 @@ impl Stages {
     /// The contour lines at this fraction of the peak; updates the map first.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn contours(&mut self, request: &Request, part: f32) -> Result<&[Line], FieldError> {
         let key = (request.relevant()?, part);
         self.advance(&key.0, true)?;
@@ -391,7 +391,7 @@ impl Stages {
     /// rest.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn pressed(&mut self, request: &Request) -> Result<Pressed, FieldError> {
         let request = request.relevant()?;
         self.advance(&request, true)?;
@@ -405,7 +405,7 @@ impl Stages {
     /// The cells of a liquid, and its surface at rest under steady sound, ignoring the envelope.
     ///
     /// # Errors
-    /// As [`Stages::map`]; a quantity without a liquid has no surface.
+    /// The errors of [`Stages::map`]; a quantity without a liquid has no surface.
     pub fn surface(&mut self, request: &Request) -> Result<(&Tank, &Dent), FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
@@ -425,7 +425,7 @@ fn is_double(by: By) -> bool {
 }
 
 impl Job<'_> {
-    /// On the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
+    /// The map by the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
     fn by_cpu(&self, cpu: &mut OnCpu, exact: bool, mut values: Vec<f32>) -> Result<Map, FieldError> {
         let mut make = |job: &Job<'_>, by: By, values: &mut Vec<f32>| {
             let mut made = cpu.values(job, is_double(by), values);
@@ -485,7 +485,7 @@ impl Job<'_> {
         error > promised(self.request.plane.tolerance)
     }
 
-    /// With the largest magnitudes of the pixels that count for the peak, and of the others.
+    /// The map with the largest magnitudes of the pixels that count for the peak, and of the others.
     fn described(&self, values: Vec<f32>, [peak, left_out]: [f32; 2], error: f64, by: By) -> Map {
         let (width, height) = self.request.size;
         let plan = &self.site.plan;

@@ -38,7 +38,7 @@ const TO_THE_WALLS: f64 = 14.0;
 /// The inputs of a site.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SiteKey {
-    /// With the displayed plane, and the tolerance of the samples.
+    /// Array with the displayed plane and the tolerance of the samples.
     pub(super) setting: Setting,
     /// Bit set of the parts of the sound.
     pub(super) parts: u8,
@@ -69,7 +69,7 @@ pub(super) struct Filled {
     pub(super) weights: Option<Weights>,
 }
 
-/// From samples to a lattice, across and up, of values and of slopes.
+/// Weights from samples to a lattice, across and up, of values and of slopes.
 #[derive(Debug)]
 pub(super) struct Weights {
     values: [Resampling; 2],
@@ -115,7 +115,7 @@ impl SiteKey {
         if by_cells { Self::by_cells(request, exact) } else { Self::by_pixels(request, exact) }
     }
 
-    /// At the pixels in any case.
+    /// The site at the pixels in any case.
     pub(super) fn by_pixels(request: &Request, exact: bool) -> Self {
         let share = match request.quantity.declaration().norm {
             Norm::Value | Norm::Pressure => 1.0,

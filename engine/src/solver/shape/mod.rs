@@ -94,11 +94,11 @@ pub struct Search<'a> {
     problem: &'a Problem<'a>,
     surroundings: Surroundings,
     objective: Objective<f32>,
-    /// Of transfers, so that pressures are near 1.
+    /// Scale of transfers, so that pressures are near 1.
     scale: f64,
     /// M of the strongest drive.
     strongest: f64,
-    /// From equal phases, and from the best other start.
+    /// Descents from equal phases, and from the best other start.
     ways: [Option<Descent>; 2],
     /// Index of the better descent.
     leader: usize,
@@ -113,11 +113,11 @@ pub struct Search<'a> {
 pub enum Stage {
     /// The strokes alone.
     First,
-    /// On coarse samples of the surroundings.
+    /// Descent on coarse samples of the surroundings.
     Coarse(u32),
     /// Another start.
     Other(usize),
-    /// On fine samples, from the better start and from the other.
+    /// Descents on fine samples, from the better start and from the other.
     Leader(u32),
     Rival(u32),
     Last(u32),

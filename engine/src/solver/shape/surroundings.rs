@@ -21,7 +21,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Of a drawing without zones and areas.
+    /// The surroundings of a drawing without zones and areas.
     pub fn of_plane(plane: Plane, quiet: f64) -> Self {
         Self { plane, quiet, zones: Vec::new(), areas: Vec::new(), liquid: None }
     }
