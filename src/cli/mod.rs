@@ -45,7 +45,7 @@ use crate::studio::output::Files;
 use crate::studio::still::{Diagram, Moment, Size};
 use crate::studio::{opening, output, reach};
 
-/// With the commit in builds by `./release`.
+/// Version, with the commit in builds by `./release`.
 const VERSION: &str = env!("SONOGLYPH_VERSION");
 /// Width of the name column of printed answers.
 const COLUMN: usize = 24;

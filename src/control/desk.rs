@@ -17,7 +17,7 @@ pub struct Desk {
     pub counts: Counts,
     /// Called after every change.
     notify: Box<dyn Fn() + Send + Sync>,
-    /// Silences the board at once, on the thread of whoever asks for it.
+    /// Silences the board at once, on the caller's thread.
     silence: Mutex<Option<Box<dyn Fn() + Send + Sync>>>,
 }
 
@@ -38,7 +38,7 @@ impl std::fmt::Debug for Desk {
 }
 
 impl Desk {
-    /// `notify` is called after every change, by its author.
+    /// Calls `notify` after every change, on the caller's thread.
     pub fn new(scene: Arc<Scene>, notify: Box<dyn Fn() + Send + Sync>) -> Self {
         let held = Held { wish: Wish::new(scene), generation: 1, has_news: false, closing: false };
         Self {

@@ -98,7 +98,7 @@ impl Place {
 }
 
 impl<'a> Relief<'a> {
-    /// With the exaggeration of its own largest depth.
+    /// The surface with the exaggeration of its own largest depth.
     pub fn new(depth: &'a [f32], columns: usize, size: DVec2) -> Self {
         let deepest = depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
         Self { depth, columns, size, exaggeration: exaggeration(deepest.into(), size) }
@@ -290,7 +290,7 @@ fn fill(covered: &mut [Vec4], from: (f32, Vec4), to: (f32, Vec4)) {
     }
 }
 
-/// How the surface is lit.
+/// The light on the surface.
 struct Light {
     columns: usize,
     rows: usize,

@@ -110,7 +110,7 @@ impl Transfer {
         (&mut self.values.re[row.clone()], &mut self.values.im[row])
     }
 
-    /// Room for one value per element, as [`Transfer::drive_by`] wants it.
+    /// Room for one value per element, for [`Transfer::drive_by`].
     pub fn excitation(&self) -> Phasors {
         Phasors::zeros(self.stride)
     }

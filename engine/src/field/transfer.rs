@@ -130,7 +130,7 @@ impl Layout {
     }
 }
 
-/// The samples along one axis and those that elements beyond the first see instead.
+/// The samples along one axis, and their shifted positions for elements beyond the first.
 struct Extended {
     places: Vec<DVec3>,
     /// Number of them before the samples themselves.

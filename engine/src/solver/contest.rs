@@ -207,7 +207,7 @@ impl<'a> Entrant<'a> {
     }
 }
 
-/// The strongest entrants; of those that have met, one.
+/// The strongest entrants, one of those that have converged to the same drive.
 fn best_of<'a>(entrants: Vec<Entrant<'a>>, targets: &[f64], count: usize) -> Vec<Entrant<'a>> {
     const SAME: f64 = 1e-6;
     let mut ranked: Vec<_> =

@@ -162,7 +162,7 @@ impl Link {
     /// Begins to look for the board. `notify` is called by the link's task when there is something new to see.
     ///
     /// # Errors
-    /// No thread to be had.
+    /// The thread could not be started.
     pub fn open(settings: Settings, notify: Box<dyn Fn() + Send + Sync>) -> io::Result<Self> {
         let (sender, events) = sync_channel(MESSAGES);
         let shared = Arc::new(Shared::new(sender, notify));

@@ -154,7 +154,7 @@ fn refused(path: String, baud: u32, error: &JsValue) -> PortError {
     }
 }
 
-/// In the browser's words.
+/// The error in the browser's words.
 fn io_error(error: &JsValue) -> io::Error {
     io::Error::other(property(error, "message").unwrap_or_else(|| format!("{error:?}")))
 }

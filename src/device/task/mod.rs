@@ -47,7 +47,7 @@ pub fn linger(time: Duration) {
     here::linger(time);
 }
 
-/// So long before an exact moment a wait ends, and [`watch`] begins.
+/// A wait ends this long before an exact deadline; [`watch`] covers the rest.
 pub const WATCHFUL: Duration = here::WATCHFUL;
 
 /// Waits until a time less than [`WATCHFUL`] away by polling the clock where sleeping is inexact. A page relies on
@@ -64,7 +64,7 @@ impl Task {
     /// Starts the future made by `make` in its own context, which it never leaves.
     ///
     /// # Errors
-    /// No thread to be had.
+    /// The thread could not be started.
     pub fn start<F>(name: &str, make: impl FnOnce() -> F + Send + 'static) -> io::Result<Self>
     where
         F: Future<Output = ()> + 'static,

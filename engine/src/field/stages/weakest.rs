@@ -34,7 +34,7 @@ struct Tile {
     loudest: f32,
 }
 
-/// Evaluates the pixels whose roots are beyond the tolerance, and returns what the roots of the others are off at
+/// Evaluates the pixels whose roots are beyond the tolerance, and returns the error bound of the other roots, at
 /// most. `values` are the mean squares.
 pub(super) fn mend(
     job: &Job<'_>,

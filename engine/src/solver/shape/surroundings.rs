@@ -94,7 +94,7 @@ fn areas(scene: &Scene, foci: &[Focus]) -> Vec<Cover> {
 pub struct Zone {
     /// m
     pub points: Vec<DVec3>,
-    /// |p| there counts as so many times as loud; 0 for nothing.
+    /// Factor on |p| there; 0 excludes the zone.
     pub weight: f64,
 }
 

@@ -18,7 +18,7 @@ use crate::solver::descent::{Function, dot};
 const HARD: f64 = 12.0;
 /// Weight of the pressures of foci beside traps.
 const BESIDE: f64 = 1.0;
-/// The weight of a square of net forces at first, and by what it grows if they do not fall to a quarter.
+/// Weight of the square of net forces at first, and its growth if they do not fall to a quarter.
 const PENALTY: f64 = 1.0;
 const GROWTH: f64 = 4.0;
 const MOST_PENALTY: f64 = 1e4;

@@ -19,7 +19,7 @@ const SELDOM: Duration = Duration::from_secs(2);
 /// Generation of a wish, and the number of a frame in it.
 pub type Key = (u64, usize);
 
-/// What comes next.
+/// The next action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
     /// Silence is loaded and shown, whichever buffer is hidden.
@@ -189,7 +189,7 @@ impl Pulses {
         self.swaps && self.age(now) > REFRESH && skips_none
     }
 
-    /// Of what both buffers hold.
+    /// Age of the contents of both buffers.
     fn age(&self, now: Instant) -> Duration {
         now.saturating_duration_since(self.refreshed_at)
     }

@@ -32,9 +32,9 @@ use crate::device::link::{LinkError, Settings, Shared, Wanted};
 use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Reply};
 use crate::device::profile::Profile;
 
-/// In 64 periods: the device mutes itself after 200 ms of silence.
+/// Watchdog time in units of 64 periods: the device mutes itself after 200 ms without a packet.
 const WATCHDOG: u16 = 125;
-/// The longest pause in what a device hears.
+/// The longest pause between packets to a device.
 const KEEP_ALIVE: Duration = Duration::from_millis(50);
 /// The silencer's power-up steps: changes take some periods, without a click.
 const SILENCER: (u16, u16) = (0x0300, 0x0600);
@@ -75,7 +75,7 @@ struct Device {
 }
 
 impl Device {
-    /// In the state of power-up, by its answer to RESET.
+    /// A device in the state of power-up, by its answer to RESET.
     fn reset(reply: &Reply) -> Self {
         match reply.body {
             Body::Status(status) => Self { slot: status.slot, periods: status.periods, ..Self::default() },
@@ -84,16 +84,16 @@ impl Device {
     }
 }
 
-/// What is said and heard, and what is known of the devices.
+/// The conversation with the devices, and their known state.
 pub struct Session<'a> {
     shared: &'a Shared,
     profile: Profile,
-    /// Of the port.
+    /// Name of the port.
     name: String,
     info: Info,
-    /// Of the line.
+    /// Bit rate of the line.
     baud: u32,
-    /// By address.
+    /// Devices by address.
     devices: Vec<Device>,
     /// They share their periods, and can change frames in the same one.
     in_step: bool,
@@ -112,7 +112,7 @@ pub struct Session<'a> {
     generation: u64,
     /// The modulation that the devices have.
     modulation: Table,
-    /// Of the devices' silencers.
+    /// Phase step of the devices' silencers.
     phase_step: u16,
     /// The playback of the wanted motion.
     storing: Option<Way>,
@@ -123,7 +123,7 @@ pub struct Session<'a> {
     /// The last streamed frame that was not refused.
     frame: Option<Key>,
     live_slot: u8,
-    /// At the frames of this wish, so far.
+    /// Attempts at the frames of this wish, so far.
     attempts: u32,
     /// Some content of this wish is in place, so the devices may be switched on.
     placed: bool,
@@ -134,7 +134,7 @@ pub struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// With devices that have just been reset, at `now`.
+    /// A session with devices that have just been reset, at `now`.
     pub fn new(settings: &Settings, info: Info, resets: &[Reply], shared: &'a Shared, now: Instant) -> Self {
         let mut session = Self {
             shared,
@@ -175,7 +175,7 @@ impl<'a> Session<'a> {
         session
     }
 
-    /// What the devices are.
+    /// The facts of the devices.
     pub fn found(&self) -> Found {
         Found {
             baud: self.baud,

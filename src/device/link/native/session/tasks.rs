@@ -2,14 +2,14 @@
 
 use crate::device::native::packet::{Kind, Packet};
 
-/// Which frame of which wish.
+/// Generation of a wish, and index of its frame.
 pub type Key = (u64, usize);
 
 /// A packet that must be accepted.
 #[derive(Clone, Debug)]
 pub struct Task {
     pub packet: Packet,
-    /// Only when everything before it was taken.
+    /// Sent only when everything before it was accepted.
     pub last: bool,
     pub attempts: u32,
     /// The wish that it serves.

@@ -229,7 +229,7 @@ fn is_of_modulation(task: &Task) -> bool {
     matches!(Kind::from_repr(task.packet.code), Some(Kind::Envelope | Kind::Rate))
 }
 
-/// Of the elements that sound.
+/// Delays of the elements; 0 for silent ones.
 fn delays(levels: &Levels) -> Vec<u8> {
     levels.elements.iter().map(|level| level.map_or(0, |level| level.delay.to_le_bytes()[0])).collect()
 }

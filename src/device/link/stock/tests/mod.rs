@@ -45,7 +45,7 @@ struct Line<'a> {
     pace: Pace,
     /// Bytes on their way to the board.
     out: VecDeque<(Instant, u8)>,
-    /// What a wait lasts longer than asked for, at most.
+    /// Limit of the delay of a wait.
     late: Duration,
     chance: Rng,
     /// Bytes of all steps.
@@ -109,7 +109,7 @@ impl<'a> Line<'a> {
         gone
     }
 
-    /// Only the board and the line.
+    /// Advances the board and the line alone.
     fn pass(&mut self, until: Instant) {
         self.now = self.now.max(until);
         while let Some((at, byte)) = self.out.pop_front_if(|(at, _)| *at <= until) {
@@ -159,7 +159,7 @@ impl<'a> Line<'a> {
         self.board.shown()
     }
 
-    /// What was shown since then: frames, and how long each.
+    /// Frames shown since then, with the duration of each.
     fn since(&self, from: Instant) -> Vec<(Levels, Duration)> {
         let ends = self.shown.iter().skip(1).map(|(at, _)| *at).chain([self.now]);
         let lasting = self.shown.iter().zip(ends).filter(|(_, end)| *end > from);
