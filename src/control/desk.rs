@@ -87,7 +87,7 @@ impl Desk {
         let is_stopped = made.stops > held.wish.stops && !made.sends;
         (held.wish, held.generation) = (made, held.generation + 1);
         let generation = held.generation;
-        // Under the lock: who reads an earlier wish is refused by the link.
+        // Under the lock: the link refuses a reader of an earlier wish.
         if is_stopped {
             locked(&self.silence).iter().for_each(|silence| silence());
         }

@@ -15,7 +15,7 @@ use crate::solver::Solution;
 /// Targets and foci of an answer, at most.
 const MOST: usize = 1024;
 
-/// A board, and how it fares.
+/// A board and its state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardReport {
     pub port: String,

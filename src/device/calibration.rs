@@ -51,8 +51,8 @@ fn listed(numbers: &[usize]) -> String {
 }
 
 impl Calibration {
-    /// Reads CSV with the columns `element` (from 0), `offset` (degrees), `gain` (0 to 1) and `off` (0 or 1), one row for each
-    /// of the `elements`, in any order. Other columns are the user's own.
+    /// Reads CSV with the columns `element` (from 0), `offset` (degrees), `gain` (0 to 1) and `off` (0 or 1), one row
+    /// for each of the `elements`, in any order. Other columns are the user's own.
     ///
     /// # Errors
     /// An unreadable file, an invalid row, duplicate or missing elements.

@@ -8,7 +8,7 @@ use crate::device::statistics::Spread;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
     pub baud: u32,
-    /// Hz, as the board reports it, or as its kind has it.
+    /// Carrier (Hz) as reported by the board, or of its kind.
     pub carrier: f64,
     /// Frames of a motion in its store; 0 for streamed motions.
     pub slots: usize,

@@ -27,7 +27,7 @@ impl ColourMap {
     /// Choices for amounts; phases and signed values have their own map.
     pub const OF_AMOUNTS: [Self; 5] = [Self::Inferno, Self::Viridis, Self::Cividis, Self::Magma, Self::Grey];
 
-    /// The name as menus have it.
+    /// The name in menus.
     pub fn title(self) -> String {
         let (first, rest) = self.into_str().split_at(1);
         first.to_uppercase() + rest

@@ -146,7 +146,7 @@ impl std::fmt::Debug for Silencer {
 }
 
 impl Silencer {
-    /// Silences the board, and refuses what is shown by an owner that does not know of it.
+    /// Silences the board, and refuses content of an owner that has not yet seen this.
     pub fn silence(&self) {
         self.0.want(|wanted| (wanted.content, wanted.silenced) = (None, wanted.silenced + 1));
     }

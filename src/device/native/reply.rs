@@ -176,7 +176,7 @@ impl Reply {
     }
 }
 
-/// Counts of 1 to 256 travel less one, as the protocol has them.
+/// Counts of 1 to 256 are sent less one, by the protocol.
 pub(crate) fn less_one(count: u16) -> u8 {
     count.wrapping_sub(1).to_le_bytes()[0]
 }

@@ -91,7 +91,7 @@ pub struct Content {
     pub remark: Option<String>,
     /// A scale bar in the map's lower left corner.
     pub has_scale_bar: bool,
-    /// Lines of equal value in pixels of the map, as [`crate::field::contour`] has them.
+    /// Lines of equal value in pixels of the map, as made by [`crate::field::contour`].
     pub contours: Vec<Line>,
     /// Outlines of targets, mm on the axes.
     pub outlines: Vec<Vec<[f64; 2]>>,

@@ -22,7 +22,7 @@ use crate::device::link::{LEAD, LinkError, Settings, Shared, Sounding, Wanted};
 const WINDOW: usize = 4;
 /// Time limit of an answer, unless a board turns out to be slower.
 const ANSWER: Duration = Duration::from_millis(100);
-/// Without any answer for so long the board is lost.
+/// Time without any answer after which the board is lost.
 const SILENT: Duration = Duration::from_millis(1500);
 
 pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {

@@ -240,7 +240,7 @@ mod tests {
     use crate::device::port::virtual_board;
     use crate::device::task::finish;
 
-    /// A trial ends with so many lost frames.
+    /// Number of lost frames that ends a trial.
     const MOST: u32 = 2 * WINDOW as u32;
 
     fn info() -> Info {

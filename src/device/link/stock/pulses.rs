@@ -10,7 +10,7 @@ use crate::device::levels::Levels;
 use crate::device::link::stock::rhythm::Rhythm;
 use crate::device::link::{Content, Wanted};
 
-/// Repetition interval of what does not change, in case a byte was damaged.
+/// Repetition interval of unchanged content, in case a byte was damaged.
 pub const REFRESH: Duration = Duration::from_millis(250);
 
 /// The same for the buffers of a motion each of whose frames skips pulses: it skips as many again.

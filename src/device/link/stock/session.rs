@@ -1,4 +1,4 @@
-//! What a stock board is sent, in a time that is given: neither a line nor a clock is here.
+//! The bytes to a stock board, as a function of time: without a line or a clock.
 
 use std::sync::Arc;
 

@@ -223,7 +223,7 @@ impl Session<'_> {
         self.until_ping(now).is_zero().then(|| (Packet::status().to(self.next_to_ask()), Purpose::Ping))
     }
 
-    /// Time until a device is to be asked, also while an answer is awaited: it may be lost.
+    /// Time until the next packet to a device is due, also while an answer is awaited: it may be lost.
     fn until_ping(&self, now: Instant) -> Duration {
         let pause = KEEP_ALIVE / self.devices.len() as u32;
         pause.saturating_sub(now.saturating_duration_since(self.written_at))

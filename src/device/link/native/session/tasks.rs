@@ -1,4 +1,4 @@
-//! Packets of a session as tasks, and what they serve.
+//! Packets of a session as tasks, with their purposes.
 
 use crate::device::native::packet::{Kind, Packet};
 
@@ -12,7 +12,7 @@ pub struct Task {
     /// Sent only when everything before it was accepted.
     pub last: bool,
     pub attempts: u32,
-    /// The wish that it serves.
+    /// Generation of its wish.
     pub generation: u64,
 }
 

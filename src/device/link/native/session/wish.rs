@@ -96,7 +96,7 @@ impl Session<'_> {
         wanted: &Wanted,
         now: Instant,
     ) -> Option<(Packet, Purpose)> {
-        // A STOP that is sent again would end what a frame has begun.
+        // A repeated STOP would end the playback of the frame.
         let stops = || self.awaits(|packet| is_of(packet, Kind::Stop));
         if !self.live || self.enabling || self.ended == Some(self.generation) || stops() {
             return None;

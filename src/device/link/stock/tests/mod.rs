@@ -1,4 +1,4 @@
-//! Sessions with emulated boards in simulated time: what is heard of random wishes, also on lines that lose bytes.
+//! Sessions with emulated boards in simulated time: the sound of random wishes, also on lines that lose bytes.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
@@ -212,7 +212,7 @@ fn notices(events: &Receiver<Event>) -> Vec<String> {
     events.try_iter().filter_map(text).collect()
 }
 
-/// Boards that are switched from here: profile, bit rate and frequency; and what a frame skips of pulses.
+/// Boards switched by the computer: profile, bit rate and frequency; and the pulses that a frame skips.
 const SWITCHED: [(Profile, u32, f64, u32); 7] = [
     (Profile::SonicSurface, 230_400, 200.0, 2),
     (Profile::SonicSurface, 1_000_000, 100.0, 0),
