@@ -96,7 +96,7 @@ pub struct Workshop {
     survey: Survey,
     course: TimeCourse,
     levitating: Levitating,
-    /// Its stages, with cached results.
+    /// Stages of the radiation pressure, with cached results.
     presser: Arc<Mutex<Stages>>,
     comparison: Option<Comparison>,
     pub spacing: Spacing,

@@ -6,7 +6,8 @@
 //! (`gateware/doc/protocol.md`). Every board has a twin here that understands the same bytes: [`stock::Twin`], or
 //! [`native::model::Model`]; [`board`] puts it at the other end of a line.
 //!
-//! [`profile`] lists the boards: each is one [`declaration`], in a file of its own in `device/profile`.
+//! [`profile`] lists the boards: each is one [`declaration`] in `device/profile`; boards of one
+//! protocol share a file.
 //! `docs/adding-a-board.md` is the guide to adding a board.
 
 #[cfg(feature = "serial")]

@@ -31,14 +31,14 @@ pub struct Shown {
     pub space: Option<SpaceShown>,
     /// The comparison map.
     pub beside: Option<beside::Beside>,
-    /// Of the scene at rest.
+    /// Solution of the scene at rest.
     pub solution: Option<Arc<Solution>>,
     pub sound: Option<Sound>,
     /// The reason for showing a state other than the scene's.
     pub problem: Option<String>,
     /// Pending results, and what is shown meanwhile: a sentence.
     pub pending: Option<String>,
-    /// A sentence each.
+    /// Warnings, a sentence each.
     pub warnings: Vec<String>,
     /// The guaranteed fraction of the upper bound.
     pub certified: Option<f64>,
@@ -48,7 +48,7 @@ pub struct Shown {
     pub is_following: bool,
     pub pressed: Option<Pressed>,
     pub extremes: Option<Extremes>,
-    /// At the position of [`crate::ui::CourseForm`], or the reason for its absence.
+    /// Course at the position of [`crate::ui::CourseForm`], or the reason for its absence.
     pub course: Option<Result<Course, String>>,
     /// Levitation of the bead at its position.
     pub levitated: Option<Levitated>,
@@ -158,7 +158,7 @@ pub struct MethodRow {
 #[derive(Clone, Debug)]
 pub struct Pressed {
     pub figures: field::Pressed,
-    /// That the depression is beyond linear theory.
+    /// Warning if linear theory does not hold.
     pub beyond: Option<String>,
 }
 
@@ -169,12 +169,12 @@ pub struct Course {
     pub at: DVec3,
     /// Time (s) and |p| (Pa, peak).
     pub moduli: Vec<[f64; 2]>,
-    /// Of |p|² (Pa²).
+    /// Lines of |p|² (Pa²).
     pub lines: Vec<Line>,
 }
 
 impl Course {
-    /// Of |p|², Pa².
+    /// Mean of |p|², Pa².
     pub fn mean(&self) -> f64 {
         self.lines.first().map_or(0.0, |line| line.amplitude)
     }
