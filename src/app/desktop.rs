@@ -1,4 +1,8 @@
 //! The window on the desktop: choice of the renderer, and fallback to OpenGL after a lost device.
+//!
+//! With a GPU the renderer is wgpu, on the device that computes the field: a map's texture is registered with egui
+//! once and never passes through the CPU. Otherwise it is OpenGL, which costs a sixth of wgpu on a software driver,
+//! and the CPU computes. `--renderer` overrides this.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,6 @@
 //! One-off tasks on a thread, with progress and cancellation.
+//!
+//! Reading drawings, listing folders, exporting motions and file dialogs are errands: no frame waits for a disk.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};

@@ -1,4 +1,12 @@
 //! The displayed map: its inputs, and the stages that recompute it when they differ.
+//!
+//! The map fills the canvas for any view of the plane: zooming makes another plane. It is recomputed when its
+//! inputs ([`Wanted`]) differ (`==`). A phase map with brightness by amplitude is covered by a veil: a second
+//! [`Mapping`] of the RMS pressure, opaque at zero and transparent at the peak (`picture::colour::veil`).
+//!
+//! If the GPU does not draw the window, as in a page, each requested map is displayed before the next is requested:
+//! otherwise a drag, which requests a map per frame, would never display any. On the desktop the same happens for
+//! `Window::new` with a GPU, which `tests/window/gpu.rs` tests.
 
 use std::f64::consts::TAU;
 use web_time::Instant;
@@ -34,7 +42,7 @@ const SHADED_BOTTOM: f64 = 0.12;
 /// The inputs of a displayed picture.
 #[derive(Clone, Debug, PartialEq)]
 struct Wanted {
-    /// With fewer pixels for shaded views.
+    /// Request, with fewer pixels for shaded views.
     request: Request,
     colouring: Colouring,
     /// Pixels of the picture.
@@ -48,7 +56,7 @@ struct Wanted {
 #[derive(Debug)]
 struct Drawn {
     wanted: Wanted,
-    /// Of a shaded surface.
+    /// Picture of a shaded surface.
     picture: Option<Picture>,
     lacks_figures: bool,
     lacks_contours: bool,
@@ -76,21 +84,21 @@ pub struct Look<'a> {
     pub scene: &'a Scene,
     pub view: &'a View,
     pub sound: Option<&'a Sound>,
-    /// Those that the map is of.
+    /// Drives shown in the map.
     pub drives: Vec<Drive>,
-    /// Of a period, in [0, 1).
+    /// Moment of a period, in [0, 1).
     pub moment: f64,
     /// The value of the last colour, unless chosen in the view.
     pub full: Option<f64>,
     pub lens: &'a Lens,
-    /// Not the view's quantity, but the pressure that dims it.
+    /// Shows the pressure that dims the view's quantity, instead of the quantity.
     pub is_veil: bool,
 }
 
 /// Results besides the map.
 #[derive(Debug, Default)]
 pub struct Done {
-    /// That making it took.
+    /// Time to make the map, ms.
     pub milliseconds: Option<f64>,
     /// GPU time (ms), if figures have arrived and it is measurable.
     pub on_gpu: Option<Option<f64>>,

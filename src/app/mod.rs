@@ -1,4 +1,17 @@
 //! The window: the editor of [`crate::ui`], values derived from its scene, and its files.
+//!
+//! `ui` edits an [`Editor`], reads a [`Shown`] and returns [`Command`]s; [`Window`] owns all three.
+//! [`Window::frame`] draws the panels, applies pointer input to the scene, updates derived values in the
+//! [`Workshop`], and paints the canvas; after a change one more frame follows for the panels' figures. Without
+//! changes, nothing is drawn.
+//!
+//! An undo step is recorded when no button is held and no text is being typed: a drag, a stroke or a typed word is
+//! one step. A scene that cannot be solved stays as edited, with the reason on the canvas and the last picture
+//! behind it. After a lost device, the editor with its history moves to a second window drawn by OpenGL
+//! (`desktop`).
+//!
+//! The feature `window` includes eframe, egui, egui_plot, rfd and usvg; without it `sonoglyph` writes the sheet, as
+//! it does without a display. In a browser some files are replaced by others: `src/web/mod.rs` lists them.
 
 mod comparison;
 #[cfg(not(target_arch = "wasm32"))]

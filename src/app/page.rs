@@ -1,5 +1,7 @@
 //! The window as a browser page: drawn by WebGL, with uploads and downloads for files, and persistent data in the
 //! browser's storage.
+//!
+//! `src/web/mod.rs` lists what a page replaces.
 
 use std::cell::RefCell;
 use std::io;
@@ -89,7 +91,7 @@ pub async fn start(canvas: HtmlCanvasElement, number: u32) -> Result<(), JsValue
     runner.start(canvas, options, make).await
 }
 
-/// The page's state as JSON: `scene`
+/// The state of the page as JSON: the scene as its file, the displayed map, and whether work is pending.
 #[wasm_bindgen]
 pub fn shown() -> Option<String> {
     let runner = RUNNER.with_borrow(Clone::clone)?;

@@ -10,7 +10,7 @@ use crate::ui::Sound;
 #[derive(Clone, Debug)]
 pub struct Source {
     pub performance: Performance,
-    /// Of a motion.
+    /// Frame of a motion.
     pub frame: usize,
 }
 

@@ -1,4 +1,7 @@
-//! Live control of the document by other programs: changes are applied before a frame, and results reported after it.
+//! Live control of the document by other programs: changes are applied before a frame, and results reported after
+//! it.
+//!
+//! Remote changes are merged into the document target by target, and a burst of them is one undo step.
 
 use std::sync::Arc;
 
@@ -13,7 +16,7 @@ use crate::scene::{Scene, Target, motion};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::{Command, Editor, Notice, ServingShown, Shown};
 
-/// So long after their last change a burst of others is over, and one step of the history.
+/// Time after the last remote change at which a burst ends, and becomes one undo step.
 const BURST: Duration = Duration::from_millis(700);
 /// Polling interval of the counts.
 const LOOK: Duration = Duration::from_secs(1);
@@ -24,7 +27,7 @@ pub struct Serving(Option<Open>);
 #[derive(Debug)]
 struct Open {
     server: Server,
-    /// As it was when the user and others last had the same.
+    /// Last scene common to user and clients: the base of merges.
     base: Arc<Scene>,
     generation: u64,
     /// The last remote wishes for the board.

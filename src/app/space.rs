@@ -1,4 +1,7 @@
 //! The picture of the 3D view: coarse while something moves, fine at rest.
+//!
+//! The first picture by the CPU has 66 000 pixels of a field with four samples per wavelength; the fine one is
+//! drawn on a thread once nothing moves. A GPU draws full pictures, and only the field is refined at rest.
 
 use std::sync::Arc;
 

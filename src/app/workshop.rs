@@ -2,6 +2,17 @@
 //!
 //! Every value is kept with its inputs and recomputed when they differ. Long computations run on threads; meanwhile
 //! the previous value stays on screen.
+//!
+//! - A scene at rest is solved between two frames, up to 120 foci of a 256-element array ([`Solving`]). Larger
+//!   scenes, motions and the comparison of methods are computed on a thread ([`Later`]), one of each kind at a time.
+//! - Force, depth, displaced volume and slope are those of the scene's own plane, computed on a thread when nothing
+//!   is dragged.
+//! - While a board plays the motion, the window shows the board's frame: the time since its first frame, modulo the
+//!   cycle.
+//! - An instantaneous pressure is formed from the existing sound: a new moment of the wave needs no superposition,
+//!   and frames are drawn for it only while it runs and is visible.
+//! - A comparison is a second [`Mapping`] with its own stages, created when switched on and dropped when switched
+//!   off; both share one colour range.
 
 use egui::Context;
 use web_time::Duration;

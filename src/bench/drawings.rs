@@ -10,7 +10,7 @@ use crate::scene::{Sampling, Scene, Shape, Target};
 #[derive(Clone, Copy, Debug)]
 pub struct Drawing {
     pub name: &'static str,
-    /// By the position of its centre, m.
+    /// The shape at the position of its centre, m.
     shape: fn(DVec3) -> Shape,
 }
 

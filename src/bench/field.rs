@@ -213,7 +213,7 @@ impl Case {
         Request { plane: self.plane.clone(), ..request }
     }
 
-    /// On a GPU: up to the window's texture and the map's figures.
+    /// Makes the map; on a GPU, the window's texture and the map's figures.
     fn map(&mut self, drive: usize) -> Result<(), FieldError> {
         let request = self.request(drive);
         if self.stages.gpu().is_none() {

@@ -54,7 +54,7 @@ pub struct Record {
     pub elements: usize,
     pub foci: usize,
     pub method: String,
-    /// Of a solve including its transfer. A round is one set, or one repetition of a single set.
+    /// Times of a solve including its transfer. A round is one set, or one repetition of a single set.
     pub times: Times,
     /// CPU time of the baseline over that of this method.
     ratio: Spread,

@@ -41,7 +41,7 @@ fn signals() -> impl Iterator<Item = i32> {
     [SIGINT, SIGTERM].into_iter().chain(hangup)
 }
 
-/// From now on these signals only set the flag; a second one ends the program immediately.
+/// Makes these signals only set the flag; a second one ends the program immediately.
 ///
 /// # Errors
 /// System errors.

@@ -35,7 +35,7 @@ use crate::cli::solve::SolveArgs;
 use crate::studio::evaluator::Renderer;
 use crate::studio::output;
 
-/// With the commit in builds by `./release`.
+/// Version, with the commit in builds by `./release`.
 const VERSION: &str = env!("SONOGLYPH_VERSION");
 
 /// Draw a shape, see the ultrasound field of a phased array, feel it in the air.

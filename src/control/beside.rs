@@ -1,4 +1,4 @@
-//! Background solving: what is wanted last is solved; what is wanted no longer is cancelled.
+//! Background solving: the latest request is solved; outdated requests are cancelled.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
@@ -59,8 +59,8 @@ impl Beside {
         Self { desk, running: None }
     }
 
-    /// From now on only this is wanted; quick work goes on from the drive `before`. Ask again until it is there: other
-    /// work is cancelled once its time is over, and ends first.
+    /// Requests this work instead of any other; quick work continues from the drive `before`. Repeat the request until
+    /// the result has come: other work is cancelled once its time is over, and ends first.
     pub fn want(&mut self, work: Option<&Work>, before: Option<&Arc<Solution>>) {
         if let Some(running) = &self.running {
             if work != Some(&running.work) && (work.is_none() || running.since.elapsed() > GRACE) {

@@ -83,7 +83,7 @@ impl Board {
         self.player.rest();
     }
 
-    /// From now on it plays this.
+    /// Plays this from now on.
     ///
     /// # Errors
     /// A scene that this board cannot play: it is then silent.

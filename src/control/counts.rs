@@ -34,16 +34,16 @@ impl Count {
 pub struct Tally {
     /// Received packets and messages.
     pub packets: u64,
-    /// Those that changed the scene or its playback.
+    /// Messages that changed the scene or its playback.
     pub changes: u64,
-    /// Those refused.
+    /// Refused messages.
     pub refused: u64,
-    /// Malformed ones.
+    /// Malformed messages.
     pub malformed: u64,
-    /// Those without the token.
+    /// Messages without the token.
     pub strangers: u64,
     pub answers: u64,
-    /// Those left unanswered by rate limits.
+    /// Messages left unanswered by rate limits.
     pub unanswered: u64,
     /// Accepted WebSocket connections.
     pub connections: u64,

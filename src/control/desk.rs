@@ -17,7 +17,7 @@ pub struct Desk {
     pub counts: Counts,
     /// Called after every change.
     notify: Box<dyn Fn() + Send + Sync>,
-    /// Silences the board at once, on the thread of whoever asks for it.
+    /// Silences the board at once, on the caller's thread.
     silence: Mutex<Option<Box<dyn Fn() + Send + Sync>>>,
 }
 
@@ -38,7 +38,7 @@ impl std::fmt::Debug for Desk {
 }
 
 impl Desk {
-    /// `notify` is called after every change, by its author.
+    /// Calls `notify` after every change, on the caller's thread.
     pub fn new(scene: Arc<Scene>, notify: Box<dyn Fn() + Send + Sync>) -> Self {
         let held = Held { wish: Wish::new(scene), generation: 1, has_news: false, closing: false };
         Self {
@@ -87,7 +87,7 @@ impl Desk {
         let is_stopped = made.stops > held.wish.stops && !made.sends;
         (held.wish, held.generation) = (made, held.generation + 1);
         let generation = held.generation;
-        // Under the lock: who reads an earlier wish is refused by the link.
+        // Under the lock: the link refuses a reader of an earlier wish.
         if is_stopped {
             locked(&self.silence).iter().for_each(|silence| silence());
         }

@@ -20,7 +20,7 @@ pub enum Edit {
     At(Number, DVec3),
     /// The same at its height: x and y (m).
     Across(Number, DVec2),
-    /// As `pressure` in a scene's file.
+    /// Target pressure, as `pressure` in a scene's file.
     Pressure(Number, f64),
     /// rad
     Angle(Number, f64),

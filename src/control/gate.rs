@@ -26,7 +26,7 @@ pub struct Gate {
 }
 
 impl Gate {
-    /// For a server at this address. If other machines can reach it, there is a token, by default a random one.
+    /// The gate of a server at this address. If other machines can reach it, there is a token, by default a random one.
     ///
     /// # Errors
     /// A token that could be guessed or cannot be written in an address, and a system without random numbers.

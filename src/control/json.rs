@@ -50,7 +50,7 @@ pub fn token(text: &str) -> Option<String> {
 /// Parses a message; its `id` is also set on errors.
 ///
 /// # Errors
-/// Not a JSON object, an unknown key, or an invalid value.
+/// A text that is not a JSON object, an unknown key, or an invalid value.
 pub fn message(text: &str, id: &mut Option<Value>) -> Result<Message, EditError> {
     let read: Result<Value, _> = serde_json::from_str(text);
     let value = read.map_err(|error| EditError::Value(format!("invalid JSON: {error}")))?;

@@ -1,4 +1,4 @@
-//! A rate limiter: so many events a second, with a small burst.
+//! A rate limiter: a number of events per second, with a small burst.
 
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! The loop from the desk to the board: the newest scene is solved by a thread beside it, played, and reported.
+//! The loop from the desk to the board: the newest scene is solved on a thread, played, and reported.
 
 use std::sync::Arc;
 
@@ -17,9 +17,9 @@ use crate::studio::solving::{Followed, Solving, Step};
 
 /// Polling interval of the board.
 const TICK: Duration = Duration::from_millis(20);
-/// A turn waits so long for a drive, so that a report of a scene has it.
+/// Wait of a turn for a drive, so that the report of a scene has it.
 const BRIEF: Duration = Duration::from_millis(20);
-/// After so long without a change a shape is searched on.
+/// Time without a change after which the search for a shape continues.
 const IDLE: Duration = Duration::from_millis(200);
 
 /// The loop's state: playback, solutions and reports. It never solves itself, so that silence never waits.
@@ -102,7 +102,7 @@ impl Live {
         scene
     }
 
-    /// Takes what is solved, and requests what is not.
+    /// Takes solved work, and requests missing work.
     fn solve(&mut self, scene: &Scene, wish: &Wish) -> Option<Work> {
         while let Some(found) = self.beside.collect() {
             match found {

@@ -15,7 +15,7 @@ use crate::solver::Solution;
 /// Targets and foci of an answer, at most.
 const MOST: usize = 1024;
 
-/// A board, and how it fares.
+/// A board and its state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardReport {
     pub port: String,
@@ -39,9 +39,9 @@ impl BoardReport {
 pub struct Report {
     /// Grows with every report that has something new in it.
     pub serial: u64,
-    /// Of the wish.
+    /// Generation of the wish.
     pub generation: u64,
-    /// Of the latest wish whose drive is there.
+    /// Generation of the latest solved wish.
     pub solved: u64,
     pub wish: Option<Wish>,
     pub solution: Option<Arc<Solution>>,
@@ -73,7 +73,7 @@ impl Report {
             || state(self) != state(before)
     }
 
-    /// As an answer over WebSocket.
+    /// The report as an answer over WebSocket.
     pub fn state(&self, tally: Tally) -> Value {
         let wish = self.wish.as_ref();
         let scene = wish.map(|wish| &wish.scene);

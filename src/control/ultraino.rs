@@ -7,7 +7,7 @@ use crate::control::edit::Edit;
 use crate::echo;
 use crate::scene::{Shape, Target};
 
-/// Where Ultraino listens.
+/// Ultraino's UDP port.
 pub const PORT: u16 = 8085;
 /// Limit of a packet in bytes, as in Ultraino.
 pub const LONGEST: usize = 1024;

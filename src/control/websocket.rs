@@ -200,7 +200,7 @@ struct Connection<'a> {
     desk: &'a Desk,
     gate: &'a Gate,
     maps: &'a Maps,
-    /// For watching clients: the last report sent, the rate limit, and the request's id.
+    /// State of a watching client: the last report sent, the rate limit, and the request's id.
     watch: Option<(u64, Limiter, Option<Value>)>,
 }
 

@@ -22,7 +22,7 @@ struct Element {
     offset: f64,
     /// Factor on its amplitude, 0 to 1.
     gain: f64,
-    /// Not driven.
+    /// The element is not driven.
     off: bool,
 }
 
@@ -51,8 +51,8 @@ fn listed(numbers: &[usize]) -> String {
 }
 
 impl Calibration {
-    /// From CSV with the columns `element` (from 0), `offset` (degrees), `gain` (0 to 1) and `off` (0 or 1), one row for each of
-    /// the `elements`, in any order. Other columns are the user's own.
+    /// Reads CSV with the columns `element` (from 0), `offset` (degrees), `gain` (0 to 1) and `off` (0 or 1), one row
+    /// for each of the `elements`, in any order. Other columns are the user's own.
     ///
     /// # Errors
     /// An unreadable file, an invalid row, duplicate or missing elements.
@@ -62,10 +62,10 @@ impl Calibration {
         Self::parse(&text, elements)
     }
 
-    /// As [`Self::read`], from the file's text.
+    /// Reads the file's text, like [`Self::read`].
     ///
     /// # Errors
-    /// As [`Self::read`].
+    /// The errors of [`Self::read`].
     pub fn parse(text: &str, elements: usize) -> Result<Self, CalibrationError> {
         let mut table = Table::open(text.as_bytes(), ["element", "offset", "gain", "off"], [])?;
         let mut rows = BTreeMap::new();

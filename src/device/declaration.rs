@@ -18,14 +18,14 @@ pub enum Strength {
 pub struct Level {
     /// Less than the board's number of delays.
     pub delay: u16,
-    /// In the board's [`Strength`], more than 0.
+    /// Amplitude in the board's [`Strength`], more than 0.
     pub amplitude: u16,
 }
 
 /// One kind of board.
 #[derive(Debug)]
 pub(in crate::device) struct Declaration {
-    /// On the command line, in files and menus.
+    /// Name on the command line, in files and menus.
     pub name: &'static str,
     /// Transducers, of all boards on the line.
     pub elements: usize,

@@ -18,10 +18,10 @@ pub struct Table {
 }
 
 impl Table {
-    /// For one period of a modulation at a carrier (Hz).
+    /// The table of one period of a modulation at a carrier (Hz).
     ///
     /// # Errors
-    /// As [`playable`].
+    /// The errors of [`playable`].
     pub fn new(modulation: &Modulation, carrier: f64) -> Result<Self, String> {
         fits(modulation)?;
         let frequency = match modulation.shape {

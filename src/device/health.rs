@@ -8,11 +8,11 @@ use crate::device::statistics::Spread;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
     pub baud: u32,
-    /// Hz, as the board reports it, or as its kind has it.
+    /// Carrier (Hz) as reported by the board, or of its kind.
     pub carrier: f64,
     /// Frames of a motion in its store; 0 for streamed motions.
     pub slots: usize,
-    /// Of the native device.
+    /// Phase bits of the native device.
     pub phase_bits: Option<u8>,
 }
 
@@ -46,7 +46,7 @@ impl fmt::Display for FrameRates {
     }
 }
 
-/// How a link fares.
+/// The state of a link.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Health {
     pub state: State,
@@ -54,11 +54,11 @@ pub struct Health {
     pub in_place: bool,
     /// The emergency stop has silenced the board until the next wish.
     pub stopped: bool,
-    /// Of the wanted motion.
+    /// Frame rates of the wanted motion.
     pub rates: Option<FrameRates>,
     /// The port accepted the final silence.
     pub silenced: bool,
-    /// That the board has (native), or that were sent.
+    /// Frames that the board has accepted (native), or that were sent.
     pub frames: u64,
     pub bytes: u64,
     pub frames_per_second: f64,
@@ -67,9 +67,9 @@ pub struct Health {
     pub refused: u64,
     /// Number of connections to the board: one more after every loss.
     pub found: u64,
-    /// From a packet's last byte to its answer.
+    /// Time from a packet's last byte to its answer.
     pub round_trip: Option<Spread>,
-    /// From a wish to the last byte of its frame on the line.
+    /// Time from a wish to the last byte of its frame on the line.
     pub latency: Option<Spread>,
     /// Half periods of a modulation by swaps.
     pub swaps: Option<Spread>,

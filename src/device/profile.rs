@@ -71,11 +71,11 @@ const NATIVES: [&str; 7] =
 #[error("{}, and {} {}", own(*boards, array, *elements), profile.name(), profile.size())]
 pub struct OtherArray {
     pub profile: Profile,
-    /// Of the scene.
+    /// Boards of the scene.
     pub boards: usize,
     /// Columns and rows of the scene's array, if any.
     pub array: Option<[u32; 2]>,
-    /// Of all boards.
+    /// Elements of all boards.
     pub elements: usize,
 }
 

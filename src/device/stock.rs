@@ -112,7 +112,7 @@ impl Twin {
         self.emulation.push(byte)
     }
 
-    /// What the board sends back after a byte.
+    /// The board's answer to a byte.
     pub fn answer(&self, byte: u8) -> Option<u8> {
         protocol(self.profile).echo.filter(|&echo| echo == byte)
     }

@@ -22,7 +22,7 @@ pub struct Drawing {
     pub lines: Vec<Line>,
     /// Width and height.
     pub size: DVec2,
-    /// For each line, the distances of its ends from the nearest earlier line; infinite without one.
+    /// Distances of each line's ends from the nearest earlier line; infinite without one.
     pub(super) gaps: Vec<[f64; 2]>,
     /// Omissions, a sentence each.
     pub remarks: Vec<String>,
@@ -56,7 +56,7 @@ pub enum ImportError {
 }
 
 impl Drawing {
-    /// From lines of any size and position; non-finite points are left out.
+    /// The drawing of lines of any size and position; non-finite points are left out.
     pub(super) fn new(mut lines: Vec<Line>, remarks: Vec<String>) -> Result<Self, ImportError> {
         lines.retain(|line| !line.points.is_empty() && line.points.iter().all(|point| point.is_finite()));
         let points = || lines.iter().flat_map(|line| &line.points).copied();

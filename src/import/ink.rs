@@ -10,7 +10,7 @@ pub struct Ink {
 }
 
 impl Ink {
-    /// For a picture of `width` x `height` without its margin, from its dark pixels (x, y).
+    /// The ink of a picture of `width` x `height` without its margin, from its dark pixels (x, y).
     pub fn new(width: usize, height: usize, dark: impl Iterator<Item = (usize, usize)>) -> Self {
         let (width, height) = (width + 2, height + 2);
         let mut ink = Self { width, dark: vec![false; width * height] };
@@ -33,7 +33,7 @@ impl Ink {
         self.dark.len()
     }
 
-    /// From the one above clockwise.
+    /// Neighbouring pixels, clockwise from the one above.
     pub fn neighbours(&self, index: usize) -> [usize; 8] {
         let (w, i) = (self.width, index);
         [i - w, i - w + 1, i + 1, i + w + 1, i + w, i + w - 1, i - 1, i - w - 1]

@@ -1,6 +1,8 @@
 //! Import of drawings: the paths of an SVG or the dark strokes of a picture, as polylines and as targets.
 //!
-//! `bytes → Drawing` ([`read`]) `→ targets` ([`Placement::targets`]); this module accesses neither files nor the
+//! A drawing becomes targets in independent steps: bytes, polylines in any unit, a [`Drawing`] (polylines centred
+//! on the origin with a longer side of 1), targets ([`Placement::targets`]). Photographs are distinguished from
+//! drawings by the part of their grey variance between paper and ink. This module accesses neither files nor the
 //! window.
 
 mod drawing;

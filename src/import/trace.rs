@@ -21,7 +21,7 @@ const STRAIGHT_COS: f64 = -0.5;
 #[derive(Clone, Debug)]
 struct Chain {
     points: Vec<DVec2>,
-    /// Of a closed chain both are the same.
+    /// Both ends; the same for a closed chain.
     ends: [usize; 2],
 }
 

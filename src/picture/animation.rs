@@ -41,13 +41,13 @@ impl Format {
 /// The colours of all frames.
 #[derive(Clone, Debug)]
 pub enum Colours {
-    /// Those of a colour map, and no others.
+    /// Colours of a colour map, and no others.
     Map(Box<[[u8; 4]; 256]>),
-    /// Any. A GIF is limited to 256, chosen from this picture.
+    /// Any colours. A GIF is limited to 256, chosen from this picture.
     Like(Picture),
 }
 
-/// At most 256 colours, with a lookup of the nearest.
+/// A palette of at most 256 colours, with a lookup of the nearest.
 struct Palette {
     /// r, g, b in sequence.
     rgb: Vec<u8>,

@@ -209,7 +209,7 @@ fn mark<B: DrawingBackend>(
     }
 }
 
-/// From a little below the smallest to a little above the largest.
+/// Range from a little below the smallest value to a little above the largest.
 fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let (low, high) = values.fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
     (low <= high).then_some((low / 1.5, high * 1.5))

@@ -24,10 +24,10 @@ pub enum ColourMap {
 }
 
 impl ColourMap {
-    /// Those to choose from for amounts; phases and signed values have their own.
+    /// Choices for amounts; phases and signed values have their own map.
     pub const OF_AMOUNTS: [Self; 5] = [Self::Inferno, Self::Viridis, Self::Cividis, Self::Magma, Self::Grey];
 
-    /// The name as menus have it.
+    /// The name in menus.
     pub fn title(self) -> String {
         let (first, rest) = self.into_str().split_at(1);
         first.to_uppercase() + rest
@@ -60,12 +60,12 @@ impl ColourMap {
         })
     }
 
-    /// For a dark or a light ground.
+    /// The table for a dark or a light ground.
     pub fn on(self, is_light: bool) -> [[u8; 4]; 256] {
         if is_light { self.table_on_light() } else { self.table() }
     }
 
-    /// For a light ground, as in print: white at zero, darker with larger values.
+    /// The table for a light ground, as in print: white at zero, darker with larger values.
     pub fn table_on_light(self) -> [[u8; 4]; 256] {
         /// Steps from white to the lightest colour of the table.
         const FADE: f64 = 64.0;

@@ -21,7 +21,7 @@ type Drawn<'a> = Result<(), DrawingErrorKind<<BitMapBackend<'a> as DrawingBacken
 pub struct Lettered<'a>(BitMapBackend<'a>);
 
 impl<'a> Lettered<'a> {
-    /// On three bytes a pixel.
+    /// The plot on three bytes per pixel.
     pub fn on(rgb: &'a mut [u8], size: (u32, u32)) -> Self {
         Self(BitMapBackend::with_buffer(rgb, size))
     }

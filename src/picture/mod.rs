@@ -47,10 +47,10 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// From colours in a field's order, row 0 at the smallest y, the bottom of the picture.
+    /// The picture of colours in a field's order, row 0 at the smallest y, the bottom of the picture.
     ///
     /// # Panics
-    /// Not four bytes per pixel.
+    /// If there are not four bytes per pixel.
     pub fn from_field_order(width: usize, height: usize, colours: &[u8]) -> Self {
         assert_eq!(colours.len(), width * height * 4, "four bytes per pixel");
         let rgba = colours.chunks_exact((width * 4).max(1)).rev().flatten().copied().collect();

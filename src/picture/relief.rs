@@ -1,4 +1,8 @@
 //! A shaded relief of a liquid's surface, as a photograph would show it.
+//!
+//! The picture is one march per column over the surface, on all cores; the window gives it half the canvas' pixels.
+//! The same code draws the pages of `render`, frames of films and rasters of figures. Targets are edited over the
+//! flat map.
 
 use std::ops::Range;
 
@@ -94,7 +98,7 @@ impl Place {
 }
 
 impl<'a> Relief<'a> {
-    /// With the exaggeration of its own largest depth.
+    /// The surface with the exaggeration of its own largest depth.
     pub fn new(depth: &'a [f32], columns: usize, size: DVec2) -> Self {
         let deepest = depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
         Self { depth, columns, size, exaggeration: exaggeration(deepest.into(), size) }
@@ -286,7 +290,7 @@ fn fill(covered: &mut [Vec4], from: (f32, Vec4), to: (f32, Vec4)) {
     }
 }
 
-/// How the surface is lit.
+/// The light on the surface.
 struct Light {
     columns: usize,
     rows: usize,

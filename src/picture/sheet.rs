@@ -50,7 +50,7 @@ pub struct Legend {
     pub colours: ColourMap,
     /// Pa RMS, of the last colour.
     pub peak: f64,
-    /// On what the colours do not show.
+    /// Remark on what the colours do not show.
     pub remark: Option<String>,
 }
 

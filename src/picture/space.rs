@@ -14,7 +14,7 @@ const EDGE: f64 = 22.0;
 /// All labels of a picture.
 #[derive(Clone, Debug, Default)]
 pub struct Words {
-    /// At the top, the first one larger.
+    /// Lines of text at the top, the first one larger.
     pub lines: Vec<String>,
     /// Centre of each label in pixels.
     pub labels: Vec<(DVec2, String)>,

@@ -1,4 +1,4 @@
-//! What is known of a solution beside its own quality, for people and for programs.
+//! Figures of a solution beside its own quality, for people and for programs.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! The drives of all frames of a cycle as JSON and CSV, and what is said of all of them.
+//! The drives of all frames of a cycle as JSON and CSV, with the figures of the cycle.
 
 use std::io::Write;
 
@@ -12,7 +12,7 @@ use crate::solver::frames::{Frame, Sequence};
 const LINKS: [(f64, &str); 2] =
     [(89.0, "SonicSurface at 230400 baud"), (1124.0, "Sonoglyph's own protocol at 3 Mbaud")];
 
-/// What is said of the whole cycle.
+/// Figures of the whole cycle.
 #[derive(Debug)]
 pub struct Summary {
     pub mean_pressure: f64,
@@ -71,7 +71,7 @@ fn own_motions(cycle: &Cycle<'_>) -> Vec<Value> {
 /// One object; its frames stand a line each, and are never all in memory as text.
 ///
 /// # Errors
-/// What takes no more.
+/// If the writer fails.
 pub fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io::Result<()> {
     let (cycle, summary) = (motion::cycle(scene), Summary::new(sequence));
     let of_scene = cycle.iter().flat_map(|cycle| &cycle.groups).find(|group| group.target.is_none());
@@ -123,7 +123,7 @@ fn frame_json(frame: &Frame, time: f64) -> Value {
 /// A row per frame: the phase (rad) of every element, and `nan` for those that are off.
 ///
 /// # Errors
-/// What takes no more.
+/// If the writer fails.
 pub fn write_csv(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io::Result<()> {
     write!(out, "frame,time")?;
     for element in 0..scene.elements() {

@@ -1,4 +1,6 @@
 //! Opens scenes: the file, and the pictures, waveform and element table that it names.
+//!
+//! A scene file names a picture; opening loads the pixels, which the scene then shares and the file never contains.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,7 @@
 //! Saves pictures with a scene: paintings as files beside the scene's, other pictures by relative names.
+//!
+//! [`Paintings`] records which pixels were written to which file, so that undone strokes are rewritten and other
+//! programs' files are never overwritten.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

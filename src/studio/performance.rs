@@ -1,4 +1,4 @@
-//! The performance of a scene: what is played of it, solved.
+//! The performance of a scene: the solved drive or frames that are played.
 
 use std::sync::Arc;
 

@@ -35,7 +35,7 @@ pub fn ready(link: &Link, is_over: impl Fn() -> bool, tell: fn(&str)) -> anyhow:
     Ok(None)
 }
 
-/// The link to a board, and what it was last given.
+/// The link to a board, and the last content given to it.
 #[derive(Debug)]
 pub struct Player {
     pub link: Link,
@@ -53,7 +53,7 @@ impl Player {
     /// Begins to look for the board. `notify` is called when the link has something new.
     ///
     /// # Errors
-    /// No thread to be had.
+    /// The thread could not be started.
     pub fn open(
         settings: Settings,
         calibration: Calibration,
@@ -134,7 +134,7 @@ impl Player {
         Levels::new(self.link.settings().profile, drive, &self.calibration)
     }
 
-    /// Shows content that is no scene's.
+    /// Shows content other than a scene's, such as a test pattern.
     pub fn show(&mut self, content: Content) {
         self.forget();
         self.link.show_unless_silenced(content, self.silenced);

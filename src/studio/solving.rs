@@ -1,4 +1,4 @@
-//! When a scene is solved that changes: at once, in the background, or further once it rests.
+//! The time at which a changing scene is solved: at once, in the background, or further once it rests.
 //!
 //! A drag has a drive in every frame: a changed scene is first solved quickly, from the drive before. The window does
 //! this between two frames as long as it is prompt, and otherwise on a thread; `serve` always on a thread, since the
@@ -18,7 +18,7 @@ use crate::studio::posing::is_shape;
 const AT_ONCE: usize = 120 * 256;
 /// The same for shapes: a frame allows a few steps.
 const AT_ONCE_OF_SHAPES: usize = 360 * 256;
-/// What is not solved after this time is solved in the background, too: the window stays at hand.
+/// Time after which solving moves to the background: the window stays responsive.
 const PROMPT: Duration = Duration::from_millis(100);
 
 /// The solution of a scene at rest.

@@ -1,4 +1,7 @@
 //! The brush paints target pressure on a picture target; the eraser removes it.
+//!
+//! Painted pixels are ordinary values: a stroke copies the raster once per frame, and the history keeps one raster
+//! per step.
 
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;

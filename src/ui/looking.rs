@@ -1,4 +1,6 @@
 //! The fitted view of a plane, and transitions to other views.
+//!
+//! A fitted view stays while targets move within it.
 
 use egui::Rect;
 

@@ -24,14 +24,14 @@ pub struct Shown {
     pub space: Option<SpaceShown>,
     /// The comparison map.
     pub beside: Option<beside::Beside>,
-    /// Of the scene at rest.
+    /// Solution of the scene at rest.
     pub solution: Option<Arc<Solution>>,
     pub sound: Option<Sound>,
     /// The reason for showing a state other than the scene's.
     pub problem: Option<String>,
     /// Pending results, and what is shown meanwhile: a sentence.
     pub pending: Option<String>,
-    /// A sentence each.
+    /// Warnings, a sentence each.
     pub warnings: Vec<String>,
     pub methods: Vec<MethodRow>,
     pub is_comparing: bool,

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 /// Number of derivatives of the orders 0, 1, 2 and 3.
 pub(super) const COUNT: usize = 1 + 3 + 6 + 10;
-/// Of a second derivative among these, by its two axes.
+/// Index of a second derivative among these, by its two axes.
 pub(super) const SECOND: [[usize; 3]; 3] = [[4, 5, 6], [5, 7, 8], [6, 8, 9]];
 /// The axes of the second derivatives, in their order.
 pub(super) const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
@@ -73,7 +73,7 @@ impl Derivatives {
         self.0[THIRD[SECOND[i][j] - 4][k]]
     }
 
-    /// Those along a direction.
+    /// Derivatives along a direction.
     pub fn along(&self, v: [f64; 3]) -> Along {
         let sum = |of: &dyn Fn(usize) -> Complex64| (0..3).map(|j| of(j) * v[j]).sum::<Complex64>();
         let slopes = [0, 1, 2].map(|i| sum(&|j| self.second(i, j)));
@@ -93,7 +93,7 @@ impl Derivatives {
         self.0.iter().zip(&other.0).map(|(own, other)| own.conj() * other).sum()
     }
 
-    /// Of the product of two fields, by Leibniz's rule.
+    /// Derivatives of the product of two fields, by Leibniz's rule.
     pub(super) fn times(&self, other: &Self) -> Self {
         let (a, b) = (self, other);
         let mut product = Self::default();
@@ -118,7 +118,7 @@ impl Derivatives {
 }
 
 impl From<[Complex64; COUNT]> for Derivatives {
-    /// From their values, in the order of [`Derivatives::values`].
+    /// The derivatives with these values, in the order of [`Derivatives::values`].
     fn from(values: [Complex64; COUNT]) -> Self {
         Self(values)
     }
@@ -153,7 +153,7 @@ pub struct Along {
 }
 
 impl Along {
-    /// From factors of these to factors of the derivatives along the axes.
+    /// Factors of the derivatives along the axes that correspond to these factors.
     pub fn spread(&self, v: [f64; 3]) -> Derivatives {
         let mut all = Derivatives::default();
         all.0[0] = self.pressure;

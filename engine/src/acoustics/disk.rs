@@ -17,9 +17,9 @@ pub(super) struct Node {
     pub weight: f64,
 }
 
-/// For a point `rho` from the axis and `z` from the plane (in radii), with `ka` the wavenumber times the radius.
-/// Gauss's rule along the radius, equal steps around. Both converge geometrically with the distance of the point;
-/// nearer than a tenth of a radius they lose digits.
+/// Quadrature points for a point `rho` from the axis and `z` from the plane (in radii), with `ka` the wavenumber times
+/// the radius. Gauss's rule along the radius, equal steps around. Both converge geometrically with the distance of the
+/// point; nearer than a tenth of a radius they lose digits.
 pub(super) fn nodes(ka: f64, rho: f64, z: f64) -> impl Iterator<Item = Node> {
     let z = z.max(0.02);
     // The radii (complex) at which a ring meets the point, seen from the interval: Bernstein's ellipse.

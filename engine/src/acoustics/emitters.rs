@@ -180,7 +180,7 @@ impl Emitters {
         Heard { emitters: self, point, pattern, attenuation: self.element.attenuation }
     }
 
-    /// Of exact pistons: each a sum of points on its disk, and absorption that counts from its centre.
+    /// Derivatives of exact pistons: each a sum of points on its disk, and absorption that counts from its centre.
     fn disks<const ORDER: usize>(&self, radius: f64, point: DVec3) -> Derivatives {
         let Element { wavenumber, attenuation, .. } = self.element;
         let mut sum = Derivatives::default();
@@ -373,7 +373,7 @@ fn dot(a: &[Lanes; 3], b: &[Lanes; 3]) -> Lanes {
     lanes(|i| a[0][i] * b[0][i] + a[1][i] * b[1][i] + a[2][i] * b[2][i])
 }
 
-/// Of complex numbers.
+/// Product of complex numbers.
 #[inline(always)]
 fn times(a: &[Lanes; 2], b: &[Lanes; 2]) -> [Lanes; 2] {
     [lanes(|i| a[0][i] * b[0][i] - a[1][i] * b[1][i]), lanes(|i| a[0][i] * b[1][i] + a[1][i] * b[0][i])]

@@ -17,7 +17,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// In z = 0, centred on the origin, facing +z.
+    /// The pose in z = 0, centred on the origin, facing +z.
     pub const HOME: Self = Self { at: DVec3::ZERO, axes: DMat3::IDENTITY };
 
     pub fn of(board: &Board) -> Self {

@@ -87,7 +87,7 @@ impl Transfer {
         self.values.set(point * self.stride + element, value);
     }
 
-    /// From the driven elements to one point.
+    /// Transfers from the driven elements to one point.
     pub fn row(&self, point: usize) -> impl ExactSizeIterator<Item = Complex64> + Clone {
         let row = point * self.stride..point * self.stride + self.elements;
         let (re, im) = (&self.values.re[row.clone()], &self.values.im[row]);
@@ -110,7 +110,7 @@ impl Transfer {
         (&mut self.values.re[row.clone()], &mut self.values.im[row])
     }
 
-    /// Room for one value per element, as [`Transfer::drive_by`] wants it.
+    /// Room for one value per element, for [`Transfer::drive_by`].
     pub fn excitation(&self) -> Phasors {
         Phasors::zeros(self.stride)
     }

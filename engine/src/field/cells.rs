@@ -31,7 +31,7 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// For a `plane`, at least `margin` (m) beyond it, so that interpolated squares are off by at most `accuracy`,
+    /// Cells of a `plane`, at least `margin` (m) beyond it, whose interpolated squares are off by at most `accuracy`,
     /// relative to their peak. `None` if there would be too many.
     pub fn new(aperture: &Aperture, plane: &Plane, margin: f64, accuracy: f64) -> Option<Self> {
         /// The window's share of the accuracy; the rest is for the squares.

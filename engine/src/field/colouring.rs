@@ -11,7 +11,7 @@ use crate::field::quantity::{Quantity, Range};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Scale {
     Linear,
-    /// By their logarithm, from a part of the largest.
+    /// Logarithm of an amount, from a part of the largest.
     Logarithmic,
 }
 
@@ -22,7 +22,7 @@ const LAST: f32 = 255.0;
 /// Divisor for all-zero values.
 pub const SMALLEST: f32 = 1e-30;
 
-/// How values are shown.
+/// The colours of values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colouring {
     pub range: Range,
@@ -33,7 +33,7 @@ pub struct Colouring {
     /// The value of the first colour of a linear scale with a given `full`; if `None`, 0 of amounts and `-full` of
     /// signed values.
     pub low: Option<f32>,
-    /// Of amounts; other ranges are linear.
+    /// Scale of amounts; other ranges are linear.
     pub scale: Scale,
     /// The part of the largest amount that has the first colour of a logarithmic scale, in (0, 1).
     pub floor: f32,

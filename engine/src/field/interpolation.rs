@@ -1,4 +1,7 @@
-//! From samples to pixels along one axis: a Kaiser-windowed sinc.
+//! Interpolation from samples to pixels along one axis, by a Kaiser-windowed sinc.
+//!
+//! Slopes along the plane are interpolated from the same samples, by the derivative of the sinc under the same
+//! window.
 
 use std::f64::consts::PI;
 
@@ -14,7 +17,7 @@ const ALIGNED: usize = 16;
 /// Terms of the window's polynomial: 1e-9 off for the sharpest tolerance.
 const WINDOW_TERMS: usize = 18;
 
-/// For every pixel along an axis, the first sample of its interpolation and the weights.
+/// First sample of the interpolation, and weights, of every pixel along an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Resampling {
     /// Samples per pixel.
@@ -177,7 +180,7 @@ pub struct Between {
 }
 
 impl Between {
-    /// Of memory kept.
+    /// Bytes of memory kept.
     pub(super) fn bytes(&self) -> usize {
         self.lines.capacity() * size_of::<Aligned>() + self.wide.capacity() * size_of::<f32>()
     }
@@ -203,7 +206,7 @@ pub fn interpolate<T: Value>(
     resample(lines, up, pixels, across.len());
 }
 
-/// From lines of `length` values (padded to [`stride`]), one per sample, to one line per pixel.
+/// Interpolates lines of `length` values (padded to [`stride`]), one per sample, to one line per pixel.
 fn resample<T: Value>(samples: &[Aligned], resampling: &Resampling, pixels: &mut [T], length: usize) {
     /// Pixels per task: most share their samples, which then stay in the fastest cache.
     const PIXELS: usize = 32;

@@ -1,5 +1,9 @@
 //! The field of a drive at many points: in f64 as the reference, and in f32 for speed, on the CPU and on the GPU.
 //!
+//! [`Stages`] makes the maps: a [`Request`] (array, air, plane with its tolerance, drives, quantity, size) becomes
+//! a [`Map`] (values, peak, error). A [`Quantity`] declares once what is formed from the sound. `stages` holds the
+//! order of the steps, `plan` the theory of sampling, `volume` fields and pictures in space.
+//!
 //! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests compare them
 //! with the reference.
 

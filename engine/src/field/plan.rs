@@ -1,9 +1,15 @@
 //! The sampling plan of a plane: sample points that keep the tolerance for maps of any size.
 //!
 //! Complex pressure on a plane has little spatial frequency above sinθ/λ, θ being the steepest angle between a ray
-//! from the array and the normal of the axis. It is sampled with a small margin and interpolated with a
-//! Kaiser-windowed sinc; moduli are formed afterwards, since |p|² has twice the bandwidth. Where samples would be
-//! within a wavelength of the array, every pixel is evaluated.
+//! from the array and the normal of the axis. Wave front curvature widens this band; the evanescent field that
+//! remains at the plane's height limits it. Together with the tolerance it determines the sample step and the
+//! Kaiser window of the interpolating sinc; of several half-widths the one with the least work is chosen. Moduli
+//! are formed afterwards, since |p|² has twice the bandwidth. Where samples would be within a wavelength of the
+//! array, every pixel is evaluated. A plan does not depend on the pixels, so a new size of the map costs one
+//! interpolation.
+//!
+//! One grid serves all boards: its bandwidth is the largest of all, its step divides their common pitch, it keeps
+//! clear of all of them, and boards facing away from the whole plane are left out.
 //!
 //! If an axis of the plane is parallel to the array, the step divides the pitch: the transfer from an element to a
 //! sample then equals that from its neighbour to a neighbouring sample, and [`crate::field::transfer`] stores one
@@ -102,8 +108,8 @@ pub struct Grid {
     /// Half-width (samples) and shape of the window.
     pub half_width: usize,
     pub beta: f64,
-    /// For every contributing board and image: its index in the aperture, and the repetition of sample columns and
-    /// rows from element to element.
+    /// Contributing boards and images: index in the aperture, and the repetition of sample columns and rows from element
+    /// to element.
     pub heard: Vec<(usize, [Option<Shared>; 2])>,
 }
 
@@ -274,7 +280,7 @@ struct Layout {
     covered: Range<f64>,
     /// Cycles per wavelength.
     highest: DVec2,
-    /// Of every face.
+    /// Repetition of sample columns and rows on every face.
     shared: Vec<[Option<Shared>; 2]>,
 }
 

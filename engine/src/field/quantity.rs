@@ -1,8 +1,13 @@
 //! The quantities of a field. Each is declared once: its parts of the sound, its formula in Rust and in WGSL, unit,
 //! range, and names.
 //!
-//! A formula maps the sound of one drive at one point to one real number. The numbers of several drives are averaged;
-//! RMS values take the root of that mean, a liquid responds to it, and of a vector the length of the mean is taken.
+//! A formula maps the sound of one drive at one point to one real number. The numbers of several drives are
+//! averaged; RMS values take the root of that mean, a liquid responds to it, and of a vector the length of the mean
+//! is taken.
+//!
+//! Menus, arguments, legends, colour maps, contour lines and both evaluators use the declaration, so a new quantity
+//! is one more declaration (`docs/adding-a-quantity.md`). Only the force on a bead has no formula (`is_vector`): it
+//! needs second derivatives of the sound in all directions (`stages::force`).
 
 use std::ops::{Mul, Sub};
 
@@ -16,9 +21,9 @@ use crate::simd::{Instructions, Isa, Kernel};
 /// The kind of range of values, which determines their colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Range {
-    /// From zero to the largest.
+    /// Zero to the largest value.
     Amount,
-    /// From minus the largest to the largest.
+    /// Minus the largest magnitude to the largest.
     Signed,
     /// Once round a turn.
     Cyclic,
@@ -29,24 +34,24 @@ pub enum Range {
 pub enum Norm {
     /// The value is a norm of the sound, and its error the same norm of the sound's error.
     Value,
-    /// Of |P| (Pa, peak).
+    /// |P| (Pa, peak).
     Pressure,
-    /// Of the value: errors are differences of values, weighted by the pressure.
+    /// The value itself: errors are differences of values, weighted by the pressure.
     Difference,
-    /// Likewise, weighted by the energy density: of values that are large where slopes are, too.
+    /// The value itself, its errors weighted by the energy density: for values that are also large where slopes are.
     Energy,
 }
 
 /// One quantity.
 #[derive(Debug)]
 pub struct Declaration {
-    /// In files and arguments.
+    /// Name in files and arguments.
     pub name: &'static str,
-    /// Names that it had.
+    /// Former names, still accepted.
     pub aliases: &'static [&'static str],
-    /// On buttons and legends.
+    /// Title on buttons and legends.
     pub title: &'static str,
-    /// In sentences.
+    /// Words within sentences.
     pub words: &'static str,
     /// A sentence of explanation.
     pub help: &'static str,
@@ -55,9 +60,9 @@ pub struct Declaration {
     pub norm: Norm,
     /// Bits of the [`Part`]s that the formula reads.
     pub parts: u8,
-    /// The formula as Rust has it, for a run of points.
+    /// The formula in Rust, for a run of points.
     pub formula: fn(Sounds<'_>, &Constants, &mut [f32]),
-    /// In f64, at one point.
+    /// The formula in f64, at one point.
     pub exact: fn(Sound<f64>, &Constants<f64>) -> f64,
     /// WGSL expression in `s` (a sound) and `c` (the constants).
     pub wgsl: &'static str,
@@ -75,7 +80,7 @@ pub struct Declaration {
     pub is_slow: bool,
     /// Shown through the response of the liquid.
     pub of_liquid: bool,
-    /// And not its surface, but the light that this bends.
+    /// Shows the light refracted by the liquid's surface.
     pub of_light: bool,
     /// Depends on the scene's bead.
     pub of_bead: bool,
@@ -90,7 +95,7 @@ pub struct Declaration {
 pub struct Flow {
     /// Added for a run of points.
     pub add: fn(Sounds<'_>, &Constants, &mut [[f32; 3]]),
-    /// In f64, at one point.
+    /// The formula in f64, at one point.
     pub exact: fn(Sound<f64>, &Constants<f64>) -> [f64; 3],
 }
 
@@ -336,7 +341,7 @@ quantities! {
 /// The mean of a formula over drives at one point, in f64.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mean {
-    /// Of a vector, or in the first component.
+    /// Sum of a vector; a scalar is the first component.
     sum: [f64; 3],
 }
 
@@ -397,7 +402,7 @@ impl Quantity {
         self.declaration().range == Range::Amount
     }
 
-    /// From a mean of the formula to the value.
+    /// The value of a mean of the formula.
     pub fn value(self, mean: f32) -> f32 {
         if self.declaration().is_root { mean.max(0.0).sqrt() } else { mean }
     }

@@ -1,4 +1,7 @@
 //! The pixels of a map, and which of them are interpolated from a plan's samples.
+//!
+//! Rows that come closer to the array than a wavelength are evaluated pixel by pixel, and so are all rows of a map
+//! with fewer pixels than the plan has samples.
 
 use std::ops::Range;
 

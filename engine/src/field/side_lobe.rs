@@ -56,11 +56,11 @@ pub struct SideLobe {
     pub position: DVec3,
     /// |P|, Pa
     pub pressure: f64,
-    /// Of the mean |P| at the foci.
+    /// Fraction of the mean |P| at the foci.
     pub part: f64,
 }
 
-/// Why there is no side lobe to name.
+/// Reasons for having no side lobe.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum NoSideLobe {
     #[error("the plane meets no focus")]
@@ -213,7 +213,7 @@ impl Lobes {
 
     /// Whether a point is in one of them.
     fn contain(&self, point: DVec3) -> bool {
-        /// Of the distance that changes a spread by as much, with equal weights.
+        /// Fraction of the distance that changes a spread by as much, with equal weights.
         const SURELY: f64 = 0.8;
         let away = |lobe: &Lobe| lobe.middle.distance_squared(point);
         let nearest = self.lobes.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
@@ -270,7 +270,7 @@ mod tests {
         (aperture, move |point| shared.transfer(&[point]).pressure(&excitation)[0].norm())
     }
 
-    /// From a focus outwards in steps of a twelfth of a wavelength, while before the array and within 30 cm.
+    /// Points from a focus outwards in steps of a twelfth of a wavelength, while before the array and within 30 cm.
     fn outwards(aperture: &Aperture, focus: DVec3, direction: DVec3) -> Vec<DVec3> {
         let step = direction * aperture.wavelength() / 12.0;
         (0..)

@@ -1,5 +1,9 @@
 //! Slopes of the pressure along a direction where no grid provides them: by differences in f32, and in f64 by the
 //! transfer's own slopes.
+//!
+//! Slopes along the plane's normal are differences between samples on four more planes, a thirty-second and a
+//! sixteenth of a wavelength away on either side. One table of these differences is used like that of the pressure.
+//! Near the array, without interpolation, all slopes are such differences.
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
@@ -94,12 +98,12 @@ fn direction(part: Part, [x, y, normal]: [DVec3; 3]) -> Option<DVec3> {
 #[derive(Clone, Debug)]
 pub struct SoundTransfer {
     parts: u8,
-    /// Of the pressure at each point and, if any part is one, of the slopes among the parts.
+    /// Transfer of the pressure at each point and, if any part is one, of the slopes among the parts.
     transfer: Transfer,
 }
 
 impl SoundTransfer {
-    /// For these parts of the sound, along a plane's axes and its normal.
+    /// The transfer of these parts of the sound, along a plane's axes and its normal.
     pub fn new(aperture: &Aperture, parts: u8, axes: [DVec3; 3], points: &[DVec3]) -> Self {
         let directions: Vec<_> = Part::of(parts).filter_map(|part| direction(part, axes)).collect();
         let transfer = match directions[..] {

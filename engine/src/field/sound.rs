@@ -30,7 +30,7 @@ impl<T> Sound<T> {
 }
 
 impl Sound<f64> {
-    /// How far another is off.
+    /// Deviation from another sound.
     pub fn less(&self, other: &Sound) -> Self {
         let less = |own: Complex64, other: Complex32| own - Complex64::new(other.re.into(), other.im.into());
         Self {
@@ -83,7 +83,7 @@ pub struct Constants<T = f32> {
 }
 
 impl Constants<f64> {
-    /// In this air and for this bead, for a wavenumber (1/m), at the moment ωt (rad).
+    /// The constants of this air and bead, for a wavenumber (1/m), at the moment ωt (rad).
     pub fn new(air: &Air, bead: &Bead, wavenumber: f64, moment: f64) -> Self {
         let angular = wavenumber * air.sound_speed;
         Self {
@@ -95,7 +95,7 @@ impl Constants<f64> {
         }
     }
 
-    /// In f32, as maps have them.
+    /// The constants in f32, for maps.
     pub fn narrow(self) -> Constants {
         Constants {
             of_pressure: self.of_pressure as f32,
@@ -112,14 +112,14 @@ impl Constants<f64> {
 pub struct Sounds<'a>(pub [&'a [Complex32]; 4]);
 
 impl<'a> Sounds<'a> {
-    /// From the parts in `of` only, in their order.
+    /// The sound of the parts in `of` alone, in their order.
     pub fn of(of: u8, parts: impl IntoIterator<Item = &'a [Complex32]>) -> Self {
         let mut parts = parts.into_iter();
         Self(std::array::from_fn(|i| if of & 1 << i == 0 { &[][..] } else { parts.next().unwrap_or(&[]) }))
     }
 }
 
-/// In f32.
+/// The number in f32.
 pub fn narrow(p: Complex64) -> Complex32 {
     Complex32::new(p.re as f32, p.im as f32)
 }

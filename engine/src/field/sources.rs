@@ -1,12 +1,20 @@
 //! The constants of the array and its drive for the f32 evaluators, computed in f64.
 //!
-//! Phase is counted in turns and reduced by `t - round(t)`: shading languages guarantee nothing for the sine of a
-//! large angle. Sine, cosine and directivity are our own polynomials, identical in both evaluators.
+//! The f32 evaluators stay within 2e-5 of the peak of the f64 reference, in complex values. Three techniques make
+//! this possible:
 //!
-//! Every board is evaluated in its own coordinates. The elements of a flat board lie in z = 0, so a distance is r =
-//! z + ρ²/(r + z), and e^{-jkz} is common to all elements: it is applied once per sample with a phase reduced in f64,
-//! and f32 handles only the small second part. So distant planes are as accurate as near ones. The elements of a
-//! curved board have heights h and individual directions: r = |z| + (ρ² + h² - 2zh)/(r + |z|).
+//! - Phase is counted in turns and reduced by `t - round(t)`: shading languages guarantee nothing for the sine of a
+//!   large angle.
+//! - Sine, cosine and directivity are our own polynomials, identical in both evaluators.
+//! - Every board is evaluated in its own coordinates (`Samples::seen_from`), and complex samples add. The elements
+//!   of a flat board lie in z = 0, so a distance is r = z + ρ²/(r + z), and e^{-jkz} is common to all elements: it
+//!   is applied once per sample with a phase reduced in f64, and f32 handles only the small second part. So distant
+//!   planes are as accurate as near ones.
+//!
+//! The elements of a curved board have heights h and individual directions ([`Sources::tilts`], a second vector per
+//! element, and no shared table): r = |z| + (ρ² + h² - 2zh)/(r + |z|). The image in a reflector is a board with
+//! another pose, a gain, and the elements of its original. Cases beyond the polynomials (elements of more than four
+//! wavelengths, extreme absorption) use the reference.
 
 use std::borrow::Cow;
 use std::f64::consts::{PI, TAU};
@@ -51,7 +59,7 @@ pub struct Wave {
     /// 1/λ, in f32 for distances and in f64 for [`Wave::turns`].
     pub turns_per_metre: f32,
     exact_turns_per_metre: f64,
-    /// Of an element at full drive, as in [`Sources::elements`].
+    /// Strength of an element at full drive, as in [`Sources::elements`].
     strength: f64,
     /// D in s = 2 sin²θ - 1.
     pub directivity: Polynomial<24>,
@@ -146,7 +154,7 @@ pub fn sounding(aperture: &Aperture, face: &Face, drive: &Drive) -> Vec<usize> {
     driven.iter().copied().filter(|&n| drive.amplitudes[n] != 0.0).collect()
 }
 
-/// As [`Sources::tilts`], of these elements of a board.
+/// [`Sources::tilts`] of these elements of a board.
 pub fn tilts(layout: &Layout, elements: impl Iterator<Item = usize>) -> Vec<[f32; 4]> {
     let tilt = |n: usize| {
         let (z, normal) = (layout.positions[n].z, layout.normals[n]);
@@ -236,7 +244,7 @@ impl<const MOST: usize> Polynomial<MOST> {
         Some(fitted(few)).filter(is_near).or_else(|| Some(fitted(MOST)).filter(is_near))
     }
 
-    /// As the evaluators have it, rounding included.
+    /// The value that the evaluators compute, rounding included.
     fn at(&self, s: f32) -> f32 {
         self.coefficients[..self.terms].iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
     }

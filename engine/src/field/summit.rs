@@ -2,10 +2,10 @@
 
 use glam::DVec2;
 
-/// Distances (in sample steps) to compared neighbours: the first, the reduction factor, and the last.
+/// Distance (in sample steps) to compared neighbours: the first, and the factor where none of them is higher.
 const FIRST: f64 = 0.125;
 const FINER: f64 = 0.25;
-/// On the way, and at most.
+/// Factor of the distance after a move, the largest distance, and the last.
 const FARTHER: f64 = 2.0;
 const FARTHEST: f64 = 0.5;
 const FINEST: f64 = 0.05;
@@ -226,7 +226,7 @@ fn vertex(around: [f64; 8], middle: f64) -> (DVec2, f64) {
 mod tests {
     use super::*;
 
-    /// Of samples a unit apart.
+    /// The lattice of samples a unit apart.
     fn sampled(counts: [usize; 2], function: &impl Fn(DVec2) -> f64) -> Lattice {
         let half = DVec2::new(counts[0] as f64 - 1.0, counts[1] as f64 - 1.0) / 2.0;
         let place = |i: usize| DVec2::new((i % counts[0]) as f64, (i / counts[0]) as f64) - half;
@@ -257,7 +257,7 @@ mod tests {
         }
     }
 
-    /// Of waves with six samples to the shortest, on a rectangle that cuts one of them.
+    /// The waves have six samples to the shortest, on a rectangle that cuts one of them.
     #[test]
     fn the_highest_of_many_summits_is_met_within_the_rectangle_and_at_its_edge() {
         let wave = |place: DVec2, turn: f64| {

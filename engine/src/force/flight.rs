@@ -30,7 +30,7 @@ pub struct Drag {
 }
 
 impl Drag {
-    /// In air of this viscosity (Pa·s) and density (kg/m³).
+    /// Drag in air of this viscosity (Pa·s) and density (kg/m³).
     pub fn new(sphere: &Sphere, viscosity: f64, density: f64) -> Self {
         let radius = (0.75 * sphere.volume / PI).cbrt();
         Self { slow: 6.0 * PI * viscosity * radius, reynolds: 2.0 * radius * density / viscosity }

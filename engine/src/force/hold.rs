@@ -38,19 +38,19 @@ pub struct Hold {
 pub struct Escape {
     /// Distance (m) at which force and weight together stop restoring the bead; infinite beyond a wavelength.
     pub distance: f64,
-    /// N, the most that drives it back on the way there.
+    /// Largest restoring force (N) on the way there.
     pub force: f64,
 }
 
-/// Whether it holds, or the reason why not.
+/// The outcome for a bead: it holds, or the reason why not.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outcome {
     Holds,
     /// The force nowhere carries the weight.
     TooHeavy,
-    /// It is driven away along the mode of smallest stiffness.
+    /// The bead is driven away along the mode of smallest stiffness.
     Unstable,
-    /// The forces lead it more than a wavelength away.
+    /// The forces lead the bead more than a wavelength away.
     Leaves,
 }
 

@@ -11,7 +11,7 @@ pub struct Mode {
     pub direction: DVec3,
 }
 
-/// Those of a symmetric matrix, the weakest first: Jacobi's rotations.
+/// Modes of a symmetric matrix, the weakest first: Jacobi's rotations.
 pub fn modes(matrix: &DMat3) -> [Mode; 3] {
     let mut a = matrix.to_cols_array_2d();
     let mut vectors = DMat3::IDENTITY.to_cols_array_2d();

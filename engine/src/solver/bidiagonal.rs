@@ -28,7 +28,7 @@ pub struct Rotation {
 impl Rotation {
     /// The rotation of (f, g) to (r, 0), and r.
     fn new(at: usize, f: f64, g: f64) -> (Self, f64) {
-        /// Of a sum of squares with all its digits.
+        /// Least sum of squares with all its digits.
         const FAINTEST: f64 = 1e-280;
         let power = f * f + g * g;
         if power < FAINTEST {

@@ -20,7 +20,7 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// Of the matrix with these entries on and above the diagonal; `None` if it is not positive definite.
+    /// The factor of the matrix with these entries on and above the diagonal; `None` if it is not positive definite.
     pub fn new(size: usize, entry: impl Fn(usize, usize) -> f64) -> Option<Self> {
         let stride = size.div_ceil(BLOCK);
         let mut factor = Self { size, stride, values: vec![[0.0; BLOCK]; size * stride] };

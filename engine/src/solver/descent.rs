@@ -104,7 +104,7 @@ impl Descent {
     }
 
     fn go(&mut self, x: Vec<f64>, value: f64, gradient: Vec<f64>) {
-        /// Of both lengths: pairs of less curvature are rounding.
+        /// Curvature relative to both lengths: pairs of less are rounding.
         const LEAST_CURVATURE: f64 = 1e-10;
         let difference =
             |to: &[f64], from: &[f64]| to.iter().zip(from).map(|(a, b)| a - b).collect::<Vec<_>>();

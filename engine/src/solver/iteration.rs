@@ -1,5 +1,11 @@
 //! Methods with free focal phases: phase conjugation, Gerchberg-Saxton and its variants, greedy search, and the
-//! combination `best`.
+//! levelling of `best`.
+//!
+//! A levelling step is the smallest change of element phases that equalises the moduli, from the real M x M matrix
+//! J Jᵀ of `acoustics::jacobian`. Only moduli are prescribed, so foci closer than the array's resolution stay level
+//! and strong; prescribing the complex field there, as alternating projections with R do, costs much of their
+//! pressure. A step of the weighted iteration or of levelling is one pass over H, `Transfer::drive_by`: back to the
+//! elements, normalised, and forward to the foci, block by block in cache.
 
 use std::f64::consts::TAU;
 use web_time::{Duration, Instant};
@@ -282,12 +288,12 @@ impl State<'_, 1> {
 
     /// Levels the foci with the smallest change of phases: Gauss-Newton steps.
     ///
-    /// Of all phase changes δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, the shortest is Jᵀ y with J Jᵀ y = s A - |p|, for
+    /// The shortest of all phase changes δφ with J δφ = s A - |p|, J = ∂|p|/∂φ, is Jᵀ y with J Jᵀ y = s A - |p|, for
     /// the s that makes it shortest; and Jᵀ y is what H* (y e^{jθ}) adds to u across its own direction, θ being the
     /// phases of p. Damped, since J Jᵀ is singular for foci closer than the array resolves. Only moduli are
     /// prescribed: prescribing the complex field of such foci is far costlier.
     fn level(&mut self, targets: &[f64]) {
-        /// Of the mean of the diagonal.
+        /// Damping relative to the mean of the diagonal.
         const DAMPING: f64 = 1e-2;
         let count = targets.len();
         let mut jacobian = PhaseJacobian::default();

@@ -132,7 +132,7 @@ mod tests {
         Problem::new(aperture, vec![Focus::new(DVec3::new(0.01, 0.005, 0.1), 1.0)])
     }
 
-    /// In phase at the focus, but for up to two and a half levels.
+    /// A drive in phase at the focus, but for up to two and a half levels.
     fn nearly(problem: &Problem<'_>, levels: u32) -> Drive {
         let step = TAU / f64::from(levels);
         let off = |n: usize| step * (5.0 * starts::scatter(n) - 2.5);

@@ -178,7 +178,7 @@ pub struct Reflection {
 }
 
 impl Reflection {
-    /// From the first number and Σ|x|². If the squares underflow, x counts as zero.
+    /// The reflection of x, from its first number and Σ|x|². If the squares underflow, x counts as zero.
     #[inline(always)]
     pub fn new(first: Complex64, power: f64) -> Self {
         /// Sums above it have all their digits.
@@ -285,7 +285,7 @@ impl Kernel for Panel<'_> {
 
 /// Consecutive reflections applied to whole rows.
 struct Apply<'a> {
-    /// From `start` on.
+    /// Reflections, used from column `start` on.
     panel: &'a [Row<'a>; PANEL],
     start: usize,
     stride: usize,

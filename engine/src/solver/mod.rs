@@ -1,10 +1,23 @@
 //! From focal points to a drive, and the quality of that drive.
 //!
 //! Every method is a function from a [`Problem`] to an [`Excitation`]; [`solve`] makes the excitation uniform, as
-//! most boards require, scales it down for targets in pascals, and measures the result. [`Limits`] computes its
-//! distance from the best possible drive on request. The inverses (`pinv`, `weighted`) are in [`inverse`], the phase
-//! iterations (`naive`, `gs`, `gspat`, `wgs`, `greedy`, `best`) in [`iteration`]. [`shape`] is `best` for continuous
-//! strokes and areas with low side lobes. [`frames`] solves motions.
+//! most boards require, scales it down for targets in pascals, and measures the result. [`excite`] names the
+//! methods:
+//!
+//! - the inverses (`pinv`, `weighted`) prescribe the complex focal field: [`inverse`];
+//! - phase conjugation (`naive`) and the phase iterations (`gs`, `gspat`, `wgs`, `greedy`) leave focal phases free:
+//!   [`iteration`];
+//! - `best` levels moduli in [`contest`], draws continuous strokes and areas with low side lobes in [`shape`], and
+//!   holds beads in [`trap`].
+//!
+//! [`frames`] solves motions. [`Limits`] computes a drive's distance from the best possible one on request: it
+//! takes longer than the drive and is independent of the method, so commands that print it compute it once.
+//!
+//! A solver never returns NaN: singular values below 1e-6 of the largest are not inverted, weights are floored and
+//! capped, and `engine/tests/solver/properties.rs` tries coincident, dense and too many foci with every method. No
+//! result depends on a clock or on the number of threads, unless a time limit was asked for.
+//!
+//! `docs/adding-a-solver.md` is the guide to adding a method.
 
 mod bidiagonal;
 mod cholesky;

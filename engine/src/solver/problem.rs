@@ -79,6 +79,6 @@ pub struct Excitation {
     pub iterations: u32,
     /// ‖H u - p‖/‖p‖ for methods that prescribe the complex p.
     pub residual: Option<f64>,
-    /// Levelling weights of the foci, if the method has them, for [`crate::solver::excite_from`].
+    /// Levelling weights of the foci, if the method has any, for [`crate::solver::excite_from`].
     pub weights: Option<Vec<f64>>,
 }

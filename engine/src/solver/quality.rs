@@ -1,4 +1,8 @@
 //! Quality figures of a drive, and an upper bound on all drives.
+//!
+//! The bound is a Lagrangian dual: any weights on foci and elements give a bound. Good weights come from the
+//! weighted iteration with drives of rank eight: that relaxed problem has no poor local optima, and the bound is
+//! the dual of its optimum.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -63,9 +67,9 @@ impl Quality {
 /// demand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// As [`bound`] defines it.
+    /// The upper bound of [`bound`].
     pub bound: f64,
-    /// As [`inverse::rank_and_condition`] defines them.
+    /// Rank and condition of [`inverse::rank_and_condition`].
     pub rank: usize,
     pub condition: f64,
 }
@@ -148,7 +152,7 @@ fn dual(problem: &Problem<'_>, w: &[f64], d: &[f64]) -> f64 {
     (d.iter().sum::<f64>() * largest / wanted).sqrt()
 }
 
-/// Of D^-½ H* W H D^-½; `None` if it has no room in f64.
+/// Largest eigenvalue of D^-½ H* W H D^-½; `None` if it overflows in f64.
 fn largest_eigenvalue(transfer: &Transfer, w: &[f64], d: &[f64]) -> Option<f64> {
     let largest = |matrix: Matrix| Some(singular::values(matrix)?.into_iter().fold(0.0, f64::max));
     if transfer.points > transfer.elements {

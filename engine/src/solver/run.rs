@@ -15,7 +15,7 @@ use crate::solver::solution::{Solution, SolveError};
 use crate::solver::warning::Warning;
 use crate::solver::{iteration, room, shape, trap, warning};
 
-/// What a step has made, unless it was cancelled.
+/// The result of a step, unless it was cancelled.
 pub fn unless_cancelled<T>(made: T) -> Result<T, SolveError> {
     if gauge::is_cancelled() { Err(SolveError::Cancelled) } else { Ok(made) }
 }
@@ -29,11 +29,11 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
     solve_with(scene, &mut |_| {})
 }
 
-/// As [`solve`]; of areas with several drives in turn one drive goes to `so_far` first, then better and better ones of
-/// all, without [`Solution::figures`].
+/// Solves like [`solve`]. For areas with several drives in turn, one drive goes to `so_far` first, then better and better
+/// ones of all, without [`Solution::figures`].
 ///
 /// # Errors
-/// As [`solve`].
+/// The errors of [`solve`].
 pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solution)) -> Result<Solution, SolveError> {
     let start = Instant::now();
     let aperture = Aperture::new(scene);
@@ -67,7 +67,7 @@ pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solution)) -> Result<Sol
 /// the first. Other scenes are solved as usual.
 ///
 /// # Errors
-/// As [`solve`].
+/// The errors of [`solve`].
 pub fn solve_on(scene: &Scene, before: Option<&Solution>) -> Result<Solution, SolveError> {
     /// Calls without a previous drive: the strokes alone, then with little weight on the quiet region.
     const CALLS: usize = 2;
@@ -128,7 +128,7 @@ pub fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, s
 pub struct Played {
     /// u of each driven element, of modulus at most 1; several drives in turn are concatenated.
     pub values: Vec<Complex64>,
-    /// As [`Solution::pressures`].
+    /// Pressures as in [`Solution::pressures`].
     pub pressures: Vec<Complex64>,
     /// Fraction of full drive required by the targets; at most full drive is played.
     pub needed: f64,

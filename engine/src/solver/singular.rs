@@ -39,7 +39,7 @@ struct Reduced {
     phases: Vec<Complex64>,
     /// Its reflections, from column i + 1 on in row i.
     inner: Matrix,
-    /// And those of a wide matrix before, from column i on.
+    /// Reflections of a wide matrix before, from column i on.
     outer: Option<Matrix>,
 }
 
@@ -169,7 +169,7 @@ struct Pass<'a> {
 }
 
 impl Pass<'_> {
-    /// Of `COUNT` rows: `column` holds v and becomes the next column.
+    /// One pass over `COUNT` rows: `column` holds v and becomes the next column.
     #[inline(always)]
     fn run<I: Instructions, const COUNT: usize>(&mut self, row: usize, column: &mut [Complex64]) {
         if I::WIDTH == 16 {

@@ -1,4 +1,7 @@
 //! A drive with its pressures and figures at the foci.
+//!
+//! For targets in pascals, the drive at full amplitude is scaled down by one factor, by least squares over the
+//! foci; [`Solution::turned_down`] records it, and the fraction of the upper bound refers to the unscaled drive.
 
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};

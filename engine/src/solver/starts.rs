@@ -12,8 +12,8 @@ use crate::solver::statistics;
 
 /// Starts that climb side by side, one in each lane of a register.
 const STARTS: usize = 8;
-/// Of powers in f32. Among equal starts, such as all those of a single focus, the first is taken: otherwise rounding,
-/// which differs between instruction sets, would choose.
+/// Rounding of powers in f32. Among equal starts, such as all those of a single focus, the first is taken: otherwise
+/// rounding, which differs between instruction sets, would choose.
 const ROUNDING: f32 = 1e-5;
 /// Steps of the golden section are never near a fraction: 1/φ.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;

@@ -7,9 +7,9 @@ use std::f64::consts::TAU;
 /// Phase changes between successive frames, including from the last to the first; rad.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PhaseSteps {
-    /// Of any driven element.
+    /// Largest change of any driven element.
     pub largest: f64,
-    /// The frame, counted from 0, that it leads to.
+    /// The frame after it, counted from 0.
     pub to: usize,
     /// The root mean square over all driven elements and frames.
     pub rms: f64,

@@ -2,7 +2,9 @@
 //! evenly over its image on the screen, also where patches fold over each other.
 //!
 //! A patch with signed area a on the screen covers its pixels with its light over a. [`Coverage`] sums along edges,
-//! each with the difference of its two adjacent patches, so light is conserved.
+//! eight at a time, each with the difference of its two adjacent patches, row by row of pixels: folds are areas of
+//! opposite sign, and light is conserved. Bands of rows are independent and sums have a fixed order, so the result
+//! does not depend on the number of threads.
 
 use rayon::prelude::*;
 
@@ -33,9 +35,9 @@ pub struct Rays<'a> {
 /// The light on the screen, in units of the undisturbed light of a pixel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Light {
-    /// Of all rays.
+    /// Light of all rays.
     pub sent: f64,
-    /// On the screen.
+    /// Light on the screen.
     pub landed: f64,
     /// Whether rays cross before the screen, in patches whose rows reach it: there are caustics.
     pub crosses: bool,
@@ -51,7 +53,7 @@ impl Rays<'_> {
         self.patch() * ((self.counts[0] - 1) * (self.counts[1] - 1)) as f64
     }
 
-    /// Where all rays land.
+    /// Landing points of all rays.
     fn landings(&self) -> Landings {
         let count = self.counts[0] * self.counts[1];
         let mut landings = Landings {
@@ -71,9 +73,9 @@ const NOWHERE: Span = [f64::INFINITY, f64::NEG_INFINITY];
 /// Landing points of rays, row by row.
 struct Landings {
     places: Places,
-    /// Of every row of rays, from row to row of pixels.
+    /// Span of every row of rays, from row to row of pixels.
     rows: Vec<Span>,
-    /// Of all, along a row of pixels.
+    /// Span of all rays along a row of pixels.
     columns: Span,
 }
 
@@ -162,10 +164,10 @@ pub fn light(lattices: &[Rays<'_>], columns: usize, values: &mut [f32]) -> Light
 struct Band {
     coverage: Coverage,
     crosses: bool,
-    /// Of this row of patches, and of the one below.
+    /// Densities of this row of patches, and of the one below.
     own: Densities,
     below: Densities,
-    /// Of the edges of a row.
+    /// Differences at the edges of a row.
     parted: Vec<f64>,
 }
 

@@ -53,7 +53,7 @@ impl Coverage {
         Self { columns, first: first as f64, rows, stride, sums: vec![0.0; stride * rows] }
     }
 
-    /// From the first row to behind the last.
+    /// Span from the first row to behind the last.
     pub fn span(&self) -> [f64; 2] {
         [self.first, self.first + self.rows as f64]
     }
@@ -263,7 +263,7 @@ fn largest(lanes: &[f64; LANES]) -> f64 {
     lanes[0]
 }
 
-/// As in vector instructions, without NaN handling.
+/// The smaller number as by vector instructions, without NaN handling.
 #[inline(always)]
 pub fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }

@@ -1,4 +1,6 @@
 //! The static depression of a liquid under a pressure: ρ g h - σ ∇²h = p, h being the depth.
+//!
+//! In cosine modes, which meet the walls level, this is a division by ρg + σq² for the mode of wavenumber q.
 
 use std::f64::consts::PI;
 use std::fmt;

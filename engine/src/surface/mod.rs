@@ -1,5 +1,8 @@
 //! A liquid's surface under steady or changing pressure: depression, waves and caustics.
 //!
+//! The depression at rest is a division of cosine modes by ρg + σq². Waves advance the same modes, each with the
+//! exact roots of its dispersion relation; a caustic is the light that the surface refracts to a screen.
+//!
 //! ```
 //! use sonoglyph::scene::Liquid;
 //! use sonoglyph::surface::Tank;

@@ -47,7 +47,7 @@ pub struct Waves {
 pub struct Rest(Vec<f64>);
 
 impl Rest {
-    /// From the static depression of every cell of the tank, m.
+    /// The modes of the static depression (m) of every cell of the tank.
     ///
     /// Volume is conserved: unlike a depression in an endless bath, waves displace none.
     pub fn new(tank: &Tank, depth: &[f64]) -> Self {
@@ -220,7 +220,7 @@ impl Duration {
 /// The steps of recurring durations of all modes, as far as memory allows.
 #[derive(Clone, Debug, Default)]
 struct Steps {
-    /// Of every duration that occurred, the number of its steps if it has recurred.
+    /// Durations that occurred, with the number of their steps if they have recurred.
     met: HashMap<Duration, Option<usize>>,
     kept: Vec<Vec<Step>>,
 }

@@ -26,7 +26,7 @@ const MOST_ROWS: usize = 1 << 14;
 pub struct Task {
     /// Instead of the scene's.
     pub method: Option<Method>,
-    /// Whether answers have what is known beside the drive: bound, side lobe, widths and traps.
+    /// Whether answers have figures besides the drive: bound, side lobe, widths and traps.
     pub limits: bool,
     /// Whether answers have statistics of the pressure on the scene's plane.
     pub field: bool,

@@ -25,7 +25,7 @@ pub struct Faults {
 }
 
 impl Faults {
-    /// From "drop=0.001,unplug=2,garbage".
+    /// The faults of a text such as "drop=0.001,unplug=2,garbage".
     ///
     /// # Errors
     /// Names the invalid part.
@@ -92,7 +92,7 @@ impl Damage {
         }
     }
 
-    /// With a probability.
+    /// Whether an event of this probability happens.
     fn happens(&mut self, probability: f64) -> bool {
         self.chance.f64() < probability
     }

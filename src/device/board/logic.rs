@@ -82,7 +82,7 @@ impl Heeded {
 /// Native devices on one line, in time; all of them follow the first.
 #[derive(Debug)]
 pub struct Native {
-    /// By address.
+    /// Models by address.
     models: Vec<Model>,
     splitter: Splitter,
     /// A byte without a stop bit since the last delimiter.
@@ -107,7 +107,7 @@ impl Native {
         }
     }
 
-    /// Of the line.
+    /// Bit rate of the line.
     pub fn baud(&self) -> f64 {
         self.models[0].baud()
     }

@@ -10,7 +10,7 @@ use crate::device::pace::Pace;
 use crate::device::profile::Profile;
 use crate::device::stock::Twin;
 
-/// Of the native device.
+/// Phase bits of the native device.
 const PHASE_BITS: u8 = 7;
 
 #[derive(Debug)]

@@ -1,7 +1,12 @@
 //! Virtual boards: each accepts bytes at its bit rate and behaves like the real board.
 //!
-//! They share only the line with a link, so both sides are tested against the same bytes. A board in `memory` serves
-//! its own program; a board at a pseudo-terminal (Unix) serves any program.
+//! A virtual board accepts bytes at the bit rate of the sender, and reads noise if its own differs (a stock board
+//! in memory accepts any). `native::model` plays the native device in real time; `rtl` runs the Verilated gateware
+//! in its own, slower time.
+//!
+//! They share only the line with a link, so both sides are tested against the same bytes. A board in `memory` (the
+//! port `virtual:PROFILE`, on the desktop and in a page) serves its own program; a board at a pseudo-terminal
+//! (Unix) serves any program.
 
 #[cfg(unix)]
 pub mod faults;

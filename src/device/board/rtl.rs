@@ -17,7 +17,7 @@ use crate::device::native::packet::{Body, Flags, Outcome, Packet, REPLY, Reply, 
 const REMEMBERED: usize = 16;
 /// The program's end marker of a run.
 const END: u8 = 0xFF;
-/// Of a record's flags: the outputs were on during the whole period.
+/// Flag of a record: the outputs were on during the whole period.
 const ALWAYS_ON: u8 = 1;
 
 #[derive(Debug)]
@@ -165,7 +165,7 @@ impl Drop for Rtl {
 mod tests {
     use super::*;
 
-    /// With a program that reports no period.
+    /// A board whose program reports no period.
     fn rtl() -> Rtl {
         Rtl::start(Path::new("/bin/cat"), 7).unwrap()
     }

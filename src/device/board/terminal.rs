@@ -28,7 +28,7 @@ pub struct Setup {
     /// Instead of the profile's.
     pub baud: Option<u32>,
     pub faults: Faults,
-    /// Of the native device.
+    /// Phase bits of the native device.
     pub phase_bits: u8,
     /// mHz, of the native device.
     pub carrier_millihertz: u32,
@@ -61,7 +61,7 @@ pub struct Report {
     pub wrong_baud: u64,
     /// The current output.
     pub playing: Option<Playing>,
-    /// In chronological order.
+    /// Events in chronological order.
     pub events: Vec<String>,
 }
 
@@ -83,7 +83,7 @@ pub struct Board {
     thread: Option<JoinHandle<()>>,
 }
 
-/// Of the links in the folder for temporary files that lead to virtual boards.
+/// Prefix of the links to virtual boards in the folder for temporary files.
 const LINK: &str = "sonoglyph-";
 
 /// The virtual boards running on this machine: sorted ports and profiles.
@@ -108,7 +108,7 @@ fn parse_link(name: &str) -> Option<(Profile, u32)> {
     Some((Profile::of_name(profile)?, process.parse().ok()?))
 }
 
-/// Only on systems that list processes; elsewhere the link is trusted.
+/// Whether a process runs. On systems that do not list processes the link is trusted.
 fn is_running(process: u32) -> bool {
     let processes = Path::new("/proc");
     !processes.join("self").exists() || processes.join(process.to_string()).exists()

@@ -1,7 +1,12 @@
 //! The link to a board: a task (`device::task`) brings the board to the wanted state, given as a value.
 //!
-//! The newest wish wins; an older, unsent wish is never sent. An unplugged board is silenced when it comes back, and
-//! then plays the current wish.
+//! The wanted state is a still frame, a motion, or silence, and an envelope. The task compares it with the state of
+//! the board and sends the difference. Nothing is queued: the newest wish wins, an older, unsent wish is never
+//! sent, and after a loss the current state is sent. The task writes bytes at most 3 ms before the line can carry
+//! them (`pace`), in a page 12 ms.
+//!
+//! A board is silenced when it is found, and whenever its link ends: `Sounding` does so in its destructor, so also
+//! after a panic.
 
 mod native;
 mod shared;
@@ -45,7 +50,7 @@ impl std::fmt::Debug for Silencer {
 }
 
 impl Silencer {
-    /// Silences the board, and refuses what is shown by an owner that does not know of it.
+    /// Silences the board, and refuses content of an owner that has not yet seen this.
     pub fn silence(&self) {
         self.0.want(|wanted| (wanted.content, wanted.silenced) = (None, wanted.silenced + 1));
     }
@@ -61,7 +66,7 @@ impl Link {
     /// Begins to look for the board. `notify` is called by the link's task when there is something new to see.
     ///
     /// # Errors
-    /// No thread to be had.
+    /// The thread could not be started.
     pub fn open(settings: Settings, notify: Box<dyn Fn() + Send + Sync>) -> io::Result<Self> {
         let (sender, events) = sync_channel(MESSAGES);
         let shared = Arc::new(Shared::new(sender, notify));

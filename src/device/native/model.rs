@@ -16,10 +16,10 @@ use crate::device::native::version_1::Introduction;
 pub const CHANNELS: usize = 256;
 /// Slots of the frame store.
 const SLOTS: u16 = 64;
-/// Of the protocol.
+/// Versions of the protocol and of the gateware.
 pub const PROTOCOL: u8 = 2;
 const VERSION: u8 = 2;
-/// In 100 000 baud.
+/// Bit rate in 100 000 baud.
 const LARGEST_BAUD: u8 = 30;
 const POWER_UP_BAUD: u32 = 2_000_000;
 /// Periods without a good packet before the line reverts to the power-up bit rate.

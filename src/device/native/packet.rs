@@ -48,7 +48,7 @@ pub enum Table {
 }
 
 impl Packet {
-    /// For the device at address 0.
+    /// A packet for the device at address 0.
     pub fn new(kind: Kind, arguments: [u8; 4], payload: Vec<u8>) -> Self {
         Self { code: kind.code(), address: 0, seq: 0, arguments, payload }
     }
@@ -199,7 +199,7 @@ impl Packet {
     /// The packet before a delimiter.
     ///
     /// # Errors
-    /// Not COBS, too short or too long, or a wrong CRC.
+    /// A line that is not COBS, too short or too long, or has a wrong CRC.
     pub fn of_line(bytes: &[u8]) -> Result<Self, Spoiled> {
         let body = line::checked(bytes)?;
         let Some((&[code, address, seq, a, b, c, d], payload)) = body.split_first_chunk() else {

@@ -17,7 +17,7 @@ pub(crate) struct Play {
 pub(crate) enum When {
     AtOnce,
     AfterLoop,
-    /// At one that a leader marks.
+    /// At a period that the leader marks.
     InStep,
 }
 

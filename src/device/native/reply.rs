@@ -19,11 +19,11 @@ pub struct Info {
     pub carrier_millihertz: u32,
     /// 1 to 256
     pub channels: u16,
-    /// In 100 000 baud.
+    /// Bit rate in 100 000 baud.
     pub largest_baud: u8,
 }
 
-/// How a device fares.
+/// The state of a device.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Status {
     /// The slot being played.
@@ -41,12 +41,12 @@ pub struct Status {
 /// A reply with the CRC-32 of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Digest {
-    /// As in [`Status`].
+    /// Slot, as in [`Status`].
     pub slot: u8,
     pub framing_errors: u8,
     pub good: u16,
     pub spoiled: u16,
-    /// Of the table's bytes, as [`crate::device::native::line::digest`] has it.
+    /// CRC of the table's bytes ([`crate::device::native::line::digest`]).
     pub crc: u32,
 }
 
@@ -55,9 +55,9 @@ pub struct Digest {
 pub struct Reply {
     /// The packet's, plus [`REPLY`].
     pub code: u8,
-    /// Of the device that answers.
+    /// Address of the device that answers.
     pub address: u8,
-    /// The packet's.
+    /// Sequence number of the packet.
     pub seq: u8,
     pub outcome: Outcome,
     pub flags: Flags,
@@ -176,7 +176,7 @@ impl Reply {
     }
 }
 
-/// Counts of 1 to 256 travel less one, as the protocol has them.
+/// Counts of 1 to 256 are sent less one, by the protocol.
 pub(crate) fn less_one(count: u16) -> u8 {
     count.wrapping_sub(1).to_le_bytes()[0]
 }

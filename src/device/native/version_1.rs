@@ -10,7 +10,7 @@ const CHECKSUM: Crc<u16> = Crc::<u16>::new(&CRC_16_GENIBUS);
 /// The flags known to version 1.
 const FLAGS: u8 = 0x3F;
 
-/// INFO as version 1 has it, the delimiter at its end included.
+/// INFO of version 1, with the delimiter at its end.
 pub fn info(seq: u8) -> Vec<u8> {
     framed(vec![Kind::Info.code(), seq, 0, 0, 0, 0])
 }

@@ -42,7 +42,7 @@ pub struct Listed {
     pub path: PathBuf,
     /// Description of the adapter, or of a virtual board.
     pub what: Option<String>,
-    /// Of a virtual board.
+    /// Profile of a virtual board.
     pub profile: Option<Profile>,
 }
 

@@ -2,7 +2,7 @@
 
 // Bytes that the browser holds in either direction.
 const BUFFER = 8192;
-// ms that a line is given to send what it still has.
+// ms in which a closing line sends its remaining bytes.
 const PATIENCE = 1000;
 // ms between two looks at it.
 const MOMENT = 10;
@@ -114,7 +114,7 @@ export class Line {
     this.wake = undefined;
   }
 
-  // Until something has arrived, or nothing can any more, or this is asked again.
+  // Until something has arrived, nothing can arrive any more, or this is called again.
   arrives() {
     this.ring();
     return new Promise((resolve) => {
@@ -201,7 +201,7 @@ export async function open(name, baudRate) {
   return line;
 }
 
-// Nothing is written after it: what is left of the program may not make a board sound again.
+// Nothing is written after it: the rest of the program must not make a board sound again.
 function fall_silent(why) {
   for (const line of lines) {
     if (!line.last || line.error) continue;

@@ -1,4 +1,8 @@
 //! Serial ports of a browser page (Web Serial), through `page.js`.
+//!
+//! A port's name is its USB numbers, and a bit rate is changed by closing and opening. Each open line deposits the
+//! bytes of its silence in `page.js`, which are sent when the page is left (`pagehide`) or its program traps and no
+//! Rust code runs any more.
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -150,7 +154,7 @@ fn refused(path: String, baud: u32, error: &JsValue) -> PortError {
     }
 }
 
-/// In the browser's words.
+/// The error in the browser's words.
 fn io_error(error: &JsValue) -> io::Error {
     io::Error::other(property(error, "message").unwrap_or_else(|| format!("{error:?}")))
 }

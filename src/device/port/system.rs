@@ -20,7 +20,7 @@ use crate::echo;
 
 /// Tolerated relative error of a bit rate, as a divisor.
 const BAUD_TOLERANCE: u32 = 40;
-/// Where Linux lists its terminals.
+/// Folder in which Linux lists its terminals.
 const LINUX_PORTS: &str = "/sys/class/tty";
 
 /// An open port.
@@ -216,7 +216,7 @@ fn never_block(serial: &Serial) -> io::Result<()> {
     Ok(fcntl_setfl(descriptor, OFlags::NONBLOCK)?)
 }
 
-/// On Windows its timeout covers the whole write.
+/// Does nothing on Windows, whose timeout covers the whole write.
 #[cfg(windows)]
 fn never_block(_: &Serial) -> io::Result<()> {
     Ok(())

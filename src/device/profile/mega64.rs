@@ -33,10 +33,10 @@ const SWAP: u8 = 0x00;
 /// Two bits of a duration, in the two highest.
 const DURATION: u8 = 0x30;
 const COMMIT_DURATIONS: u8 = 0x10;
-/// In the low half of a data byte: for the first board on the line.
+/// Low half of a data byte for the first board on the line.
 const MINE: u8 = 0x01;
 
-/// Of every element, the bit within the ten ports (A C L B K F H D G J) that its pin is.
+/// Bit of every element's pin within the ten ports (A C L B K F H D G J).
 const PINS: [usize; ELEMENTS] = [
     51, 52, 53, 54, 28, 29, 30, 31, 47, 46, 45, 44, 43, 42, 41, 40, //
     56, 57, 58, 59, 48, 49, 72, 69, 39, 38, 37, 36, 35, 34, 33, 32, //
@@ -71,12 +71,12 @@ fn duration(periods: u8) -> [u8; 4] {
 struct Twin {
     shown: [u8; PATTERN],
     hidden: [u8; PATTERN],
-    /// Of the next half byte.
+    /// Index of the next half byte.
     index: usize,
 }
 
 impl Twin {
-    /// As its firmware starts: every pin high for the first half of each period.
+    /// The state in which the firmware starts: every pin high for the first half of each period.
     fn new() -> Self {
         let mut shown = [0; PATTERN];
         shown[..PATTERN / 2].fill(0xFF);

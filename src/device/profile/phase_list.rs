@@ -67,7 +67,7 @@ pub const ULTRAINO_SIMPLEFPGA: Declaration = Declaration {
 /// A build of the logic.
 #[derive(Debug)]
 struct Build {
-    /// On the line.
+    /// Boards on the line.
     boards: usize,
     /// Difference of the values of neighbouring delays.
     spacing: u8,
@@ -107,7 +107,7 @@ const TACTILE_STEPS: std::ops::RangeInclusive<u8> = 0xA0..=0xBF;
 /// Hz: of a step of 0 of that modulation.
 const TACTILE_FASTEST: f64 = 1250.0;
 const FULL: u16 = 16;
-/// Of the eight channels of a shift register: column and row within their 4 x 2 elements.
+/// Column and row of the eight channels of a shift register within their 4 x 2 elements.
 const COLUMNS: [usize; 8] = [0, 2, 3, 1, 0, 3, 2, 1];
 const ROWS: [usize; 8] = [0, 0, 0, 1, 1, 1, 1, 0];
 /// Values of a byte per period, and mask of a byte other than [`OFF`].

@@ -1,8 +1,10 @@
 //! Background tasks with waits: threads on a computer; in a page, which has one thread and may not block, tasks
 //! between other work.
 //!
-//! Waiting code is `async`. On a thread it never yields: waits block, as exactly as the system's clock allows. In a
-//! page each wait is a timer or an event.
+//! Waiting code is `async` and exists once. On a thread it never yields: waits block, as exactly as the system's
+//! clock allows, and the task spins on the clock for the last 0.3 ms before a swap. In a page each wait is a timer
+//! or an event. The timers run in a worker (`page.js`), accurate to about a millisecond also in a hidden page,
+//! without spinning.
 
 mod lock;
 #[cfg(not(target_arch = "wasm32"))]
@@ -42,7 +44,7 @@ pub fn linger(time: Duration) {
     here::linger(time);
 }
 
-/// So long before an exact moment a wait ends, and [`watch`] begins.
+/// A wait ends this long before an exact deadline; [`watch`] covers the rest.
 pub const WATCHFUL: Duration = here::WATCHFUL;
 
 /// Waits until a time less than [`WATCHFUL`] away by polling the clock where sleeping is inexact. A page relies on
@@ -59,7 +61,7 @@ impl Task {
     /// Starts the future made by `make` in its own context, which it never leaves.
     ///
     /// # Errors
-    /// No thread to be had.
+    /// The thread could not be started.
     pub fn start<F>(name: &str, make: impl FnOnce() -> F + Send + 'static) -> io::Result<Self>
     where
         F: Future<Output = ()> + 'static,

@@ -18,7 +18,7 @@ pub fn steps(low: f64, high: f64, most: f64) -> Vec<(f64, String)> {
     (first..=last).map(|index| index as f64 * step).map(|value| (value, number(value, decimals))).collect()
 }
 
-/// With a minus sign, and without one before zero.
+/// A number with a minus sign, and without one before zero.
 fn number(value: f64, decimals: usize) -> String {
     let text = format!("{:.decimals$}", value.abs());
     let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));

@@ -18,7 +18,7 @@ pub const GAP: f64 = 1.0;
 const TICK: f64 = 0.9;
 const HAIRLINE: f64 = 0.18;
 const STROKE: f64 = 0.3;
-/// Of bars that show a length.
+/// Line width (mm) of bars that show a length.
 pub const RULE: f64 = 0.6;
 const BAR_WIDTH: f64 = 3.0;
 const BAR_GAP: f64 = 2.5;
@@ -48,7 +48,7 @@ pub enum Format {
 /// The size of a figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paper {
-    /// Of the whole figure, mm.
+    /// Width of the whole figure, mm.
     pub width: f64,
     /// Dots per inch of the map and of the PNG.
     pub dpi: f64,
@@ -84,14 +84,14 @@ pub struct Bar {
 #[derive(Clone, Debug)]
 pub struct Content {
     pub title: Option<String>,
-    /// To the right and upwards.
+    /// Axes to the right and upwards.
     pub axes: [Axis; 2],
     pub bar: Option<Bar>,
-    /// On what the colours do not show, in the map's upper left corner.
+    /// Remark on what the colours do not show, in the map's upper left corner.
     pub remark: Option<String>,
     /// A scale bar in the map's lower left corner.
     pub has_scale_bar: bool,
-    /// Lines of equal value in pixels of the map, as [`crate::field::contour`] has them.
+    /// Lines of equal value in pixels of the map, as made by [`crate::field::contour`].
     pub contours: Vec<Line>,
     /// Outlines of targets, mm on the axes.
     pub outlines: Vec<Vec<[f64; 2]>>,

@@ -157,7 +157,7 @@ fn content<'a>(figure: &'a Figure, letters: &mut Letters) -> (Vec<u8>, Vec<&'a P
 #[derive(Default)]
 struct Letters {
     glyphs: GlyphRemapper,
-    /// By their number in the embedded font: character and advance in thousandths of an em.
+    /// Used glyphs by their number in the embedded font: character and advance in thousandths of an em.
     used: BTreeMap<u16, (char, f32)>,
 }
 

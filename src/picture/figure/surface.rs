@@ -24,9 +24,9 @@ pub struct Measure {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Surface {
     pub title: Option<String>,
-    /// To the right.
+    /// Horizontal scale bar.
     pub scale: Option<Measure>,
-    /// Downwards.
+    /// Depth bar.
     pub depth: Option<Measure>,
 }
 

@@ -16,7 +16,7 @@ pub enum Law {
         of_zero: f32,
         per_unit: f32,
     },
-    /// From a floor, as a part of the largest number, to that.
+    /// Logarithm from a floor, as a part of the largest number, to that number.
     Logarithmic {
         largest: f32,
         floor: f32,

@@ -109,7 +109,7 @@ pub const ROWS: usize = 4;
 pub struct Lines<'a> {
     pub values: &'a [f32],
     pub stride: usize,
-    /// Those of the first row, then of the next.
+    /// Weights of the first row, then of the next.
     pub weights: &'a [f32],
 }
 

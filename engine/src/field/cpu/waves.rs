@@ -79,7 +79,7 @@ impl Sum {
 pub(super) struct FarField<'a, const D: usize, const A: usize, const FLAT: bool> {
     pub(super) wave: &'a Wave,
     pub(super) elements: &'a [[f32; 4]],
-    /// As many as elements; empty for a flat board.
+    /// Tilt of every element; empty for a flat board.
     pub(super) tilts: &'a [[f32; 4]],
     pub(super) points: &'a Points,
 }

@@ -32,7 +32,7 @@ pub fn open_best(software: bool) -> Result<Gpu, GpuError> {
 /// The same without blocking: a browser answers between two tasks of the page.
 ///
 /// # Errors
-/// As [`best`].
+/// The errors of [`best`].
 pub async fn open(software: bool) -> Result<Gpu, GpuError> {
     let (_, adapter) = find(software).await?;
     Gpu::open(&adapter).await

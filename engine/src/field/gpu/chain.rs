@@ -31,7 +31,7 @@ const ON_THEIR_WAY: usize = 3;
 /// The inputs of the passes.
 #[derive(Debug)]
 pub struct Shape<'a> {
-    /// With every element driven.
+    /// The aperture with every element driven.
     pub aperture: &'a Aperture,
     pub quantity: Quantity,
     /// Width and height in pixels.
@@ -41,7 +41,7 @@ pub struct Shape<'a> {
     pub direct: Vec<(usize, Samples)>,
     /// The pixels that do not count for the peak.
     pub left_out: &'a LeftOut,
-    /// Of the plane.
+    /// Normal of the plane.
     pub normal: DVec3,
     /// Pixels to compare with the reference.
     pub probes: &'a [usize],
@@ -61,11 +61,11 @@ pub struct Interpolated<'a> {
 /// The passes of a map.
 #[derive(Debug)]
 pub struct Chain {
-    /// Of the first superposition; the others differ from it by a gain.
+    /// Wave of the first superposition; the others differ from it by a gain.
     wave: Wave,
     /// Elements of the contributing boards, with their indices in the aperture.
     boards: Vec<(usize, Elements)>,
-    /// With the index of their board.
+    /// Superpositions with the index of their board.
     superpositions: Vec<(usize, Superposition)>,
     /// Buffers of the superpositions.
     sums: Vec<wgpu::Buffer>,

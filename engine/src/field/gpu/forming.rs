@@ -27,7 +27,7 @@ pub(super) struct Forming {
 }
 
 impl Forming {
-    /// For this number of pixels.
+    /// The pass for this number of pixels.
     pub(super) fn new(gpu: &Gpu, quantity: Quantity, pixels: usize) -> Self {
         Self {
             quantity,

@@ -14,7 +14,7 @@ use crate::field::quantity::{Part, Sound};
 pub struct Gathered {
     /// The largest extents: the peak, see [`crate::field::Map::peak`], and that of the pixels that do not count for it.
     pub largest: [f32; 2],
-    /// At the probes.
+    /// Sounds at the probes.
     pub sounds: Vec<Sound>,
     /// GPU time (s), if it can be measured.
     pub seconds: Option<f64>,

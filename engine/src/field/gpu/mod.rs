@@ -1,7 +1,15 @@
 //! The GPU evaluator: opening a device, and running the programs of a map on it.
 //!
-//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`Chain`] the buffers and bind groups
-//! of one map and its passes, [`Reading`] pending read-backs.
+//! Objects are sorted by lifetime: [`Gpu`] holds the device and its pipelines, [`Chain`] the buffers and bind
+//! groups of one map and its passes, [`Reading`] pending read-backs.
+//!
+//! [`Chain`] lives as long as plan, size and quantity stay the same. A new drive writes the elements and a few
+//! counts, then runs superposition, interpolation across, interpolation up with forming, and gathering; the sound
+//! at the pixels is never written to memory. [`Texture`] holds the colours on the same device, scaled by the peak
+//! on the device. Results for panels (peak and sound at the probes, less than 2 KiB) arrive a frame later through
+//! one of three staging buffers; values are read back only on request (`Stages::map`, which waits, or
+//! `Stages::poll`, which never does). Maps with too large an error are computed on the CPU from the next frame on.
+//! The GPU forms quantities of one drive at pixels; cells (being few), means and liquids are computed on the CPU.
 
 pub mod adapter;
 pub mod chain;

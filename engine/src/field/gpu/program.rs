@@ -1,4 +1,25 @@
 //! The WGSL programs: their source files, constants written by Rust, and shared structs.
+//!
+//! `shaders/` holds WGSL only. The files of a program are concatenated behind the shared constants, so that each
+//! polynomial, workgroup size and limit is defined once.
+//!
+//! | file | used in |
+//! |---|---|
+//! | `params`, `phase`, `field` | every field program |
+//! | `piston`, `exact_piston` or `curved` | one of them: the wave of one element |
+//! | `elements_uniform` or `elements_storage` | one of them: up to 1024 elements, or more |
+//! | `whole` or `slices` | one of them: the sum over the elements in one invocation, or in several |
+//! | `interpolation` | interpolation along one axis, a block of pixels per invocation: with `across` to values that are interpolated again, with `form` to final values |
+//! | `direct` | with `form`: values where the sound is known at the pixels |
+//! | `form` | the value of a sound, and the maximum; the formula of the quantity is prepended |
+//! | `sound` | all three: the parts of the sound |
+//! | `gather` | the sound at the probes and the peak, in one small buffer |
+//! | `picture` | from values to colours, in a texture |
+//! | `volume` | 3D pictures by ray marching, in a texture |
+//!
+//! No branch and no outermost loop of a program depends on uniforms alone: lavapipe specialises on uniform-only
+//! branches at every dispatch and leaks the variants, so decisions fixed for a run are constants of the
+//! [`Program`].
 
 use bytemuck::{Pod, Zeroable};
 use strum::VariantArray;
@@ -103,14 +124,14 @@ const INTERPOLATION: &str = include_str!("../../../../shaders/interpolation.wgsl
 pub enum Program {
     /// Sums over the elements.
     Field(FieldProgram),
-    /// From samples to intermediate values, which are interpolated again.
+    /// Interpolation from samples to intermediate values, which are interpolated again.
     Across,
-    /// From that to values.
+    /// Interpolation from these to values.
     Form(Quantity),
-    /// From the sound at the pixels to values.
+    /// Values from the sound at the pixels.
     FormDirect(Quantity),
     Gather,
-    /// From values to colours.
+    /// Colours from values.
     Picture(Scale),
     /// Space, ray by ray; with smooth edges or quickly.
     Volume(Seen, bool),

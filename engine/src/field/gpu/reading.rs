@@ -18,7 +18,7 @@ pub struct Reading {
 type Arrival = Arc<OnceLock<Result<(), wgpu::BufferAsyncError>>>;
 
 impl Reading {
-    /// With room for `bytes` bytes.
+    /// A buffer with room for `bytes` bytes.
     pub(super) fn with_room(gpu: &Gpu, bytes: u64) -> Self {
         let usage = BufferUsages::MAP_READ | BufferUsages::COPY_DST;
         Self { staging: gpu.buffer("staging", bytes, usage), arrived: None }

@@ -14,7 +14,7 @@ pub(super) struct Lines {
     /// Strides between samples of a line, between lines, and between parts of the sound.
     pub(super) strides: [usize; 3],
     pub(super) first_pixel: usize,
-    /// From one pixel of a line to the next, and from one line to the next.
+    /// Strides from one pixel of a line to the next, and from one line to the next.
     pub(super) pixel_strides: [usize; 2],
 }
 

@@ -1,7 +1,7 @@
 //! Sums over the elements on the GPU.
 //!
-//! There is no table of transfer values as on the CPU: with llvmpipe, reading a value took three times as long as computing
-//! it, and a real GPU computes faster still.
+//! There is no table of transfer values as on the CPU: with llvmpipe, reading a value took three times as long as
+//! computing it, and a real GPU computes faster still.
 
 use std::ops::Range;
 
@@ -25,7 +25,7 @@ pub(super) struct Elements {
 }
 
 impl Elements {
-    /// With room for `count`.
+    /// Buffers with room for `count` elements.
     pub(super) fn with_room(gpu: &Gpu, room: usize, waves: Waves) -> Self {
         let vectors = room * waves.vectors();
         let (length, usage) = match vectors {
@@ -36,7 +36,7 @@ impl Elements {
         Self { buffer, room, waves }
     }
 
-    /// With the tilts of a curved board.
+    /// Writes the elements, and the tilts of a curved board.
     pub(super) fn write(&self, gpu: &Gpu, elements: &[[f32; 4]], tilts: &[[f32; 4]]) {
         if tilts.is_empty() {
             gpu.queue.write_buffer(&self.buffer, 0, bytemuck::cast_slice(elements));
@@ -73,7 +73,7 @@ struct Run {
 }
 
 impl Superposition {
-    /// For samples with pressure written to `out`, times a `gain`.
+    /// The sums for samples, with pressure written to `out`, times a `gain`.
     pub(super) fn new(
         gpu: &Gpu,
         wave: &Wave,

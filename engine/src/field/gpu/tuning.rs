@@ -1,4 +1,8 @@
 //! Work sizes per kind of adapter: values that suit software adapters starve hardware.
+//!
+//! On llvmpipe an element is read once for eight samples and an invocation makes up to 64 pixels; other adapters
+//! get four samples and four pixels per invocation. A map has some 10 000 samples, too few to fill a hardware GPU,
+//! so there 32 invocations divide the elements of the same samples and add their sums (`shaders/slices.wgsl`).
 
 /// Invocations in a workgroup, except of the field in slices.
 pub const WORKGROUP: u32 = 64;

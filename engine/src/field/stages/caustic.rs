@@ -1,5 +1,10 @@
 //! The caustics of a liquid's surface on a screen of the plane's size: rays between the cells, block by block, as
 //! dense as the curvature of the surface requires.
+//!
+//! Formula, cells and response are those of the depression. Slopes are interpolated from blocks of 8 x 8 cells to
+//! lattices of rays, as fine as required by the pixels, the curvature of the surface and the brightness gradient;
+//! blocks whose light misses the screen are left out. [`crate::surface::Rays`] spread the light of each patch over
+//! its image.
 
 use std::collections::BTreeMap;
 
@@ -53,7 +58,7 @@ struct Surface<'a> {
 struct Block {
     first: [usize; 2],
     cells: [usize; 2],
-    /// To a cell, along each axis.
+    /// Rays to a cell, along each axis.
     rays: usize,
 }
 

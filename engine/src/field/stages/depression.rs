@@ -1,4 +1,7 @@
 //! Figures of a liquid's surface (depth, slope, force, volume) on the displayed plane.
+//!
+//! The maximum depth and slope lie between the cells: they are maxima (`summit`) of the surface that the window of
+//! the pixels interpolates, on the plane including its edge.
 
 use glam::DVec2;
 use rayon::prelude::*;
@@ -24,8 +27,8 @@ pub struct Depression {
 }
 
 impl Depression {
-    /// Of a depth (m, positive down) for every cell, on the part of them that a plane of this `size` (m) covers. Its edge belongs to the
-    /// plane.
+    /// Figures of a depth (m, positive down) for every cell, on the part of them that a plane of this `size` (m) covers.
+    /// Its edge belongs to the plane.
     pub(super) fn new(cells: &Cells, size: DVec2, depth: &[f64]) -> Self {
         let surface = Surface { cells, depth, size };
         Self {
@@ -35,7 +38,7 @@ impl Depression {
         }
     }
 
-    /// The one under that part of the pressure.
+    /// The depression under this part of the pressure.
     pub(super) fn times(self, part: f64) -> Self {
         Self { deepest: self.deepest * part, slope: self.slope * part, volume: self.volume * part }
     }

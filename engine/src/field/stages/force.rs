@@ -1,5 +1,8 @@
-//! The radiation force on a bead over a plane: in f64 at cells, with components interpolated to the pixels, and pixel
-//! by pixel near the array.
+//! The radiation force on a bead over a plane: in f64 at cells, with components interpolated to the pixels, and
+//! pixel by pixel near the array.
+//!
+//! The force needs second derivatives of the sound in all directions, which samples on a plane do not contain.
+//! Closed forms ([`crate::acoustics::Emitters`]) give them at the cells.
 
 use std::ops::Range;
 

@@ -18,6 +18,6 @@ pub(super) struct Job<'a> {
     /// The pixels that do not count for the peak.
     pub(super) left_out: &'a LeftOut,
     pub(super) probes: &'a Probes,
-    /// Of the drives that count, of every element.
+    /// Excitations u of every element, for each drive that counts.
     pub(super) excitations: &'a Arc<Vec<Vec<Complex64>>>,
 }

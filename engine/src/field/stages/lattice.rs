@@ -24,7 +24,7 @@ impl Lattice {
         self.0.iter_mut().for_each(|part| part.resize(count, Complex32::ZERO));
     }
 
-    /// Of memory kept.
+    /// Bytes of memory kept.
     pub(super) fn bytes(&self) -> usize {
         self.0.iter().map(|part| part.capacity() * size_of::<Complex32>()).sum()
     }
@@ -75,7 +75,7 @@ impl Share {
         }
     }
 
-    /// Of memory kept.
+    /// Bytes of memory kept.
     pub(super) fn bytes(&self) -> usize {
         let Self { sums, lattice, between } = self;
         sums.capacity() * size_of::<f64>() + lattice.bytes() + between.bytes()

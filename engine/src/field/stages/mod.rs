@@ -1,8 +1,28 @@
-//! The pipeline of a map: from drives to values, and from values to colours and contour lines, with the latest result
-//! of each stage.
+//! The pipeline of a map: from drives to values, and from values to colours and contour lines, with the latest
+//! result of each stage.
 //!
-//! Every stage keeps its result together with its inputs, and reruns only when they differ. [`Work`] counts how often
-//! each ran.
+//! Every stage keeps its result together with its inputs, compares these (`==`), and reruns only when they differ:
+//! there are no flags and no invalidation calls. [`Work`] counts how often each ran; `engine/tests/field/stages.rs`
+//! checks the table.
+//!
+//! | stage | inputs | result |
+//! |---|---|---|
+//! | plan (`site`) | array, medium, plane with its tolerance, parts of the sound; for a liquid its capillary length | sample positions, and whether the quantity is formed at pixels or cells |
+//! | transfer (CPU) | the same | H from every element to every sample, one table for the pressure and one for its normal slope |
+//! | superposition | the same, and the drives | H u at the samples, without silent elements |
+//! | interpolation | the same, and the size in pixels or the cells | the parts of the sound there |
+//! | forming | the same, the quantity, air and moment | one number per position, averaged over the drives |
+//! | response | the same, and the liquid except light | the liquid's depth per cell |
+//! | caustic | the response, refractive index, screen and direction of light, size | brightness per pixel, from rays between the cells |
+//! | pixels | cells, envelope, size | values, their peak, and the error against f64 at 48 pixels and more beside elements |
+//! | picture, contours | values, colours, range and scale; a level | colours; contour lines |
+//!
+//! *f64.* Samples are evaluated by the reference where f32 rounding exceeds the tolerance (by the measured error),
+//! where f32 has no room for the elements, and next to the rim of an exact piston. If the error is still too large,
+//! every pixel is evaluated: where the field is weak, window leakage dominates.
+//!
+//! *Liquids.* The pressure at the cells becomes a depth ([`Tank`]), in f64 on the CPU. A moving surface is a
+//! request with the depth of every cell and uses the same later stages.
 
 mod caustic;
 mod depression;
@@ -68,7 +88,7 @@ pub struct Stages {
     declined: Option<Request>,
     colours: Kept<(Request, Colouring), Vec<[u8; 4]>>,
     contours: Kept<(Request, f32), Vec<Line>>,
-    /// Of the last two stages; the others count their own.
+    /// Work of the last two stages; the others count their own.
     work: Work,
 }
 
@@ -80,7 +100,7 @@ struct Ground {
     /// The request of the last refinement, so that maps do not depend on history.
     refined: Option<Request>,
     frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes)>>,
-    /// Of the drives with these elements driven.
+    /// Excitations of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
     work: Work,
 }
@@ -224,7 +244,7 @@ impl Stages {
     /// The map by value, if possible in this memory: requesting it again recomputes it from the earlier stages.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn take_map(&mut self, request: &Request, memory: Vec<f32>) -> Result<Map, FieldError> {
         if self.map.key.is_none() {
             self.map.value.values = memory;
@@ -238,7 +258,7 @@ impl Stages {
     /// browser.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn poll(&mut self, request: &Request) -> Result<Option<&Map>, FieldError> {
         let is_there = self.advance(&request.relevant()?, false)?;
         Ok(is_there.then_some(&self.map.value))
@@ -285,7 +305,7 @@ impl Stages {
     /// Never blocks on a GPU.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn picture(&mut self, request: &Request, colouring: &Colouring) -> Result<Picture<'_>, FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
@@ -307,7 +327,7 @@ impl Stages {
     /// measurable.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn figures(&mut self, request: &Request) -> Result<Option<(Map, Option<f64>)>, FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
@@ -331,7 +351,7 @@ impl Stages {
     /// The map as colours r, g, b, a of every pixel, row by row; updates the map first.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn colours(&mut self, request: &Request, colouring: &Colouring) -> Result<&[[u8; 4]], FieldError> {
         let key = (request.relevant()?, colouring.clone());
         self.advance(&key.0, true)?;
@@ -345,7 +365,7 @@ impl Stages {
     /// The contour lines at this fraction of the peak; updates the map first.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn contours(&mut self, request: &Request, part: f32) -> Result<&[Line], FieldError> {
         let key = (request.relevant()?, part);
         self.advance(&key.0, true)?;
@@ -371,7 +391,7 @@ impl Stages {
     /// rest.
     ///
     /// # Errors
-    /// As [`Stages::map`].
+    /// The errors of [`Stages::map`].
     pub fn pressed(&mut self, request: &Request) -> Result<Pressed, FieldError> {
         let request = request.relevant()?;
         self.advance(&request, true)?;
@@ -385,7 +405,7 @@ impl Stages {
     /// The cells of a liquid, and its surface at rest under steady sound, ignoring the envelope.
     ///
     /// # Errors
-    /// As [`Stages::map`]; a quantity without a liquid has no surface.
+    /// The errors of [`Stages::map`]; a quantity without a liquid has no surface.
     pub fn surface(&mut self, request: &Request) -> Result<(&Tank, &Dent), FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
@@ -405,7 +425,7 @@ fn is_double(by: By) -> bool {
 }
 
 impl Job<'_> {
-    /// On the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
+    /// The map by the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
     fn by_cpu(&self, cpu: &mut OnCpu, exact: bool, mut values: Vec<f32>) -> Result<Map, FieldError> {
         let mut make = |job: &Job<'_>, by: By, values: &mut Vec<f32>| {
             let mut made = cpu.values(job, is_double(by), values);
@@ -465,7 +485,7 @@ impl Job<'_> {
         error > promised(self.request.plane.tolerance)
     }
 
-    /// With the largest magnitudes of the pixels that count for the peak, and of the others.
+    /// The map with the largest magnitudes of the pixels that count for the peak, and of the others.
     fn described(&self, values: Vec<f32>, [peak, left_out]: [f32; 2], error: f64, by: By) -> Map {
         let (width, height) = self.request.size;
         let plan = &self.site.plan;

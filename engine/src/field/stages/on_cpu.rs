@@ -40,10 +40,10 @@ const MOST_REUSED: usize = 64 << 20;
 
 #[derive(Debug, Default)]
 pub(super) struct OnCpu {
-    /// Of the latest map.
+    /// Site of the latest map.
     site: Option<SiteKey>,
     superposition: Superposition,
-    /// Of a single drive, in f64 or not.
+    /// Samples of a single drive, in f64 or not.
     samples: Kept<SampledKey, Samples>,
     /// Its sound at the pixels, if it fits one band.
     at_pixels: Kept<(SampledKey, (usize, usize)), Lattice>,
@@ -111,7 +111,7 @@ impl OnCpu {
         self.site = Some(site.clone());
     }
 
-    /// Of the values at pixels and cells, and of those between.
+    /// Bytes of the values at pixels and cells, and of those between.
     fn bytes(&self) -> usize {
         let of_cells =
             (self.cells.value.capacity() + self.response.value.depth.capacity()) * size_of::<f64>();
@@ -141,7 +141,7 @@ impl OnCpu {
         }
     }
 
-    /// From the sound at the pixels.
+    /// Forms values from the sound at the pixels.
     fn by_pixels(
         &mut self,
         job: &Job<'_>,
@@ -297,7 +297,7 @@ impl OnCpu {
         }
     }
 
-    /// From the cells, which contain the mean of the formula or a liquid's response to it.
+    /// Interpolates values from the cells, which contain the mean of the formula or a liquid's response to it.
     fn by_cells(
         &mut self,
         job: &Job<'_>,
@@ -435,7 +435,7 @@ fn is_mean(job: &Job<'_>) -> bool {
     job.excitations.len() > 1
 }
 
-/// What f32 is off anywhere on a map, relative to its peak: differences lose more than sums.
+/// Rounding error of f32 anywhere on a map, relative to its peak: differences lose more than sums.
 fn rounding(parts: u8, double: bool) -> f64 {
     match (double, parts) {
         (true, _) => 0.0,
@@ -494,7 +494,7 @@ fn at(values: &[f32], places: &[usize]) -> Vec<f32> {
     places.iter().map(|&place| values[place]).collect()
 }
 
-/// From sums of the formula to values in place, and the largest magnitude.
+/// Turns sums of the formula into values in place; returns the largest magnitude.
 fn finish(values: &mut [f32], factor: f32, is_root: bool) -> f32 {
     const LANES: usize = 16;
     let value = |sum: f32| if is_root { (factor * larger(sum, 0.0)).sqrt() } else { factor * sum };

@@ -33,7 +33,7 @@ const OF_SLOPES: f64 = 4.0;
 pub(super) struct Probes {
     /// Their numbers, row by row.
     pub(super) places: Vec<usize>,
-    /// Of each, whether it counts for the peak.
+    /// Whether each counts for the peak.
     counts: Vec<bool>,
     /// m; the longest path to any of them.
     farthest: f64,
@@ -50,7 +50,7 @@ pub(super) struct AtProbes {
     pub(super) values: Vec<f32>,
     /// The sound of every drive, of quantities formed at the pixels.
     pub(super) sounds: Option<Vec<Vec<Sound>>>,
-    /// What any other pixel may be off, where that is known.
+    /// Error bound of all other pixels, where it is known.
     pub(super) elsewhere: f64,
 }
 
@@ -199,12 +199,12 @@ impl Probes {
     }
 }
 
-/// Over the drives.
+/// Means over the drives.
 #[derive(Clone, Copy, Debug, Default)]
 struct Means {
-    /// Of the formula.
+    /// Mean of the formula.
     value: Mean,
-    /// Of |P|²/(ρc²), Pa; of a potential with |∇P|²/(ρω²).
+    /// Mean of |P|²/(ρc²), Pa; for a potential with |∇P|²/(ρω²).
     square: f64,
 }
 

@@ -31,7 +31,7 @@ pub struct Request {
     pub moment: f64,
     /// The part of a steady radiation pressure that the envelope leaves, 0 to 1.
     pub part: f64,
-    /// Whose surface the plane is.
+    /// The liquid whose surface the plane is.
     pub liquid: Liquid,
     /// The bead of a potential.
     pub bead: Bead,
@@ -45,7 +45,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// On the scene's plane, in its air, with its envelope and liquid.
+    /// A request on the scene's plane, in its air, with its envelope and liquid.
     pub fn new(scene: &Scene, drives: Vec<Drive>, quantity: Quantity, size: (usize, usize)) -> Self {
         let is_slow = quantity.declaration().is_slow;
         Self {
@@ -148,7 +148,7 @@ impl Request {
 pub struct Map {
     pub width: usize,
     pub height: usize,
-    /// Of every pixel, row by row, row 0 at the smallest y, in the quantity's unit.
+    /// Values of every pixel, row by row, row 0 at the smallest y, in the quantity's unit.
     pub values: Vec<f32>,
     /// The largest magnitude of a value; of phases and instantaneous pressures the largest |P| (Pa, peak). Pixels
     /// within a wavelength of an element do not count, unless all of them are. 0 of a silent map.
@@ -157,8 +157,7 @@ pub struct Map {
     pub loudest: f32,
     /// Number of pixels within a wavelength of an element, in front of it.
     pub near: usize,
-    /// Of a silent map with other values than 0: a bound of the rounding of the sums behind them, which they stay
-    /// below.
+    /// Bound of the rounding of the sums behind the values of a silent map, if these are not all 0; they stay below it.
     pub rounding: f64,
     /// An estimate of the largest deviation of any pixel from the f64 reference, relative to the peak or to a louder
     /// pixel itself: three times that of 48 pixels and more, including those with the worst rounding; for a
@@ -188,24 +187,24 @@ impl Map {
 /// The radiation pressure on the plane, and the liquid's response.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pressed {
-    /// m, width and height of the plane: the area that all figures are of.
+    /// Width and height (m) of the plane: the area of all figures.
     pub size: DVec2,
     /// N on the plane.
     pub force: f64,
-    /// Of the surface of a liquid under it.
+    /// Depression of a liquid's surface.
     pub depression: Option<Depression>,
-    /// On the screen, of the light of the plane's own area as 1.
+    /// Light on the screen, in units of the light of the plane's own area.
     pub light: Option<Light>,
 }
 
 /// The maker of a map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum By {
-    /// In f64, each pixel for itself.
+    /// The f64 reference, each pixel for itself.
     Reference,
     #[default]
     Cpu,
-    /// On the CPU with samples in f64, since f32 does not suffice for the tolerance or the elements.
+    /// The CPU with samples in f64, since f32 does not suffice for the tolerance or the elements.
     CpuInF64,
     Gpu,
 }
@@ -241,7 +240,7 @@ pub enum FieldError {
 /// The inputs of plan and transfer: positions of elements and plane, and the medium.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Setting {
-    /// With every element driven, which makes no difference here.
+    /// The aperture with every element driven, which makes no difference here.
     pub(super) aperture: Aperture,
     pub(super) plane: Plane,
 }

@@ -44,10 +44,10 @@ pub(super) struct Superposition {
 /// The inputs of tables. One plane may have several grids: quantities weigh samples against pixels differently.
 #[derive(Clone, Debug, PartialEq)]
 struct TableKey {
-    /// With every element driven, which makes no difference here.
+    /// The aperture with every element driven, which makes no difference here.
     aperture: Aperture,
     grid: Grid,
-    /// Of a slope.
+    /// Direction of a slope.
     direction: Option<DVec3>,
 }
 

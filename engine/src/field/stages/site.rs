@@ -1,4 +1,11 @@
 //! The site of a quantity: pixels or cells, and the samples it requires.
+//!
+//! A single part of the sound of one drive is formed at the pixels. Squares of several drives or parts, and the
+//! pressure on a liquid, are formed at *cells*, six per wavelength, since a square has twice the bandwidth and all
+//! later steps (mean, depression, pixels) are linear: fewer complex numbers are interpolated. Squaring doubles
+//! relative errors; where errors are differences of squares, the samples keep two fifths of the tolerance. Where
+//! cells would be too close to the array, pixels are used, except for a liquid. A magnitude such as the intensity
+//! is not band-limited: it is always formed at the pixels.
 
 use glam::DVec3;
 
@@ -31,7 +38,7 @@ const TO_THE_WALLS: f64 = 14.0;
 /// The inputs of a site.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SiteKey {
-    /// With the displayed plane, and the tolerance of the samples.
+    /// Array with the displayed plane and the tolerance of the samples.
     pub(super) setting: Setting,
     /// Bit set of the parts of the sound.
     pub(super) parts: u8,
@@ -62,7 +69,7 @@ pub(super) struct Filled {
     pub(super) weights: Option<Weights>,
 }
 
-/// From samples to a lattice, across and up, of values and of slopes.
+/// Weights from samples to a lattice, across and up, of values and of slopes.
 #[derive(Debug)]
 pub(super) struct Weights {
     values: [Resampling; 2],
@@ -108,7 +115,7 @@ impl SiteKey {
         if by_cells { Self::by_cells(request, exact) } else { Self::by_pixels(request, exact) }
     }
 
-    /// At the pixels in any case.
+    /// The site at the pixels in any case.
     pub(super) fn by_pixels(request: &Request, exact: bool) -> Self {
         let share = match request.quantity.declaration().norm {
             Norm::Value | Norm::Pressure => 1.0,

@@ -18,7 +18,7 @@ use crate::simd::larger;
 
 /// Parts of the map along each axis with a pixel to measure.
 const PARTS: usize = 6;
-/// Of the tolerance, for roots of interpolated squares.
+/// Share of the tolerance for roots of interpolated squares.
 const SHARE: f64 = 0.4;
 /// Evaluations, of a pixel and an element, for each pixel of the map: beyond, interpolated pressures cost less.
 const MOST: usize = 4;
@@ -34,7 +34,7 @@ struct Tile {
     loudest: f32,
 }
 
-/// Evaluates the pixels whose roots are beyond the tolerance, and returns what the roots of the others are off at
+/// Evaluates the pixels whose roots are beyond the tolerance, and returns the error bound of the other roots, at
 /// most. `values` are the mean squares.
 pub(super) fn mend(
     job: &Job<'_>,
@@ -80,7 +80,7 @@ pub(super) fn mend(
     worst.min(allowed)
 }
 
-/// What pixels of a map may be off, from those with the largest values in every part of it.
+/// Error bound of a map's pixels, from those with the largest values in every part of it.
 pub(super) fn off_at_loudest(job: &Job<'_>, values: &[f32]) -> f64 {
     let (width, height) = job.request.size;
     let Some(pixels) = Samples::on_plane(&job.request.plane, width, height) else { return 0.0 };
@@ -108,7 +108,7 @@ fn least(off: f64, allowed: f64) -> f64 {
     if off <= allowed * allowed { 0.0 } else { ((off + allowed * allowed) / (2.0 * allowed)).powi(2) }
 }
 
-/// How far the root of a square is off, at most.
+/// Error bound of the root of a square.
 fn root_off(square: f32, off: f64) -> f64 {
     let square = f64::from(square);
     let root = square.max(0.0).sqrt();

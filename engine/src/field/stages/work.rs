@@ -2,7 +2,7 @@
 
 use std::ops::Add;
 
-/// How often each stage ran.
+/// Number of runs of each stage.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     pub plan: u64,

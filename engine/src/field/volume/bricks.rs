@@ -22,7 +22,7 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// Of values that are there.
+    /// The volume of given values.
     pub fn of(lattice: Lattice, values: Vec<f32>) -> Self {
         let bricks = bricks(&lattice, &values);
         let peak = bricks.iter().copied().fold(0.0, f32::max);

@@ -121,7 +121,7 @@ impl Met {
         self.count = (self.count + 1).min(MOST_MET);
     }
 
-    /// How far one sees.
+    /// Depth of the first solid hit.
     fn solid(&self) -> f32 {
         (0..self.count).find(|&i| self.colours[i].w >= SOLID).map_or(f32::MAX, |i| self.depths[i])
     }

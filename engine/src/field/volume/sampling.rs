@@ -128,7 +128,7 @@ fn corners(lattice: &Lattice) -> Samples {
     Samples { columns: xs, rows: yz.map(|(y, z)| DVec3::new(0.0, y, z)).to_vec() }
 }
 
-/// Sounding elements and their tilts, as [`Sources`] has them.
+/// Sounding elements and their tilts, in the layout of [`Sources`].
 type Elements = (Vec<[f32; 4]>, Vec<[f32; 4]>);
 
 /// The data of a face common to all layers.

@@ -16,7 +16,7 @@ const FORWARD: f64 = 1e-3;
 /// The representation of the field in the box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Body {
-    /// Only where slices show it.
+    /// The field on the slices alone.
     Hidden,
     /// The isosurface at this fraction of its peak.
     Surface(f32),
@@ -44,7 +44,7 @@ pub enum Item {
 pub struct Scenery {
     pub items: Vec<Item>,
     pub body: Body,
-    /// Where the field is seen.
+    /// The visible part of the field.
     pub clip: Block,
     /// r, g, b of the surface.
     pub surface: Vec3,

@@ -26,7 +26,7 @@ pub struct Figures {
     pub side_lobe_position: DVec3,
     /// Mean |p|/target relative to that of the strongest known drive: of `quiet` = 0, or this one. 0 to 1.
     pub strength: f64,
-    /// For areas, or a depression.
+    /// Figures of areas, or of a depression.
     pub areas: Option<AreaFigures>,
 }
 

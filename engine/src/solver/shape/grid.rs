@@ -26,7 +26,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// At a height (m), up to `reach` (m) along x and y from the axis, or slightly farther at no cost.
+    /// The layout at a height (m), up to `reach` (m) along x and y from the axis, or slightly farther at no cost.
     pub fn new(aperture: &Aperture, height: f64, reach: DVec2, grids: usize) -> Self {
         let elements = elements(aperture);
         let least = reach.to_array().map(|reach| {
@@ -141,7 +141,7 @@ pub struct Grid<T> {
 }
 
 impl<T: Real> Grid<T> {
-    /// Of transfers times `scale`.
+    /// The grid of transfers times `scale`.
     pub fn new(aperture: &Aperture, layout: Layout, scale: f64) -> Self {
         let elements = elements(aperture);
         let padded = elements[0].next_multiple_of(LANES);
@@ -254,7 +254,7 @@ fn fields<T: Real>(aperture: &Aperture, layout: &Layout, scale: f64) -> Vec<Wave
     (0..layout.grids * layout.grids).map(field).collect()
 }
 
-/// Of the fields, with plans along x and y.
+/// Spectra of the fields, with plans along x and y.
 fn spectra<T: Real>(mut fields: Vec<Waves<T>>, [along_x, along_y]: &[Plan<T>; 2]) -> Vec<Waves<T>> {
     let [x, y] = [along_x.length, along_y.length];
     let (mut turned, mut spare) = (Waves::zeros(x * y), Waves::zeros(x * y));

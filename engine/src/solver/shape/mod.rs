@@ -2,9 +2,18 @@
 //!
 //! The first drive considers only the strokes: weighted Gerchberg-Saxton from equal phases along them ([`start`]),
 //! then descent ([`crate::solver::descent`]). An [`objective`] that covers the whole radiated plane is then
-//! minimised: by Fourier transforms ([`grid`]) on planes parallel to the array, by a [`table`] elsewhere. Areas are
-//! fitted as a [`picture`], from a field with equal phases. There is one thread and no clock: the same calls give the
-//! same drives.
+//! optimised: a soft minimum of |p| along the strokes is maximised and a soft maximum of |p| elsewhere minimised,
+//! at a strength held by a penalty, by limited-memory BFGS on the phases. *Elsewhere* is the [`region`]: the
+//! scene's plane as far as the array radiates, independently of the displayed part, and quiet zones.
+//!
+//! On planes parallel to the array, samples at 1/S of the pitch form S² grids of the array's own pitch, and H to
+//! each of them is a convolution ([`grid`]): one Fourier transform of the drive and S² inverse ones, over whole
+//! SIMD rows, 0.06 ms for 9801 samples of 256 elements. Tilted planes, planes too distant for short transforms, and
+//! quiet zones are tables in f32 ([`table`]); only their loud rows are evaluated, selected anew every eight steps.
+//!
+//! Five starts, two of them to the end, take about 100 ms. Areas are fitted as a [`picture`], from a field with
+//! equal phases. There is one thread and no clock: the same calls give the same drives. Derivatives, grid and
+//! figures are checked in f64.
 
 mod fft;
 mod figures;
@@ -85,11 +94,11 @@ pub struct Search<'a> {
     problem: &'a Problem<'a>,
     surroundings: Surroundings,
     objective: Objective<f32>,
-    /// Of transfers, so that pressures are near 1.
+    /// Scale of transfers, so that pressures are near 1.
     scale: f64,
     /// M of the strongest drive.
     strongest: f64,
-    /// From equal phases, and from the best other start.
+    /// Descents from equal phases, and from the best other start.
     ways: [Option<Descent>; 2],
     /// Index of the better descent.
     leader: usize,
@@ -104,11 +113,11 @@ pub struct Search<'a> {
 pub enum Stage {
     /// The strokes alone.
     First,
-    /// On coarse samples of the surroundings.
+    /// Descent on coarse samples of the surroundings.
     Coarse(u32),
     /// Another start.
     Other(usize),
-    /// On fine samples, from the better start and from the other.
+    /// Descents on fine samples, from the better start and from the other.
     Leader(u32),
     Rival(u32),
     Last(u32),

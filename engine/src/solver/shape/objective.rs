@@ -52,11 +52,11 @@ pub enum Loudness {
 #[derive(Debug)]
 pub struct Quiet<T> {
     samples: Samples<T>,
-    /// Of every sample, 0 to 1.
+    /// Weight of every sample, 0 to 1.
     mask: Vec<T>,
-    /// Of those in use, padded with zeros to whole blocks of lanes.
+    /// Weights of the samples in use, padded with zeros to whole blocks of lanes.
     in_use: Vec<T>,
-    /// Of every drive.
+    /// Field of every drive.
     p: Vec<Waves<T>>,
 }
 
@@ -130,7 +130,7 @@ pub struct Objective<T> {
 }
 
 impl<T: Real> Objective<T> {
-    /// For this number of drives in turn.
+    /// The objective of this number of drives in turn.
     pub fn new(strokes: Table<T>, drives: usize, weights: Weights) -> Self {
         let u = vec![strokes.excitation(); drives];
         let (heard, p) = (u.clone(), vec![Waves::zeros(strokes.points()); drives]);
@@ -142,7 +142,7 @@ impl<T: Real> Objective<T> {
         self.u.len()
     }
 
-    /// For another number of drives in turn.
+    /// Sets the number of drives in turn.
     pub fn set_drives(&mut self, drives: usize) {
         let u = self.strokes.excitation();
         self.u.resize(drives, u.clone());
@@ -150,7 +150,7 @@ impl<T: Real> Objective<T> {
         self.p.resize(drives, Waves::zeros(self.strokes.points()));
     }
 
-    /// Whether any sample is to be quiet.
+    /// Whether there is a quiet region.
     pub fn is_quiet(&self) -> bool {
         !self.quiet.is_empty() || self.picture.as_ref().is_some_and(Picture::is_quiet)
     }

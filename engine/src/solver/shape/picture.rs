@@ -3,8 +3,11 @@
 //! With I the mean |p|² of all drives in turn at samples of weight w and target T,
 //!   L = Σ w (s I - T)² / Σ w T², s = Σ w I T / Σ w I² the best scale,
 //!   ∂L/∂I = 2 s w (s I - T) / Σ w T², since the derivative by s vanishes.
-//! For a liquid's depression C I replaces I, C being the liquid's response, and ∂L/∂I is multiplied by C.
-//! Where the quiet region has the same samples, its share of the objective is a function of the same I.
+//!
+//! For a liquid's depression C I replaces I, C being the liquid's response in cosine modes on the same samples, and
+//! ∂L/∂I is multiplied by its adjoint, which is C. Where the quiet region has the same samples, its share of the
+//! objective is a function of the same I. It has a small weight, without which some places are louder than the
+//! area.
 
 use std::f64::consts::TAU;
 
@@ -45,18 +48,18 @@ pub struct Fit {
 /// The terms of the derivative by an intensity.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Slope {
-    /// Of L.
+    /// Factor of the derivative of L.
     pub error: f64,
-    /// Of ln s.
+    /// Factor of the derivative of ln s.
     pub scale: f64,
-    /// Of ln Σ w I T.
+    /// Factor of the derivative of ln Σ w I T.
     pub level: f64,
     /// Factor on the weights of [`Picture::weigh`].
     pub loud: f64,
 }
 
 impl<T: Real> Wanted<T> {
-    /// Of every value of a field.
+    /// Targets and weights of every value of a field.
     pub fn new(mut brightness: Vec<T>, mut weight: Vec<T>) -> Self {
         let pairs = || brightness.iter().zip(&weight).map(|(t, w)| (t.wide(), w.wide()));
         let (sum, power) = (pairs().map(|(t, w)| w * t).sum(), pairs().map(|(t, w)| w * t * t).sum());
@@ -222,7 +225,7 @@ impl<T: Real> Kernel for Loudest<'_, T> {
     }
 }
 
-/// As [`Picture::weigh`].
+/// The loop of [`Picture::weigh`].
 struct Weigh<'a, T, const Q: usize> {
     intensities: &'a [T],
     mask: &'a [T],
@@ -265,7 +268,7 @@ pub struct Picture<T> {
     wanted: Wanted<T>,
     /// Response of the liquid, for a prescribed depression.
     response: Option<Response>,
-    /// Of every drive.
+    /// Field of every drive.
     p: Vec<Waves<T>>,
     /// I or the depression, then the derivatives by I.
     pub(super) intensities: Vec<T>,
@@ -282,7 +285,7 @@ impl<T: Real> Picture<T> {
         Self { samples, wanted, response, p: Vec::new(), intensities, fit: None, quiet }
     }
 
-    /// From now on the quiet region is heard at these samples, too.
+    /// Adds the quiet region at these samples.
     pub fn be_quiet(&mut self, mut mask: Vec<T>) {
         mask.resize(self.intensities.len(), T::default());
         self.quiet = [mask, vec![T::default(); self.intensities.len()]];
@@ -383,7 +386,7 @@ mod tests {
     use super::*;
     use crate::solver::shape::table::Table;
 
-    /// As many elements as samples, each heard at one of them alone.
+    /// A picture with as many elements as samples, each of which sounds at one sample alone.
     fn picture(brightness: &[f64], weight: &[f64]) -> Picture<f64> {
         let count = brightness.len();
         let mut table = Table::new(count);

@@ -135,7 +135,7 @@ impl<T: Real> Waves<T> {
     }
 }
 
-/// By squares of squares; the exponent is a constant once this is inlined.
+/// The power by squares of squares; the exponent is a constant once this is inlined.
 #[inline(always)]
 pub fn power<T: Real>(base: &[T; LANES], exponent: usize) -> [T; LANES] {
     let (mut power, mut square, mut rest) = ([T::of(1.0); LANES], *base, exponent);

@@ -78,7 +78,7 @@ pub fn is_parallel(plane: &Plane, aperture: &Aperture) -> bool {
     is_level && aperture.lattice().is_some()
 }
 
-/// How far from the axis a parallel plane is heard, m.
+/// Distance (m) from the axis to which the array radiates on a parallel plane.
 pub fn reach(problem: &Problem<'_>, height: f64) -> DVec2 {
     let far = |far: DVec2, focus: &Focus| far.max(focus.position.truncate().abs());
     let farthest = problem.foci.iter().fold(DVec2::ZERO, far);

@@ -9,14 +9,14 @@ use crate::surface::dent::{Tank, compliance};
 #[derive(Clone, Debug)]
 pub struct Response {
     tank: Tank,
-    /// Of every mode.
+    /// Factor of every mode.
     factors: Vec<f64>,
     /// Indices of the samples in a field, row by row of the plane.
     places: Vec<usize>,
 }
 
 impl Response {
-    /// For samples of a plane, with walls half a sample outside the outermost.
+    /// The response at samples of a plane, with walls half a sample outside the outermost.
     pub fn new(liquid: &Liquid, layout: &Layout, pitch: f64) -> Self {
         let counts = layout.samples.map(|samples| samples * layout.grids);
         let tank = Tank::new(counts, [layout.spacing(pitch); 2]);

@@ -17,7 +17,7 @@ pub enum Start {
     Vortex,
     /// Rising along y.
     Tilted,
-    /// As if focused behind the plane.
+    /// Phases of a focus behind the plane.
     Curved,
     Scattered,
 }
@@ -25,7 +25,7 @@ pub enum Start {
 impl Start {
     /// rad, of every sample, in the plane's axes; beyond the last start all are scattered, each in another way.
     pub fn phases(number: usize, samples: &[DVec3], plane: &Plane) -> Vec<f64> {
-        /// Of the scattered phases.
+        /// Seed of the scattered phases.
         const SEED: usize = 17;
         let start = Self::VARIANTS.get(number).copied().unwrap_or(Self::Scattered);
         let seed = SEED + number;

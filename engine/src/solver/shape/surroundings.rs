@@ -21,7 +21,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// Of a drawing without zones and areas.
+    /// The surroundings of a drawing without zones and areas.
     pub fn of_plane(plane: Plane, quiet: f64) -> Self {
         Self { plane, quiet, zones: Vec::new(), areas: Vec::new(), liquid: None }
     }
@@ -94,7 +94,7 @@ fn areas(scene: &Scene, foci: &[Focus]) -> Vec<Cover> {
 pub struct Zone {
     /// m
     pub points: Vec<DVec3>,
-    /// |p| there counts as so many times as loud; 0 for nothing.
+    /// Factor on |p| there; 0 excludes the zone.
     pub weight: f64,
 }
 

@@ -1,4 +1,8 @@
 //! Sample points of areas and their margins, with target values.
+//!
+//! An area is a raster of the prescribed |p|² (`scene::cover`: filled shapes, broad strokes, pictures). Its foci,
+//! λ/2 apart, serve display and figures; the solver fits |p|² on samples λ/4 apart, over the area and 3.7 λ around
+//! it.
 
 use glam::{DVec2, DVec3};
 
@@ -14,7 +18,7 @@ use crate::solver::shape::samples::Samples;
 use crate::solver::shape::surroundings::Surroundings;
 use crate::solver::shape::table::{BLOCK, Table};
 
-/// In wavelengths: sample spacing; quiet margin of an area; width of strokes and points drawn as areas.
+/// Lengths in wavelengths: sample spacing; quiet margin of an area; width of strokes and points drawn as areas.
 const SPACING: f64 = 0.245;
 const MARGIN: f64 = 3.7;
 pub const STROKE: f64 = 0.5;
@@ -31,9 +35,9 @@ const MOST_SAMPLES: usize = 10_000;
 /// The samples of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fineness {
-    /// As many as the solver needs; on the quiet plane where areas lie in it.
+    /// Samples of the solver; on the quiet plane where areas lie in it.
     Solver,
-    /// As many as figures need.
+    /// Samples of the figures.
     Figures,
 }
 
@@ -121,7 +125,7 @@ impl<'a> Drawn<'a> {
         Self::grid(aperture, height, self.reach(aperture, height), grids)
     }
 
-    /// How far the drawing and its margin extend from the axis, m.
+    /// Extent (m) of the drawing and its margin from the axis.
     fn reach(&self, aperture: &Aperture, height: f64) -> DVec2 {
         let far = |cover: &Cover| {
             let half = cover.half + self.margin();
@@ -147,7 +151,7 @@ impl<'a> Drawn<'a> {
     /// Samples of the quiet plane, if the areas lie in it and |p| is prescribed: half a fringe apart, they also hold
     /// every detail of |p|².
     fn on_quiet_plane(&self, problem: &Problem<'_>, surroundings: &Surroundings) -> Option<Layout> {
-        /// Of the region's reach: the array hardly radiates beyond, and transforms are shorter.
+        /// Fraction of the region's reach: the array hardly radiates beyond, and transforms are shorter.
         const HEARD: f64 = 0.95;
         let (aperture, plane) = (problem.aperture, &surroundings.plane);
         let height = self.height().filter(|_| region::is_parallel(plane, aperture))?;

@@ -216,7 +216,7 @@ impl Found {
         self.keeps_foci && self.is_balanced && self.weakest > 0.0
     }
 
-    /// By holding the beads, and then by stiffness.
+    /// Order of drives by holding the beads, and then by stiffness.
     fn order(&self, other: &Self) -> Ordering {
         let rank = |found: &Self| (found.keeps_foci, found.holds());
         rank(self).cmp(&rank(other)).then(self.weakest.total_cmp(&other.weakest))

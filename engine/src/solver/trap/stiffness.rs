@@ -18,7 +18,7 @@ use crate::solver::descent::{Function, dot};
 const HARD: f64 = 12.0;
 /// Weight of the pressures of foci beside traps.
 const BESIDE: f64 = 1.0;
-/// The weight of a square of net forces at first, and by what it grows if they do not fall to a quarter.
+/// Weight of the square of net forces at first, and its growth if they do not fall to a quarter.
 const PENALTY: f64 = 1.0;
 const GROWTH: f64 = 4.0;
 const MOST_PENALTY: f64 = 1e4;
@@ -35,7 +35,7 @@ pub struct Places<'a> {
     /// N, towards -z.
     load: f64,
     wavenumber: f64,
-    /// Of each trap: the derivatives of every element's sound, in rows.
+    /// Derivatives of every element's sound at each trap, in rows.
     columns: Vec<Transfer>,
     transfer: &'a Transfer,
     /// Foci that are not lobes, with the squares of their initial pressures.
@@ -43,8 +43,8 @@ pub struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    /// Of a bead with this weight less buoyancy (N) in traps at these points (m), beside foci that keep the pressure of
-    /// a first drive.
+    /// Places of a bead with this weight less buoyancy (N) in traps at these points (m), beside foci that keep the
+    /// pressure of a first drive.
     pub fn new(
         problem: &'a Problem<'_>,
         (sphere, load): (Sphere, f64),
@@ -80,7 +80,7 @@ impl<'a> Places<'a> {
         self.columns.iter().map(of).collect()
     }
 
-    /// Of a slope by the sound at a trap, that by the conjugate drive.
+    /// Slope by the conjugate drive, from that by the sound at a trap.
     fn spread(&self, trap: usize, slope: &Derivatives) -> Vec<Complex64> {
         self.columns[trap].back(slope.values())
     }
@@ -137,9 +137,9 @@ impl<'a> Stiffness<'a> {
         }
     }
 
-    /// The same with a small penalty instead of the constraint, for beads that nothing carries.
+    /// The same with a small penalty instead of the constraint, for beads too heavy for any drive.
     pub fn yielding(self) -> Self {
-        /// Of a square of net forces.
+        /// Weight of the square of net forces.
         const COUNTS: f64 = 0.02;
         Self { penalty: 2.0 * COUNTS, ..self }
     }

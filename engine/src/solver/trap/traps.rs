@@ -22,7 +22,7 @@ pub struct Wanted {
     pub trap: Trap,
     pub charge: i32,
     pub at: DVec3,
-    /// From the trap's axes to the scene's.
+    /// Rotation from the trap's axes to the scene's.
     pub turn: glam::DQuat,
     /// Its lobes among the foci.
     pub foci: std::ops::Range<usize>,

@@ -128,7 +128,7 @@ fn determinant(restoring: f64, n: f64, depth: f64, s: Complex64, fills: bool) ->
     both.map(|([i, j], [k, l])| minor(&floor, i, j) * minor(&surface, k, l)).sum()
 }
 
-/// How far s is from a root, relative to s, by Newton's step.
+/// Distance of s from a root, relative to s, by Newton's step.
 fn distance(liquid: &Liquid, q: f64, s: Complex64) -> f64 {
     let n = liquid.viscosity() / liquid.density() * q * q;
     let restoring = liquid.gravity * q + liquid.surface_tension() * q.powi(3) / liquid.density();

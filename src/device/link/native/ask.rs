@@ -77,7 +77,7 @@ impl Asker {
     /// Silences and resets a device in any state. Returns its answer to RESET.
     ///
     /// # Errors
-    /// As [`Self::order`]; or a device that does not become silent.
+    /// The errors of [`Self::order`], or a device that does not become silent.
     pub async fn reset(&mut self, port: &mut Port, address: u8) -> Result<Reply, LinkError> {
         /// Time for a muted device to become silent: its ramp takes 6.4 ms, and RESET is refused until it has ended.
         const FADED: Duration = Duration::from_millis(300);

@@ -10,7 +10,7 @@ use crate::device::native::packet::{BROADCAST, Body, Info, Packet, Reply};
 use crate::device::port::Port;
 use crate::device::profile::Profile;
 
-/// Of the protocol that this program speaks.
+/// Version of the protocol that this program speaks.
 const VERSION: u8 = 2;
 
 /// A session and its line.

@@ -1,7 +1,10 @@
 //! The link to native devices: numbered packets, at most four of them unacknowledged, and retransmission of lost
 //! ones.
 //!
-//! [`session`] holds what is said and heard, without a line or a clock; a [`Connection`] carries it over its port.
+//! A newly found board is muted and reset, so that no state of an earlier program remains. A corrupted, refused or
+//! unanswered packet is sent again if it is still wanted.
+//!
+//! [`session`] holds the protocol, without a line or a clock; a [`Connection`] carries it over its port.
 
 mod ask;
 mod connect;

@@ -1,4 +1,7 @@
 //! Playback of a motion on a native board: from its own store, or streamed frame by frame.
+//!
+//! A motion is played from the device's store, with a number of frames that ends its cycle on time, or streamed if
+//! the line carries more frames.
 
 /// Tolerated relative deviation of a stored cycle's duration.
 const CYCLE_TOLERANCE: f64 = 1e-2;
@@ -10,11 +13,11 @@ const LONGEST_SLOT: f64 = 65_535.0;
 /// The requirements of a motion, and the capabilities of board and line.
 #[derive(Clone, Copy, Debug)]
 pub struct Motion {
-    /// Of one cycle.
+    /// Frames of one cycle.
     pub frames: usize,
     /// Requested frames per second.
     pub rate: f64,
-    /// Of the board's store.
+    /// Slots of the board's store.
     pub slots: usize,
     /// Hz
     pub carrier: f64,
@@ -26,7 +29,7 @@ pub struct Motion {
 pub enum Way {
     /// `count` frames of a cycle, evenly chosen, are stored on the board and played for `divider` periods each.
     Stored { count: usize, divider: u16 },
-    /// Whichever frame is due is sent.
+    /// The due frame is sent.
     Streamed,
 }
 

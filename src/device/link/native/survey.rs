@@ -46,16 +46,16 @@ pub enum TrialOutcome {
     Tried(Figures),
 }
 
-/// How frames fared.
+/// Results of a burst of frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Figures {
     pub sent: u32,
-    /// Not answered, spoiled or refused.
+    /// Frames not answered, spoiled or refused.
     pub lost: u32,
     /// Slots with contents other than sent.
     pub wrong: u32,
     pub frames_per_second: f64,
-    /// From a frame's last byte to its answer, the median.
+    /// Median time from a frame's last byte to its answer.
     pub round_trip: Duration,
 }
 
@@ -242,7 +242,7 @@ mod tests {
     use crate::device::port::virtual_board;
     use crate::device::task::finish;
 
-    /// A trial ends with so many lost frames.
+    /// Number of lost frames that ends a trial.
     const MOST: u32 = 2 * WINDOW as u32;
 
     fn info() -> Info {
@@ -254,7 +254,7 @@ mod tests {
         finish(Port::open(&virtual_board(profile), Profile::Native.baud())).unwrap()
     }
 
-    /// How frames fare with a virtual board after so many of them, of which some were lost.
+    /// Results with a virtual board of `sent` frames, of which `lost` were lost.
     fn burst(profile: Profile, slots: u8, sent: u32, lost: u32) -> Figures {
         let figures = Figures { sent, lost, ..Figures::default() };
         let burst = Burst { slots, figures, ..Burst::new(&info()) };

@@ -1,7 +1,12 @@
 //! The link to boards without acknowledgements: frames as fast as the line allows, and modulation by timed buffer
 //! swaps.
 //!
-//! [`session`] holds what is sent and when, without a line or a clock; [`run`] carries it over a port.
+//! A frame at rest and silence are repeated four times a second. An envelope is played by swapping the two buffers,
+//! one silent, at the right times (`pulses`), also during a motion or a drag: frames are loaded while the board is
+//! silent (`rhythm` computes the skipped pulses).
+//!
+//! [`session`] holds what is sent and when, without a line or a clock; [`run`] carries it over a port. Tests let a
+//! session converse with the boards' twins in simulated time.
 
 mod pulses;
 mod rhythm;

@@ -11,7 +11,7 @@ use crate::device::link::shared::Content;
 use crate::device::link::shared::Wanted;
 use crate::device::link::stock::rhythm::Rhythm;
 
-/// Repetition interval of what does not change, in case a byte was damaged.
+/// Repetition interval of unchanged content, in case a byte was damaged.
 pub const REFRESH: Duration = Duration::from_millis(250);
 
 /// The same for the buffers of a motion each of whose frames skips pulses: it skips as many again.
@@ -20,7 +20,7 @@ const SELDOM: Duration = Duration::from_secs(2);
 /// Generation of a wish, and the number of a frame in it.
 pub type Key = (u64, usize);
 
-/// What comes next.
+/// The next action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
     /// Silence is loaded and shown, whichever buffer is hidden.
@@ -190,7 +190,7 @@ impl Pulses {
         self.swaps && self.age(now) > REFRESH && skips_none
     }
 
-    /// Of what both buffers hold.
+    /// Age of the contents of both buffers.
     fn age(&self, now: Instant) -> Duration {
         now.saturating_duration_since(self.refreshed_at)
     }

@@ -16,7 +16,7 @@ pub struct Rhythm {
 }
 
 impl Rhythm {
-    /// For a frequency in Hz.
+    /// The rhythm of a frequency in Hz.
     pub fn new(frequency: f64, load: Duration, show: Duration) -> Self {
         Self { half: Duration::from_secs_f64(0.5 / frequency.max(SLOWEST)), load, show }
     }

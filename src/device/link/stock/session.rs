@@ -1,4 +1,4 @@
-//! What a stock board is sent, in a time that is given: neither a line nor a clock is here.
+//! The bytes to a stock board, as a function of time: without a line or a clock.
 
 use std::sync::Arc;
 
@@ -14,7 +14,7 @@ use crate::device::pace::Pace;
 use crate::device::profile::Profile;
 use crate::device::stock::{self, Modulated};
 
-/// What to do next.
+/// The next step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Step {
     Write(Vec<u8>),
@@ -34,7 +34,7 @@ enum Purpose {
     Pulse(Act),
 }
 
-/// What is sent, and what is known of the board.
+/// The bytes to a board, and its known state.
 pub struct Session<'a> {
     shared: &'a Shared,
     profile: Profile,
@@ -64,7 +64,7 @@ pub struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// With a board that has just been silenced, at `now`.
+    /// A session with a board that has just been silenced, at `now`.
     pub fn new(settings: &Settings, shared: &'a Shared, now: Instant) -> Self {
         let baud = settings.baud();
         Self {
@@ -344,7 +344,7 @@ impl Session<'_> {
         }
     }
 
-    /// Of a motion.
+    /// Frame rates of a motion.
     fn rates(&self, modulated: Modulated, content: &Content) -> Option<FrameRates> {
         let Content::Motion { rate, .. } = content else { return None };
         let line = self.profile.frames_per_second(self.baud);

@@ -52,12 +52,12 @@ pub struct Course {
     pub at: DVec3,
     /// Time (s) and |p| (Pa, peak).
     pub moduli: Vec<[f64; 2]>,
-    /// Of |p|² (Pa²).
+    /// Lines of |p|² (Pa²).
     pub lines: Vec<Line>,
 }
 
 impl Course {
-    /// Of |p|², Pa².
+    /// Mean of |p|², Pa².
     pub fn mean(&self) -> f64 {
         self.lines.first().map_or(0.0, |line| line.amplitude)
     }

@@ -12,7 +12,7 @@ fn cells() -> Cells {
     Cells::new(&Aperture::new(&Scene::default()), &plane, 0.03, 1e-3).unwrap()
 }
 
-/// With this depth (m) of the cell in a column and a row.
+/// A surface with this depth (m) of the cell in a column and a row.
 fn surface(cells: &Cells, depth: impl Fn([usize; 2]) -> f64) -> Surface<'_> {
     let at = |i: usize| depth([i % cells.counts[0], i / cells.counts[0]]);
     let depth: Vec<_> = (0..cells.count()).map(at).collect();

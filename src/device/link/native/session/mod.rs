@@ -1,6 +1,16 @@
-//! What is said to native devices and heard from them, in a time that is given: neither a line nor a clock is here.
+//! The protocol with native devices as a value: it is given the wanted state, answers and the time, and has neither
+//! a line nor a clock.
 //!
-//! A wish becomes tasks, packets in a fixed order: the first frame, then ENABLE, then everything else.
+//! A wish becomes tasks, packets in a fixed order: the first frame, alone until ENABLE is confirmed, then
+//! everything else. Frames go to four slots in turn, none of them in play, and are committed by the packet that
+//! carries them, so a damaged frame is never played. If a slot is busy, its frame was taken and the answer lost:
+//! the frame begins again in another slot. Several devices on a line (`native-N`) have addresses; the leader's
+//! packet goes last, and its mark on `sync` makes all change frames in the same period. A packet to each device
+//! every 50 ms satisfies its watchdog (200 ms). The emergency stop ends the wanted state; only a new one sounds
+//! again.
+//!
+//! The tests let a session converse with models of devices over lines that lose and change bytes, in simulated
+//! time: 20 000 random conversations take two minutes.
 
 mod tasks;
 #[cfg(all(test, unix))]
@@ -26,11 +36,11 @@ use crate::device::profile::Profile;
 pub const WINDOW: usize = 4;
 /// Time limit of an answer, unless a board turns out to be slower.
 pub const ANSWER: Duration = Duration::from_millis(100);
-/// Without any answer for so long the board is lost.
+/// Time without any answer after which the board is lost.
 pub const SILENT: Duration = Duration::from_millis(1500);
-/// In 64 periods: the device mutes itself after 200 ms of silence.
+/// Watchdog time in units of 64 periods: the device mutes itself after 200 ms without a packet.
 const WATCHDOG: u16 = 125;
-/// The longest pause in what a device hears.
+/// The longest pause between packets to a device.
 const KEEP_ALIVE: Duration = Duration::from_millis(50);
 /// The silencer's power-up steps: changes take some periods, without a click.
 const SILENCER: (u16, u16) = (0x0300, 0x0600);
@@ -71,7 +81,7 @@ struct Device {
 }
 
 impl Device {
-    /// In the state of power-up, by its answer to RESET.
+    /// A device in the state of power-up, by its answer to RESET.
     fn reset(reply: &Reply) -> Self {
         match reply.body {
             Body::Status(status) => Self { slot: status.slot, periods: status.periods, ..Self::default() },
@@ -80,16 +90,16 @@ impl Device {
     }
 }
 
-/// What is said and heard, and what is known of the devices.
+/// The conversation with the devices, and their known state.
 pub struct Session<'a> {
     shared: &'a Shared,
     profile: Profile,
-    /// Of the port.
+    /// Name of the port.
     name: String,
     info: Info,
-    /// Of the line.
+    /// Bit rate of the line.
     baud: u32,
-    /// By address.
+    /// Devices by address.
     devices: Vec<Device>,
     /// They share their periods, and can change frames in the same one.
     in_step: bool,
@@ -108,7 +118,7 @@ pub struct Session<'a> {
     generation: u64,
     /// The modulation that the devices have.
     modulation: Table,
-    /// Of the devices' silencers.
+    /// Phase step of the devices' silencers.
     phase_step: u16,
     /// The playback of the wanted motion.
     storing: Option<Way>,
@@ -119,7 +129,7 @@ pub struct Session<'a> {
     /// The last streamed frame that was not refused.
     frame: Option<Key>,
     live_slot: u8,
-    /// At the frames of this wish, so far.
+    /// Attempts at the frames of this wish, so far.
     attempts: u32,
     /// Some content of this wish is in place, so the devices may be switched on.
     placed: bool,
@@ -130,7 +140,7 @@ pub struct Session<'a> {
 }
 
 impl<'a> Session<'a> {
-    /// With devices that have just been reset, at `now`.
+    /// A session with devices that have just been reset, at `now`.
     pub fn new(settings: &Settings, info: Info, resets: &[Reply], shared: &'a Shared, now: Instant) -> Self {
         let mut session = Self {
             shared,
@@ -171,7 +181,7 @@ impl<'a> Session<'a> {
         session
     }
 
-    /// What the devices are.
+    /// The facts of the devices.
     pub fn found(&self) -> Found {
         Found {
             baud: self.baud,
@@ -219,7 +229,7 @@ impl Session<'_> {
         self.until_ping(now).is_zero().then(|| (Packet::status().to(self.next_to_ask()), Purpose::Ping))
     }
 
-    /// Time until a device is to be asked, also while an answer is awaited: it may be lost.
+    /// Time until the next packet to a device is due, also while an answer is awaited: it may be lost.
     fn until_ping(&self, now: Instant) -> Duration {
         let pause = KEEP_ALIVE / self.devices.len() as u32;
         pause.saturating_sub(now.saturating_duration_since(self.written_at))

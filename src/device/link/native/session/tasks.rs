@@ -1,18 +1,18 @@
-//! Packets of a session as tasks, and what they serve.
+//! Packets of a session as tasks, with their purposes.
 
 use crate::device::native::packet::{Kind, Packet};
 
-/// Which frame of which wish.
+/// Generation of a wish, and index of its frame.
 pub type Key = (u64, usize);
 
 /// A packet that must be accepted.
 #[derive(Clone, Debug)]
 pub struct Task {
     pub packet: Packet,
-    /// Only when everything before it was taken.
+    /// Sent only when everything before it was accepted.
     pub last: bool,
     pub attempts: u32,
-    /// The wish that it serves.
+    /// Generation of its wish.
     pub generation: u64,
 }
 

@@ -97,7 +97,7 @@ impl Session<'_> {
         wanted: &Wanted,
         now: Instant,
     ) -> Option<(Packet, Purpose)> {
-        // A STOP that is sent again would end what a frame has begun.
+        // A repeated STOP would end the playback of the frame.
         let stops = || self.awaits(|packet| is_of(packet, Kind::Stop));
         if !self.live || self.enabling || self.ended == Some(self.generation) || stops() {
             return None;
@@ -230,7 +230,7 @@ fn is_of_modulation(task: &Task) -> bool {
     matches!(Kind::from_repr(task.packet.code), Some(Kind::Envelope | Kind::Rate))
 }
 
-/// Of the elements that sound.
+/// Delays of the elements; 0 for silent ones.
 fn delays(levels: &Levels) -> Vec<u8> {
     levels.elements.iter().map(|level| level.map_or(0, |level| level.delay.to_le_bytes()[0])).collect()
 }

@@ -1,4 +1,4 @@
-//! Sessions with emulated boards in simulated time: what is heard of random wishes, also on lines that lose bytes.
+//! Sessions with emulated boards in simulated time: the sound of random wishes, also on lines that lose bytes.
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
@@ -46,7 +46,7 @@ struct Line<'a> {
     pace: Pace,
     /// Bytes on their way to the board.
     out: VecDeque<(Instant, u8)>,
-    /// What a wait lasts longer than asked for, at most.
+    /// Limit of the delay of a wait.
     late: Duration,
     chance: Rng,
     /// Bytes of all steps.
@@ -110,7 +110,7 @@ impl<'a> Line<'a> {
         gone
     }
 
-    /// Only the board and the line.
+    /// Advances the board and the line alone.
     fn pass(&mut self, until: Instant) {
         self.now = self.now.max(until);
         while let Some((at, byte)) = self.out.pop_front_if(|(at, _)| *at <= until) {
@@ -160,7 +160,7 @@ impl<'a> Line<'a> {
         self.board.shown()
     }
 
-    /// What was shown since then: frames, and how long each.
+    /// Frames shown since then, with the duration of each.
     fn since(&self, from: Instant) -> Vec<(Levels, Duration)> {
         let ends = self.shown.iter().skip(1).map(|(at, _)| *at).chain([self.now]);
         let lasting = self.shown.iter().zip(ends).filter(|(_, end)| *end > from);
@@ -213,7 +213,7 @@ fn notices(events: &Receiver<Event>) -> Vec<String> {
     events.try_iter().filter_map(text).collect()
 }
 
-/// Boards that are switched from here: profile, bit rate and frequency; and what a frame skips of pulses.
+/// Boards switched by the computer: profile, bit rate and frequency; and the pulses that a frame skips.
 const SWITCHED: [(Profile, u32, f64, u32); 7] = [
     (Profile::SonicSurface, 230_400, 200.0, 2),
     (Profile::SonicSurface, 1_000_000, 100.0, 0),

@@ -1,4 +1,4 @@
-//! What becomes of wishes: repetitions, motions beyond the line, random wishes, damaged lines.
+//! The fate of wishes: repetitions, motions beyond the line, random wishes, damaged lines.
 
 use super::*;
 use crate::device::link::shared::Link;

@@ -1,4 +1,4 @@
-//! What is said for a wish, packet by packet.
+//! The conversation for a wish, packet by packet.
 
 use super::*;
 

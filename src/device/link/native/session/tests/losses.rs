@@ -1,4 +1,4 @@
-//! What becomes of a wish when something goes wrong.
+//! The fate of a wish after losses and refusals.
 
 use super::*;
 use crate::device::native::packet::Status;

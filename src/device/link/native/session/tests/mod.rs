@@ -42,7 +42,7 @@ struct Line<'a> {
     /// Bytes on their way to the devices, and to the session.
     out: VecDeque<(Instant, u8)>,
     back: VecDeque<(Instant, u8)>,
-    /// Of answers.
+    /// Delay of answers.
     delay: Duration,
     splitter: Splitter,
     /// Written packets and their times.
@@ -62,7 +62,7 @@ impl<'a> Line<'a> {
         Self::of_devices(profile, shared, |_| {})
     }
 
-    /// With altered answers to RESET.
+    /// A line with altered answers to RESET.
     fn of_devices(profile: Profile, shared: &'a Shared, alter: impl Fn(&mut Reply)) -> Self {
         let now = shared.wanted().since;
         let mut devices = Native::new(&Model::new(7), profile.devices(), now);
@@ -91,7 +91,7 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// With frame 1 in place.
+    /// A line with frame 1 in place.
     fn playing(profile: Profile, shared: &'a Shared) -> Self {
         let mut line = Self::new(profile, shared);
         line.show(still(profile, 1));
@@ -112,7 +112,7 @@ impl<'a> Line<'a> {
         self.want(|wanted| wanted.content = None);
     }
 
-    /// Only the devices and the line.
+    /// Advances the devices and the line alone.
     fn pass(&mut self, until: Instant) {
         while self.now < until {
             self.now = (self.now + MILLI).min(until);
