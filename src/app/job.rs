@@ -1,18 +1,12 @@
 //! Long computations on a scene: on a thread, or in a browser by a worker, a second instance of the program.
 
-use egui::Context;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use strum::VariantArray;
 
-#[cfg(not(target_arch = "wasm32"))]
-use crate::gauge::Gauge;
 use crate::scene::{Method, Scene};
-use crate::studio::later::Later;
 use crate::studio::solving::{self, Followed, Solved};
 use crate::ui::MethodRow;
-#[cfg(not(target_arch = "wasm32"))]
-use crate::ui::part::wake;
 
 /// A kind of work.
 pub trait Job {
@@ -25,29 +19,6 @@ pub trait Job {
     fn make_with(scene: &Scene, _so_far: &mut dyn FnMut(Self::Made)) -> Self::Made {
         Self::make(scene)
     }
-}
-
-/// Requests the result of a job on a scene; a job for another scene is cancelled.
-pub fn ask_for<J: Job>(later: &mut Later<Scene, J::Made>, scene: &Scene, ctx: &Context) {
-    later.keep(Some(scene));
-    let ctx = ctx.clone();
-    #[cfg(not(target_arch = "wasm32"))]
-    later.ask_with(scene, wake(&ctx), move |scene, answer| {
-        let mut so_far = |made| {
-            answer.so_far(made);
-            ctx.request_repaint();
-        };
-        Gauge::default().until(&answer.cancel).lead(|| J::make_with(scene, &mut so_far))
-    });
-    #[cfg(target_arch = "wasm32")]
-    later.ask_by(scene, |answer| {
-        let answered = move |made| {
-            answer.last(made);
-            ctx.request_repaint();
-        };
-        crate::app::worker::ask::<J>(scene, answered);
-        true
-    });
 }
 
 /// The full solution of the scene at rest.

@@ -134,7 +134,7 @@ impl Spacing {
             let pixels = f64::from(points.x * points.y) * scale * scale;
             let scale = scale * (most / pixels.max(1.0)).sqrt().min(1.0);
             let side = |points: f32| ((f64::from(points) * scale).round() as usize).max(1);
-            let look = editor.space.look(editor, scale);
+            let look = editor.space.look(&editor.view, scale);
             let scenery = space::scenery(
                 editor.scene(),
                 (&sound.aperture, sound.drive()),

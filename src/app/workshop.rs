@@ -19,12 +19,14 @@ use web_time::Duration;
 
 use crate::acoustics::Aperture;
 use crate::app::comparison::{self, Comparison};
-use crate::app::job::{CompareMethods, Follow, Solve, ask_for};
+use crate::app::job::{CompareMethods, Follow, Job, Solve};
 use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{self, Source};
 use crate::app::screen::Screen;
 use crate::app::space::Spacing;
 use crate::field::{Evaluator, Quantity, missed};
+#[cfg(not(target_arch = "wasm32"))]
+use crate::gauge::Gauge;
 use crate::scene::{Scene, check, motion};
 use crate::studio::later::Later;
 use crate::studio::performance::Performance;
@@ -33,6 +35,8 @@ use crate::studio::reach;
 use crate::studio::solving::{Followed, Solved, Solving, Step};
 use crate::ui::board::Plays;
 use crate::ui::part::Now;
+#[cfg(not(target_arch = "wasm32"))]
+use crate::ui::part::wake;
 use crate::ui::space::Stage;
 use crate::ui::view::Lens;
 use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Shown, sound};
@@ -413,6 +417,29 @@ impl Workshop {
             _ => Some(Source { performance: Performance::Still(shown.solution.clone()?), frame: 0 }),
         }
     }
+}
+
+/// Requests the result of a job on a scene; a job for another scene is cancelled.
+fn ask_for<J: Job>(later: &mut Later<Scene, J::Made>, scene: &Scene, ctx: &Context) {
+    later.keep(Some(scene));
+    let ctx = ctx.clone();
+    #[cfg(not(target_arch = "wasm32"))]
+    later.ask_with(scene, wake(&ctx), move |scene, answer| {
+        let mut so_far = |made| {
+            answer.so_far(made);
+            ctx.request_repaint();
+        };
+        Gauge::default().until(&answer.cancel).lead(|| J::make_with(scene, &mut so_far))
+    });
+    #[cfg(target_arch = "wasm32")]
+    later.ask_by(scene, |answer| {
+        let answered = move |made| {
+            answer.last(made);
+            ctx.request_repaint();
+        };
+        crate::app::worker::ask::<J>(scene, answered);
+        true
+    });
 }
 
 /// Warnings about the displayed results.

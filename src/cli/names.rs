@@ -34,11 +34,11 @@ impl ValueEnum for Diagram {
 }
 
 /// Names of the methods, with their titles.
-pub(in crate::cli) fn of_methods() -> impl Iterator<Item = PossibleValue> {
+pub fn of_methods() -> impl Iterator<Item = PossibleValue> {
     Method::VARIANTS.iter().map(|method| PossibleValue::new(method.into_str()).help(method.title()))
 }
 
-pub(in crate::cli) fn method() -> impl TypedValueParser<Value = Method> {
+pub fn method() -> impl TypedValueParser<Value = Method> {
     PossibleValuesParser::new(of_methods()).try_map(|name| name.parse::<Method>())
 }
 

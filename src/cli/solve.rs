@@ -71,7 +71,7 @@ pub fn methods() -> impl TypedValueParser<Value = Methods> {
         .map(|name| name.parse().map_or(Methods::All, Methods::One))
 }
 
-pub(in crate::cli) fn run(args: &SolveArgs) -> anyhow::Result<()> {
+pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     let one = match args.method {
         Some(Methods::One(method)) => Some(method),
         Some(Methods::All) | None => None,

@@ -8,7 +8,7 @@ use crate::picture::figure::Format;
 use crate::scene::motion;
 use crate::studio::animate::Kind;
 use crate::ui::board::{BoardCommand, Plays};
-use crate::ui::brush;
+use crate::ui::tool;
 use crate::ui::tool::Tool;
 use crate::ui::{Command, Dialog, Editor, Export, IN_PAGE, Panel, Purpose, Shown, clipboard, group, way};
 
@@ -371,8 +371,8 @@ impl Action {
             Self::Export(Export::Motion(_)) => editor.dialog = Some(Dialog::Film),
             Self::Export(export) => ask_for_file(Purpose::Export(export)),
             Self::Tool(tool) => editor.tool = tool,
-            Self::SmallerBrush => editor.brush.scale(1.0 / brush::STEP),
-            Self::LargerBrush => editor.brush.scale(brush::STEP),
+            Self::SmallerBrush => editor.brush.scale(1.0 / tool::STEP),
+            Self::LargerBrush => editor.brush.scale(tool::STEP),
             Self::Quantity(quantity) => editor.view.quantity = quantity,
             Self::ShowEverything => editor.fit(),
             Self::Space => editor.space.is_on = !editor.space.is_on,

@@ -1,13 +1,13 @@
 //! The comparison map: the user's choice and its result.
 
-use egui::{Rect, Ui};
+use egui::Rect;
 use glam::{DVec2, DVec3};
 
 use crate::field::Quantity;
 use crate::scene::Method;
-use crate::ui::icon::{self, Icon};
+use crate::ui::map::{Map, Texture};
+use crate::ui::sound::Sound;
 use crate::ui::view::{Cut, View, Window};
-use crate::ui::{Editor, Map, Sound, Texture};
 
 /// The difference of the second map.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,13 +52,6 @@ impl Default for Compare {
     }
 }
 
-impl Editor {
-    /// Whether two maps are seen.
-    pub fn is_comparing(&self) -> bool {
-        self.compare.as_ref().is_some_and(|compare| compare.is_split)
-    }
-}
-
 impl Compare {
     /// The view of the second map.
     pub fn view(&self, view: &View) -> View {
@@ -73,14 +66,14 @@ impl Compare {
         self.difference && self.with != With::Plane
     }
 
-    /// Names of both sides.
-    pub fn names(&self, editor: &Editor) -> [String; 2] {
-        let levels =
+    /// Names of both sides, from what the first map shows.
+    pub fn names(&self, method: Method, levels: Option<u32>, cut: Cut) -> [String; 2] {
+        let drive =
             |levels: Option<u32>| levels.map_or("ideal drive".to_owned(), |n| format!("{n} phase levels"));
         match self.with {
-            With::Method => [editor.scene().solver.method.title().to_owned(), self.method.title().to_owned()],
-            With::Levels => [levels(editor.levels), levels(Some(self.levels))],
-            With::Plane => [editor.view.cut.into_str().to_owned(), self.cut.into_str().to_owned()],
+            With::Method => [method.title().to_owned(), self.method.title().to_owned()],
+            With::Levels => [drive(levels), drive(Some(self.levels))],
+            With::Plane => [cut.into_str().to_owned(), self.cut.into_str().to_owned()],
         }
     }
 }
@@ -106,16 +99,4 @@ pub struct Difference {
     pub window: Window,
     /// Rectangle of the first map in points.
     pub rect: Rect,
-}
-
-/// The switch among the overlays.
-pub fn switch(editor: &mut Editor, ui: &mut Ui) {
-    let mut is_on = editor.compare.is_some();
-    let tip = "Two methods, drives or planes side by side with one range of colours, or their difference";
-    icon::toggle(ui, Icon::Compare, "Compare", tip, &mut is_on);
-    match (is_on, &editor.compare) {
-        (true, None) => editor.compare = Some(Compare::default()),
-        (false, Some(_)) => editor.compare = None,
-        (true, Some(_)) | (false, None) => {}
-    }
 }

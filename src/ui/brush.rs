@@ -4,43 +4,17 @@
 //! per step.
 
 use std::collections::BTreeSet;
-use std::ops::RangeInclusive;
 
 use glam::DVec2;
 
 use crate::scene::{Dab, Pixels, Scene, Shape, Target};
 use crate::ui::Editor;
 use crate::ui::edit;
-use crate::ui::tool;
+use crate::ui::tool::{self, Brush};
 use crate::ui::view::Axes;
 
-/// m
-pub const DIAMETER: RangeInclusive<f64> = 1e-3..=0.1;
-pub const BRIGHTNESS: RangeInclusive<f64> = 0.01..=1.0;
-/// Factor of its size per key press.
-pub const STEP: f64 = 1.25;
 /// m: a picture farther than this from the cut is not painted there.
 const NEAR: f64 = 2e-3;
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Brush {
-    /// m
-    pub diameter: f64,
-    /// Target |p|² of the paint relative to white.
-    pub brightness: f64,
-}
-
-impl Default for Brush {
-    fn default() -> Self {
-        Self { diameter: 0.006, brightness: 1.0 }
-    }
-}
-
-impl Brush {
-    pub fn scale(&mut self, factor: f64) {
-        self.diameter = (self.diameter * factor).clamp(*DIAMETER.start(), *DIAMETER.end());
-    }
-}
 
 /// The picture painted by a stroke from a point of the plane: the selected one, or the topmost there.
 pub fn picture_at(editor: &Editor, axes: &Axes, at: DVec2) -> Option<usize> {

@@ -13,6 +13,7 @@ use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
 use crate::ui::beside::{Compare, Difference, With};
 use crate::ui::canvas::{self, Canvas};
+use crate::ui::icon::{self, Icon};
 use crate::ui::view::{Axes, Cut, Lens, View, Window};
 use crate::ui::{Editor, Map, Shown, Sound, edit, legend, marks, measure, theme};
 
@@ -203,7 +204,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
         (None, Some(map)) => legend::paint(editor, map, ui, lens),
         (None, None) => {}
     }
-    let [own, other] = compare.names(editor);
+    let [own, other] = compare.names(editor.scene().solver.method, editor.levels, editor.view.cut);
     let other = if difference.is_some() { "left minus right".to_owned() } else { other };
     if is_flat && let Some(point) = compare.pointer {
         cross(
@@ -363,5 +364,17 @@ fn balance(difference: &Difference, is_light: bool, ui: &Ui, plot: Rect) {
         let text = crate::field::quantity::figures(value.abs());
         let text = if part < 0.0 { format!("-{text}") } else { text };
         painter.text(at + vec2(7.0, 0.0), Align2::LEFT_CENTER, text, font.clone(), ink);
+    }
+}
+
+/// The switch among the overlays.
+pub fn switch(editor: &mut Editor, ui: &mut Ui) {
+    let mut is_on = editor.compare.is_some();
+    let tip = "Two methods, drives or planes side by side with one range of colours, or their difference";
+    icon::toggle(ui, Icon::Compare, "Compare", tip, &mut is_on);
+    match (is_on, &editor.compare) {
+        (true, None) => editor.compare = Some(Compare::default()),
+        (false, Some(_)) => editor.compare = None,
+        (true, Some(_)) | (false, None) => {}
     }
 }

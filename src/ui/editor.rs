@@ -7,7 +7,6 @@ use glam::{DVec2, DVec3};
 use crate::scene::{Scene, Target};
 use crate::ui::beside;
 use crate::ui::board::BoardForm;
-use crate::ui::brush::Brush;
 use crate::ui::command::Command;
 use crate::ui::dialog::Dialog;
 use crate::ui::dialog::figure::FigureForm;
@@ -21,7 +20,7 @@ use crate::ui::layout::{Layout, Panel};
 use crate::ui::parts::Parts;
 use crate::ui::playback::{Oscillation, Playback};
 use crate::ui::space::SpaceView;
-use crate::ui::tool::Tool;
+use crate::ui::tool::{Brush, Tool};
 use crate::ui::view::View;
 
 /// The edited document and the state of its display.
@@ -163,6 +162,11 @@ impl Editor {
         self.typing = None;
         self.gesture = None;
         self.space.let_go();
+    }
+
+    /// Whether two maps are seen.
+    pub fn is_comparing(&self) -> bool {
+        self.compare.as_ref().is_some_and(|compare| compare.is_split)
     }
 
     pub fn scene(&self) -> &Scene {

@@ -2,6 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use std::ops::RangeInclusive;
+
 use egui::{Key, Painter, Pos2, Rect, Stroke, StrokeKind};
 use glam::{DVec2, DVec3};
 use strum::{IntoStaticStr, VariantArray};
@@ -13,7 +15,32 @@ use crate::ui::view::Axes;
 const DEFAULT_SIZE: f64 = 0.04;
 /// m: shapes smaller than this are slips of the hand.
 const SMALLEST: f64 = 1e-3;
+/// Limits of a brush's diameter (m) and brightness.
+pub const DIAMETER: RangeInclusive<f64> = 1e-3..=0.1;
+pub const BRIGHTNESS: RangeInclusive<f64> = 0.01..=1.0;
+/// Factor of a brush's size per key press.
+pub const STEP: f64 = 1.25;
 
+/// The brush of the tool of this name.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Brush {
+    /// m
+    pub diameter: f64,
+    /// Target |p|² of the paint relative to white.
+    pub brightness: f64,
+}
+
+impl Default for Brush {
+    fn default() -> Self {
+        Self { diameter: 0.006, brightness: 1.0 }
+    }
+}
+
+impl Brush {
+    pub fn scale(&mut self, factor: f64) {
+        self.diameter = (self.diameter * factor).clamp(*DIAMETER.start(), *DIAMETER.end());
+    }
+}
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
 #[strum(const_into_str)]
 pub enum Tool {

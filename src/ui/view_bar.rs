@@ -11,7 +11,7 @@ use crate::ui::number::{self, Look};
 use crate::ui::panels::{DEGREES, MM, Unit};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, beside, brush, panels, segments, space};
+use crate::ui::{Editor, compare, panels, segments, space, tool};
 
 /// Range of the plane slider, m.
 const FARTHEST: f64 = 0.3;
@@ -66,12 +66,12 @@ fn brush(editor: &mut Editor, ui: &mut Ui) {
     let tip = "Of brush and eraser ([ and ])";
     let label = ui.label("Diameter").on_hover_text(tip);
     let diameter = &mut editor.brush.diameter;
-    panels::bare_number(ui, diameter, MM, brush::DIAMETER).labelled_by(label.id).on_hover_text(tip);
+    panels::bare_number(ui, diameter, MM, tool::DIAMETER).labelled_by(label.id).on_hover_text(tip);
     if editor.tool == Tool::Brush {
         let tip = "Target pressure squared, relative to white";
         let label = ui.label("Brightness").on_hover_text(tip);
         let brightness = &mut editor.brush.brightness;
-        let response = panels::bare_number(ui, brightness, panels::PLAIN, brush::BRIGHTNESS);
+        let response = panels::bare_number(ui, brightness, panels::PLAIN, tool::BRIGHTNESS);
         response.labelled_by(label.id).on_hover_text(tip);
     }
 }
@@ -202,7 +202,7 @@ fn overlays(editor: &mut Editor, ui: &mut Ui) {
     });
     let tip = "The values along a line across the map; Shift and the pointer move it (X)";
     icon::toggle(ui, Icon::Profile, "Line profile", tip, &mut view.section);
-    beside::switch(editor, ui);
+    compare::switch(editor, ui);
     ui.add_space(6.0);
     let view = &mut editor.view;
     for (icon, name, tip, is_on) in [

@@ -8,7 +8,8 @@ use glam::{DVec2, DVec3};
 use crate::field::volume::Camera;
 use crate::scene::{Target, outline};
 use crate::ui::space::Stage;
-use crate::ui::space::handle::{self, Handle};
+use crate::ui::space::handle::{self};
+use crate::ui::space::view::Handle;
 use crate::ui::space::view::Held;
 use crate::ui::tool::Tool;
 use crate::ui::{Editor, Shown, canvas, group};
@@ -45,7 +46,7 @@ pub fn interact(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> Stage {
     let scene = editor.document.scene.clone();
     // The frame of the release counts, too.
     let is_held = is_down || editor.space.is_held() || ui.ctx().text_edit_focused();
-    let [block, whole] = editor.space.frame(&scene, shown, is_held);
+    let [block, whole] = editor.space.frame(&scene, shown.sound.as_ref(), is_held);
     let aspect = f64::from(rect.width() / rect.height());
     let camera = |editor: &Editor| {
         let space = &editor.space;

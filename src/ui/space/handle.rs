@@ -4,6 +4,7 @@ use egui::Pos2;
 use glam::DVec3;
 
 use crate::field::volume::Block;
+use crate::ui::space::view::Handle;
 use crate::ui::space::{SpaceView, Stage};
 
 /// Length of arrows, position and size of squares, and pick distance, in points.
@@ -13,18 +14,6 @@ const REACH: f32 = 9.0;
 /// Limits of an axis' or plane normal's component along the line of sight for dragging.
 const STEEPEST: f64 = 0.985;
 const FLATTEST: f64 = 0.06;
-
-/// Draggable handles.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Handle {
-    /// Along an axis.
-    Axis(usize),
-    /// Across an axis.
-    Plane(usize),
-    Slice(usize),
-    /// A face of the clipping box: its axis, and whether it is the upper one.
-    Face(usize, bool),
-}
 
 pub const AXES: [DVec3; 3] = [DVec3::X, DVec3::Y, DVec3::Z];
 

@@ -7,7 +7,8 @@ use crate::field::Quantity;
 use crate::field::quantity::figures;
 use crate::studio::space as labels;
 use crate::ui::space::act::chosen;
-use crate::ui::space::handle::{self, ARROW, AXES, Handle};
+use crate::ui::space::handle::{self, ARROW, AXES};
+use crate::ui::space::view::Handle;
 use crate::ui::space::{Seen, SpaceShown, Stage};
 use crate::ui::{Editor, Shown, canvas, marks, measure, theme};
 

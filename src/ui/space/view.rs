@@ -9,8 +9,9 @@ use crate::field::volume::scenery::Body;
 use crate::field::volume::{Block, Camera};
 use crate::scene::{Array, Board, Plane, Scene, Target};
 use crate::studio::space::{Look, block_of, surface_part, whole};
-use crate::ui::space::handle::Handle;
-use crate::ui::{Editor, Shown, Texture};
+use crate::ui::map::Texture;
+use crate::ui::sound::Sound;
+use crate::ui::view::View;
 
 /// The representation of the field in the box, apart from slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, IntoStaticStr, VariantArray)]
@@ -85,6 +86,18 @@ pub struct Framed {
     plane: Plane,
     array: Array,
     boards: Vec<Board>,
+}
+
+/// Draggable handles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Handle {
+    /// Along an axis.
+    Axis(usize),
+    /// Across an axis.
+    Plane(usize),
+    Slice(usize),
+    /// A face of the clipping box: its axis, and whether it is the upper one.
+    Face(usize, bool),
 }
 
 /// The object of a drag.
@@ -203,26 +216,26 @@ impl SpaceView {
     }
 
     /// The displayed objects, in the colours of the view.
-    pub fn look(&self, editor: &Editor, scale: f64) -> Look {
+    pub fn look(&self, view: &View, scale: f64) -> Look {
         Look {
             body: self.body(),
             slices: self.slices,
             has_plane: self.has_plane,
-            has_targets: editor.view.marks,
+            has_targets: view.marks,
             has_elements: true,
             has_box: true,
-            colours: editor.view.colours,
-            is_light: editor.view.is_light,
+            colours: view.colours,
+            is_light: view.is_light,
             scale,
         }
     }
 
     /// The box of a scene, and what is around all of it. It is kept while targets move within it, so that the view
     /// does not shift under the pointer.
-    pub(super) fn frame(&mut self, scene: &Scene, shown: &Shown, is_held: bool) -> [Block; 2] {
+    pub(super) fn frame(&mut self, scene: &Scene, sound: Option<&Sound>, is_held: bool) -> [Block; 2] {
         /// Limit of its size relative to the required one.
         const MOST_FREE: f64 = 3.0;
-        let Some(sound) = &shown.sound else {
+        let Some(sound) = sound else {
             let usual = Block { centre: DVec3::Z * 0.1, size: DVec3::splat(0.2) };
             return self.framed.as_ref().map_or([usual; 2], |framed| [framed.block, framed.whole]);
         };
