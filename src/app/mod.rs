@@ -12,10 +12,6 @@ mod folders;
 mod job;
 mod later;
 mod levitation;
-#[cfg(feature = "serial")]
-mod link;
-#[cfg(not(feature = "serial"))]
-#[path = "no_link.rs"]
 mod link;
 mod mapping;
 #[cfg(target_arch = "wasm32")]

@@ -1,10 +1,6 @@
 //! Live control by other programs, over OSC, WebSocket and Ultraino's commands: edits of a scene, and replies.
 
 mod beside;
-#[cfg(feature = "serial")]
-pub mod board;
-#[cfg(not(feature = "serial"))]
-#[path = "no_board.rs"]
 pub mod board;
 pub mod counts;
 pub mod desk;
