@@ -26,8 +26,8 @@
 //! # Features
 //! Without features, the crate has [`scene`], [`acoustics`], [`solver`], [`drive`], [`field`], [`force`],
 //! [`surface`] and the colours and PNG files of [`picture`]. `gpu` adds a second evaluator of the field, `studio`
-//! operations on scenes (named files, figures, films, boards), `cli`, `window` and `serial` (the default) the
-//! program itself, which is not part of the public interface.
+//! operations on scenes (named files, figures, films, boards), `cli` and `window` (the default) the program
+//! itself, which is not part of the public interface.
 
 #[cfg(target_arch = "wasm32")]
 #[doc(hidden)]

@@ -22,10 +22,6 @@ mod figure;
 mod files;
 mod folders;
 mod job;
-#[cfg(feature = "serial")]
-mod link;
-#[cfg(not(feature = "serial"))]
-#[path = "no_link.rs"]
 mod link;
 mod mapping;
 #[cfg(target_arch = "wasm32")]

@@ -10,13 +10,14 @@ use serde::{Deserialize, Serialize};
 use crate::device::profile::Profile;
 use crate::echo;
 use crate::field::Scale;
-use crate::field::colouring::FLOOR;
 use crate::picture::ColourMap;
+use crate::scene::Scene;
 use crate::scene::strict::Strict;
 use crate::source;
 use crate::studio::convention::Convention;
 use crate::studio::output;
-use crate::ui::{Editor, Panel, action};
+use crate::ui::document::Document;
+use crate::ui::{Editor, action};
 
 /// s between two files.
 const OFTEN: f64 = 2.0;
@@ -97,41 +98,10 @@ pub struct Settings {
 }
 
 impl Default for Settings {
+    /// Those of a new editor.
     fn default() -> Self {
-        Self {
-            size: [1280.0, 800.0],
-            position: None,
-            maximized: false,
-            theme: THEMES[0].1.to_owned(),
-            scale: 1.0,
-            hints: true,
-            panel: Panel::Scene.into_str().to_owned(),
-            panel_width: 352.0,
-            section_height: 210.0,
-            section: false,
-            marks: true,
-            grid_lines: false,
-            guides: true,
-            elements: false,
-            extremes: false,
-            palm: false,
-            contours: false,
-            contour_level: -6.0,
-            shaded: false,
-            colours: ColourMap::default().into_str().to_owned(),
-            decibels: false,
-            floor: FLOOR.into(),
-            fades: false,
-            ground: GROUNDS[0].1.to_owned(),
-            peak: false,
-            grid: 0.005,
-            snaps: false,
-            board: Profile::Native.name().to_owned(),
-            port: String::new(),
-            baud: 0,
-            calibration: String::new(),
-            recent: Vec::new(),
-        }
+        let editor = Editor::new(Document::new(Scene::default(), "untitled"));
+        Self { hints: true, ..Self::of_editor(&editor) }
     }
 }
 
@@ -139,7 +109,7 @@ impl Settings {
     /// As things are now.
     pub fn of(editor: &Editor, recent: &[PathBuf], ctx: &Context) -> Self {
         let window = ctx.input(|input| input.viewport().clone());
-        let (view, content) = (&editor.view, ctx.content_rect());
+        let content = ctx.content_rect();
         let presented = if editor.layout.presents { action::PRESENTED } else { 1.0 };
         let pair = |x: f32, y: f32| [x.round(), y.round()];
         Self {
@@ -147,11 +117,25 @@ impl Settings {
             position: window.outer_rect.map(|rect| pair(rect.min.x, rect.min.y)),
             maximized: window.maximized.unwrap_or(false),
             theme: name(&THEMES, &ctx.options(|options| options.theme_preference)),
-            hints: editor.hints,
             scale: (ctx.zoom_factor() / presented * 100.0).round() / 100.0,
+            recent: recent.to_vec(),
+            ..Self::of_editor(editor)
+        }
+    }
+
+    /// The editor's part, in a window by default.
+    fn of_editor(editor: &Editor) -> Self {
+        let Editor { view, board, layout, .. } = editor;
+        Self {
+            size: [1280.0, 800.0],
+            position: None,
+            maximized: false,
+            theme: THEMES[0].1.to_owned(),
+            scale: 1.0,
+            hints: editor.hints,
             panel: editor.panel.into_str().to_owned(),
-            panel_width: editor.layout.panel.round(),
-            section_height: editor.layout.section.round(),
+            panel_width: layout.panel.round(),
+            section_height: layout.section.round(),
             section: view.section,
             marks: view.marks,
             grid_lines: view.grid,
@@ -170,11 +154,11 @@ impl Settings {
             peak: view.convention == Convention::Peak,
             grid: editor.grid,
             snaps: editor.snaps,
-            board: editor.board.profile.name().to_owned(),
-            port: editor.board.port.trim().to_owned(),
-            baud: editor.board.baud,
-            calibration: editor.board.calibration.trim().to_owned(),
-            recent: recent.to_vec(),
+            board: board.profile.name().to_owned(),
+            port: board.port.trim().to_owned(),
+            baud: board.baud,
+            calibration: board.calibration.trim().to_owned(),
+            recent: Vec::new(),
         }
     }
 
@@ -331,6 +315,61 @@ impl Drop for Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::field::colouring::FLOOR;
+    use crate::ui::Panel;
+
+    fn blank() -> Editor {
+        Editor::new(Document::new(Scene::default(), "untitled"))
+    }
+
+    #[test]
+    fn each_setting_survives_its_file_and_a_new_editor() {
+        let (mut editor, ctx) = (blank(), Context::default());
+        editor.panel = Panel::Device;
+        (editor.layout.panel, editor.layout.section) = (300.0, 180.0);
+        (editor.grid, editor.snaps) = (0.002, true);
+        let board = &mut editor.board;
+        (board.profile, board.baud) = (Profile::SonicSurface, 9600);
+        (board.port, board.calibration) = ("/dev/ttyUSB1".to_owned(), "gains.csv".to_owned());
+        let view = &mut editor.view;
+        for toggle in [
+            &mut view.section,
+            &mut view.marks,
+            &mut view.grid,
+            &mut view.guides,
+            &mut view.elements,
+            &mut view.extremes,
+            &mut view.palm,
+            &mut view.contours,
+            &mut view.shaded,
+            &mut view.fades,
+        ] {
+            *toggle = !*toggle;
+        }
+        (view.contour_level, view.floor, view.ground) = (-3.0, 0.01, Some(true));
+        (view.colours, view.scale) = (ColourMap::Viridis, Scale::Logarithmic);
+        view.convention = Convention::Peak;
+        let window = Settings {
+            size: [900.0, 700.0],
+            position: Some([3.0, 4.0]),
+            maximized: true,
+            theme: "dark".to_owned(),
+            scale: 1.25,
+            recent: vec![PathBuf::from("/a.toml")],
+            ..Settings::of_editor(&editor)
+        };
+        let table = |settings: &Settings| toml::Table::try_from(settings).unwrap();
+        let (kept, own) = (table(&window), table(&Settings::default()));
+        for (key, value) in &kept {
+            assert_ne!(own.get(key), Some(value), "{key} is not changed by this test");
+        }
+        let read = Settings::parse(&toml::to_string(&window).unwrap()).unwrap();
+        assert_eq!(read, window);
+        let mut next = blank();
+        read.apply(&mut next, &ctx);
+        assert_eq!(Settings::of_editor(&next), Settings::of_editor(&editor));
+        assert_eq!(ctx.options(|options| options.theme_preference), ThemePreference::Dark);
+    }
 
     #[test]
     fn what_is_kept_is_there_in_the_next_run() {

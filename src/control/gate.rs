@@ -8,6 +8,8 @@ use std::io;
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Mutex;
 
+use tungstenite::http::Uri;
+
 use crate::device::task::locked;
 
 /// Limit of remembered UDP senders; beyond it, the longest silent ones must repeat the token.
@@ -97,15 +99,12 @@ impl Gate {
 
 /// Whether a page's server is on this machine. Pages from files have the origin `null`, but so can foreign frames.
 fn is_of_this_machine(origin: &str) -> bool {
-    let Some((_, host)) = origin.split_once("://") else { return false };
-    let host =
-        host.strip_prefix("[::1]").map_or(host, |rest| if rest.is_empty() { "localhost" } else { rest });
-    let (name, port) = match (origin.contains("[::1]"), host.split_once(':')) {
-        (true, Some(("", port))) => ("localhost", port),
-        (_, Some((name, port))) => (name, port),
-        (_, None) => (host, "0"),
-    };
-    ["localhost", "127.0.0.1"].contains(&name) && port.parse::<u16>().is_ok()
+    let uri = origin.parse::<Uri>().unwrap_or_default();
+    let (Some(_), Some(authority)) = (uri.scheme(), uri.authority()) else { return false };
+    let is_port = |port: &str| port.parse::<u16>().is_ok();
+    let is_alone = |rest: &str| rest.is_empty() || rest.strip_prefix(':').is_some_and(is_port);
+    ["localhost", "127.0.0.1", "[::1]"].contains(&authority.host())
+        && authority.as_str().strip_prefix(authority.host()).is_some_and(is_alone)
 }
 
 /// Hexadecimal, two letters per random byte.

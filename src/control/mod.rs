@@ -10,10 +10,6 @@
 //! into them), connections, senders, waiting answers, answers per second.
 
 mod beside;
-#[cfg(feature = "serial")]
-pub mod board;
-#[cfg(not(feature = "serial"))]
-#[path = "no_board.rs"]
 pub mod board;
 pub mod counts;
 pub mod desk;

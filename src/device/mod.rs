@@ -10,21 +10,17 @@
 //! protocol share a file.
 //! `docs/adding-a-board.md` is the guide to adding a board.
 
-#[cfg(feature = "serial")]
 pub mod board;
 pub mod calibration;
 pub mod declaration;
 pub mod envelope;
 pub mod health;
 pub mod levels;
-#[cfg(feature = "serial")]
 pub mod link;
 pub mod native;
 pub mod pace;
-#[cfg(feature = "serial")]
 pub mod port;
 pub mod profile;
 pub mod statistics;
 pub mod stock;
-#[cfg(any(feature = "serial", not(target_arch = "wasm32")))]
 pub mod task;

@@ -1,35 +1,40 @@
 //! Charts of measurements: points and lines on logarithmic axes.
 
-use plotters::coord::Shift;
-use plotters::drawing::DrawingAreaErrorKind;
-use plotters::prelude::*;
-
-use crate::picture::lettering::Lettered;
+use crate::picture::figure::mark::{Anchor, Ink, Mark};
+use crate::picture::figure::{Figure, svg};
 use crate::picture::{Picture, PictureError};
 
-const SIZE: (u32, u32) = (1200, 800);
+const SIZE: [usize; 2] = [1200, 800];
 /// Letters stay readable when a page scales the chart down.
-const SVG_SIZE: (u32, u32) = (900, 600);
+const SVG_SIZE: [usize; 2] = [900, 600];
 /// Width of the column that names the series.
-const LEGEND: u32 = 230;
-const INK: RGBColor = RGBColor(30, 30, 34);
-const FAINT: RGBColor = RGBColor(225, 225, 230);
+const LEGEND: f64 = 230.0;
+/// Margins of the plot without title and legend.
+const LEFT: f64 = 120.0;
+const MARGIN: f64 = 20.0;
+const BELOW: f64 = 80.0;
+/// Heights of letters.
+const TITLE: f64 = 20.0;
+const LABEL: f64 = 16.5;
+const NAME: f64 = 15.0;
+const NUMBER: f64 = 14.0;
+const INK: Ink = [30, 30, 34];
+const FAINT: Ink = [225, 225, 230];
 /// Colours that stay apart for most eyes: those of Okabe and Ito, and two more.
-const COLOURS: [RGBColor; 9] = [
-    RGBColor(0, 114, 178),
-    RGBColor(213, 94, 0),
-    RGBColor(0, 158, 115),
-    RGBColor(204, 121, 167),
-    RGBColor(86, 180, 233),
-    RGBColor(230, 159, 0),
-    RGBColor(90, 90, 90),
-    RGBColor(110, 60, 160),
-    RGBColor(130, 80, 30),
+const COLOURS: [Ink; 9] = [
+    [0, 114, 178],
+    [213, 94, 0],
+    [0, 158, 115],
+    [204, 121, 167],
+    [86, 180, 233],
+    [230, 159, 0],
+    [90, 90, 90],
+    [110, 60, 160],
+    [130, 80, 30],
 ];
 
 /// Replacements of an SVG's colours on a dark page.
-const ON_DARK: [(RGBColor, &str); 10] = [
-    (WHITE, "var(--ground)"),
+const ON_DARK: [(Ink, &str); 9] = [
     (INK, "#e4e4e8"),
     (FAINT, "#30333c"),
     (COLOURS[0], "#3d86e6"),
@@ -74,88 +79,65 @@ impl Chart {
     /// # Errors
     /// An empty chart.
     pub fn draw(&self) -> Result<Picture, PictureError> {
-        let (width, height) = SIZE;
-        let mut rgb = vec![255; (width * height * 3) as usize];
-        self.draw_on(Lettered::on(&mut rgb, SIZE), &self.title)?;
-        let rgba = rgb.as_chunks::<3>().0.iter().flat_map(|&[r, g, b]| [r, g, b, 255]).collect();
-        Ok(Picture { width: width as usize, height: height as usize, rgba })
+        self.figure(SIZE, &self.title)?.picture()
     }
 
-    /// The chart as an SVG element of 900 x 600 pixels without a title, which the page sets.
+    /// The chart as an SVG element of 900 x 600 units without a title, which the page sets.
     ///
     /// # Errors
     /// An empty chart.
     pub fn svg(&self) -> Result<String, PictureError> {
-        let mut svg = String::new();
-        self.draw_on(SVGBackend::with_string(&mut svg, SVG_SIZE), "")?;
-        Ok(svg)
+        svg::element(&self.figure(SVG_SIZE, "")?)
     }
 
-    fn draw_on<B: DrawingBackend>(&self, backend: B, title: &str) -> Result<(), PictureError> {
-        let root = backend.into_drawing_area();
-        root.fill(&WHITE)?;
-        let (plot, legend) = root.split_horizontally(root.dim_in_pixel().0 - LEGEND);
-        self.draw_plot(&plot, title)?;
-        let mut place = (10, 80);
-        for (style, series) in self.drawn().enumerate() {
-            mark(&legend, place, style)?;
-            legend.draw(&Text::new(series.name.clone(), (place.0 + 18, place.1 - 9), text(18.0)))?;
-            place.1 += 30;
-        }
-        for level in self.drawn_levels() {
-            let line = [(place.0 - 8, place.1), (place.0 + 8, place.1)];
-            legend.draw(&PathElement::new(line, INK.stroke_width(2)))?;
-            legend.draw(&Text::new(level.name.clone(), (place.0 + 18, place.1 - 9), text(18.0)))?;
-            place.1 += 30;
-        }
-        root.present()?;
-        Ok(())
-    }
-
-    fn draw_plot<B: DrawingBackend>(
-        &self,
-        plot: &DrawingArea<B, Shift>,
-        title: &str,
-    ) -> Result<(), PictureError> {
+    /// The unit of its marks is a pixel.
+    fn figure(&self, pixels: [usize; 2], title: &str) -> Result<Figure, PictureError> {
         let all = || self.series.iter().flat_map(Series::drawable);
         let heights = all().map(|p| p.1).chain(self.drawn_levels().map(|level| level.y));
         let (Some(x), Some(y)) = (range(all().map(|p| p.0)), range(heights)) else {
             return Err(PictureError(format!("{}: there are no points", self.title)));
         };
-        let mut chart = ChartBuilder::on(plot)
-            .caption(title, text(24.0))
-            .margin(20)
-            .x_label_area_size(60)
-            .y_label_area_size(100)
-            .build_cartesian_2d(
-                (x.0..x.1).log_scale().with_key_points(ticks(x)),
-                (y.0..y.1).log_scale().with_key_points(ticks(y)),
-            )?;
-        chart
-            .configure_mesh()
-            .x_desc(&self.x_label)
-            .y_desc(&self.y_label)
-            .axis_style(INK)
-            .label_style(text(17.0))
-            .axis_desc_style(text(20.0))
-            .bold_line_style(FAINT)
-            .light_line_style(WHITE)
-            .x_label_formatter(&label)
-            .y_label_formatter(&label)
-            .draw()?;
-        for level in self.drawn_levels() {
-            let line = [(x.0, level.y), (x.1, level.y)];
-            chart.draw_series(DashedLineSeries::new(line, 8, 6, INK.stroke_width(2)))?;
+        let [width, height] = pixels.map(|side| side as f64);
+        let (right, bottom) = (width - LEGEND - MARGIN, height - BELOW);
+        let top = if title.is_empty() { MARGIN } else { 2.5 * MARGIN };
+        let across = |value: f64| LEFT + (right - LEFT) * part(value, x);
+        let up = |value: f64| bottom - (bottom - top) * part(value, y);
+        let mut marks = Vec::new();
+        let centre = [(LEFT + right) / 2.0, (top + bottom) / 2.0];
+        marks.push(Mark::text([centre[0], top - 12.0], TITLE, Anchor::Middle, INK, title));
+        for tick in ticks(x) {
+            let x = across(tick);
+            marks.push(Mark::line([[x, top], [x, bottom]], 1.0, FAINT));
+            marks.push(Mark::line([[x, bottom], [x, bottom + 5.0]], 1.0, INK));
+            marks.push(Mark::text([x, bottom + 21.0], NUMBER, Anchor::Middle, INK, &label(tick)));
         }
+        for tick in ticks(y) {
+            let y = up(tick);
+            marks.push(Mark::line([[LEFT, y], [right, y]], 1.0, FAINT));
+            marks.push(Mark::line([[LEFT - 5.0, y], [LEFT, y]], 1.0, INK));
+            marks.push(Mark::text([LEFT - 10.0, y + 5.0], NUMBER, Anchor::End, INK, &label(tick)));
+        }
+        marks.push(Mark::line([[LEFT, top], [LEFT, bottom], [right, bottom]], 1.0, INK));
+        marks.push(Mark::text([centre[0], bottom + 54.0], LABEL, Anchor::Middle, INK, &self.x_label));
+        marks.push(Mark::turned_text([30.0, centre[1]], LABEL, INK, &self.y_label));
+        let name = |y: f64, text: &str| Mark::text([right + 48.0, y + 5.0], NAME, Anchor::Start, INK, text);
+        let mut place = 80.0;
         for (style, series) in self.drawn().enumerate() {
-            let points: Vec<_> = series.drawable().collect();
-            chart.draw_series(LineSeries::new(points.iter().copied(), colour(style).stroke_width(3)))?;
-            for point in points {
-                // The plot has the backend's origin.
-                mark(plot, chart.backend_coord(&point), style)?;
-            }
+            let points: Vec<_> = series.drawable().map(|(x, y)| [across(x), up(y)]).collect();
+            marks.push(Mark::line(points.clone(), 3.0, COLOURS[style % COLOURS.len()]));
+            marks.extend(points.into_iter().map(|at| point(at, style)));
+            marks.extend([point([right + 30.0, place], style), name(place, &series.name)]);
+            place += 30.0;
         }
-        Ok(())
+        for level in self.drawn_levels() {
+            let y = up(level.y);
+            let dashes = (0..((right - LEFT) / 14.0) as usize).map(|n| LEFT + 14.0 * n as f64);
+            marks.extend(dashes.map(|x| Mark::line([[x, y], [x + 8.0, y]], 2.0, INK)));
+            marks.push(Mark::line([[right + 22.0, place], [right + 38.0, place]], 2.0, INK));
+            marks.push(name(place, &level.name));
+            place += 30.0;
+        }
+        Ok(Figure { pixels, density: 1.0, title: String::new(), marks })
     }
 
     fn drawn(&self) -> impl Iterator<Item = &Series> {
@@ -180,33 +162,26 @@ fn is_drawable(number: f64) -> bool {
 
 /// Style rules for [`Chart::svg`] on a dark page with the colour `--ground`.
 pub fn dark_style() -> String {
-    let rule = |(RGBColor(r, g, b), dark): (RGBColor, &str)| {
-        let light = format!("#{r:02X}{g:02X}{b:02X}");
+    let rule = |(light, dark): (String, &str)| {
         format!("svg [fill=\"{light}\"] {{ fill: {dark} }} svg [stroke=\"{light}\"] {{ stroke: {dark} }}\n")
     };
-    ON_DARK.into_iter().map(rule).collect()
+    let inks = ON_DARK.map(|(ink, dark)| (svg::colour(ink), dark));
+    inks.into_iter().chain([(svg::PAPER.to_owned(), "var(--ground)")]).map(rule).collect()
 }
 
-fn text(size: f64) -> TextStyle<'static> {
-    ("sans-serif", size).into_font().color(&INK)
-}
-
-fn colour(style: usize) -> RGBColor {
-    COLOURS[style % COLOURS.len()]
-}
-
-/// A point of a series. When colours repeat, triangles replace circles.
-fn mark<B: DrawingBackend>(
-    area: &DrawingArea<B, Shift>,
-    at: (i32, i32),
-    style: usize,
-) -> Result<(), DrawingAreaErrorKind<B::ErrorType>> {
-    let filled = colour(style).filled();
+/// A point of a series. When colours repeat, triangles replace discs.
+fn point([x, y]: [f64; 2], style: usize) -> Mark {
+    let ink = COLOURS[style % COLOURS.len()];
     if style < COLOURS.len() {
-        area.draw(&Circle::new(at, 6, filled))
-    } else {
-        area.draw(&TriangleMarker::new(at, 8, filled))
+        return Mark::Disc { centre: [x, y], radius: 6.0, ink };
     }
+    let points = vec![[x, y - 6.0], [x + 5.5, y + 3.5], [x - 5.5, y + 3.5]];
+    Mark::Line { points, is_closed: true, width: 3.0, ink }
+}
+
+/// Position of a value between the ends of a logarithmic axis.
+fn part(value: f64, (low, high): (f64, f64)) -> f64 {
+    (value / low).ln() / (high / low).ln()
 }
 
 /// Range from a little below the smallest value to a little above the largest.
@@ -234,8 +209,8 @@ fn ticks((low, high): (f64, f64)) -> Vec<f64> {
 }
 
 /// Three digits distinguish ticks; more are rounding errors.
-fn label(value: &f64) -> String {
-    let rounded = format!("{value:.2e}").parse().unwrap_or(*value);
+fn label(value: f64) -> String {
+    let rounded = format!("{value:.2e}").parse().unwrap_or(value);
     if (0.01..100_000.0).contains(&rounded) { format!("{rounded}") } else { format!("{rounded:e}") }
 }
 
@@ -245,7 +220,7 @@ mod tests {
 
     #[test]
     fn ticks_are_round_numbers() {
-        let labels = [0.300_000_000_000_000_04, 9.999_999_999_999_999e-6, 1000.0].map(|tick| label(&tick));
+        let labels = [0.300_000_000_000_000_04, 9.999_999_999_999_999e-6, 1000.0].map(label);
         assert_eq!(labels, ["0.3", "1e-5", "1000"]);
     }
 

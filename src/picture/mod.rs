@@ -12,8 +12,6 @@ pub mod figure;
 #[cfg(feature = "studio")]
 pub mod grey;
 #[cfg(feature = "studio")]
-mod lettering;
-#[cfg(feature = "studio")]
 pub mod numbers;
 #[cfg(feature = "studio")]
 pub mod relief;
@@ -30,13 +28,6 @@ pub use colour::ColourMap;
 #[derive(Debug, thiserror::Error)]
 #[error("the picture could not be drawn: {0}")]
 pub struct PictureError(String);
-
-#[cfg(feature = "studio")]
-impl<E: std::error::Error + Send + Sync> From<plotters::drawing::DrawingAreaErrorKind<E>> for PictureError {
-    fn from(error: plotters::drawing::DrawingAreaErrorKind<E>) -> Self {
-        Self(error.to_string())
-    }
-}
 
 /// Colours of a grid of pixels, r, g, b, a from the top left.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -7,11 +7,11 @@
 use std::ops::Range;
 
 use glam::{DVec2, Vec3, Vec4};
-use plotters::prelude::*;
 use rayon::prelude::*;
 
-use crate::picture::lettering::Lettered;
-use crate::picture::{Picture, PictureError};
+use crate::picture::Picture;
+use crate::picture::figure::mark::{Anchor, Ink, Mark};
+use crate::picture::figure::raster::draw_on;
 
 /// Reference width and height of the page for the measures below.
 const PAGE: (f64, f64) = (1600.0, 1000.0);
@@ -32,8 +32,8 @@ const SKY: Vec3 = Vec3::new(0.90, 0.94, 0.97);
 const DEEP: Vec3 = Vec3::new(0.03, 0.20, 0.33);
 const SHALLOW: Vec3 = Vec3::new(0.10, 0.47, 0.60);
 pub const PAPER: [u8; 3] = [255; 3];
-const INK: RGBColor = RGBColor(30, 30, 34);
-const WARNING: RGBColor = RGBColor(178, 34, 20);
+const INK: Ink = [30, 30, 34];
+const WARNING: Ink = [178, 34, 20];
 
 /// A surface to be drawn.
 #[derive(Clone, Copy, Debug)]
@@ -110,15 +110,12 @@ impl<'a> Relief<'a> {
     }
 
     /// Draws it with words on a page.
-    ///
-    /// # Errors
-    /// The words cannot be set.
-    pub fn page(&self, words: Words<'_>, (width, height): (usize, usize)) -> Result<Picture, PictureError> {
+    pub fn page(&self, words: Words<'_>, (width, height): (usize, usize)) -> Picture {
         let unit = (width as f64 / PAGE.0).min(height as f64 / PAGE.1);
         let (side, top, bottom) = (SIDE * unit, TOP * unit, BOTTOM * unit);
         let mut picture = self.draw(&Place { width, height, side, top, bottom, ground: PAPER });
-        letter(&mut picture, words, unit)?;
-        Ok(picture)
+        letter(&mut picture, words, unit);
+        picture
     }
 
     /// Draws it, seen from the front and above, without perspective.
@@ -343,54 +340,30 @@ impl Light {
 }
 
 /// Sets words above the surface.
-fn letter(picture: &mut Picture, words: Words<'_>, unit: f64) -> Result<(), PictureError> {
-    let mut top = 34.0;
+fn letter(picture: &mut Picture, words: Words<'_>, unit: f64) {
     let lines = words.lines.iter().map(|line| (line.as_str(), INK));
-    let lines: Vec<_> = lines.chain(words.warning.map(|line| (line, WARNING))).collect();
-    on_picture(picture, |root| {
-        for (index, (line, colour)) in lines.iter().enumerate() {
-            let size = if index == 0 { 36.0 } else { 25.0 };
-            let style = ("sans-serif", size * unit).into_font().color(colour);
-            root.draw_text(line, &style, ((SIDE * unit) as i32, (top * unit) as i32))?;
-            top += 1.45 * size;
-        }
-        Ok(())
-    })
-}
-
-/// Draws on the colours of a picture.
-pub(in crate::picture) fn on_picture(
-    picture: &mut Picture,
-    draw: impl FnOnce(&DrawingArea<Lettered<'_>, plotters::coord::Shift>) -> Result<(), PictureError>,
-) -> Result<(), PictureError> {
-    let mut rgb: Vec<u8> =
-        picture.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-    {
-        let extent = (picture.width as u32, picture.height as u32);
-        let root = Lettered::on(&mut rgb, extent).into_drawing_area();
-        draw(&root)?;
-        root.present()?;
-    }
-    for (pixel, rgb) in picture.rgba.chunks_exact_mut(4).zip(rgb.chunks_exact(3)) {
-        pixel[..3].copy_from_slice(rgb);
-    }
-    Ok(())
+    let mut top = 34.0;
+    let set = |(index, (line, ink))| {
+        let em = if index == 0 { 29.75 } else { 20.7 };
+        let at = [SIDE * unit, (top + 0.6 * em) * unit];
+        top += 1.755 * em;
+        Mark::text(at, em * unit, Anchor::Start, ink, line)
+    };
+    let marks: Vec<_> = lines.chain(words.warning.map(|line| (line, WARNING))).enumerate().map(set).collect();
+    draw_on(picture, &marks);
 }
 
 /// A few words on a map, in its lower left corner.
-///
-/// # Errors
-/// The words cannot be set.
-pub fn label(picture: &mut Picture, words: &str) -> Result<(), PictureError> {
-    let size = (picture.width.min(picture.height) as f64 / 26.0).clamp(8.0, 28.0);
-    let (left, top) = ((0.6 * size) as i32, picture.height as i32 - (1.7 * size) as i32);
-    on_picture(picture, |root| {
-        let style = ("sans-serif", size).into_font();
-        for (offset, colour) in [((1, 1), BLACK), ((-1, 1), BLACK), ((1, -1), BLACK), ((0, 0), WHITE)] {
-            root.draw_text(words, &style.color(&colour), (left + offset.0, top + offset.1))?;
-        }
-        Ok(())
-    })
+pub fn label(picture: &mut Picture, words: &str) {
+    let em = (picture.width.min(picture.height) as f64 / 31.5).clamp(6.6, 23.1);
+    let (left, base) = (0.73 * em, picture.height as f64 - 1.45 * em);
+    let rim = [(1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)].map(|offset| (offset, [0; 3]));
+    let marks: Vec<_> = rim
+        .into_iter()
+        .chain([((0.0, 0.0), [255; 3])])
+        .map(|((x, y), ink)| Mark::text([left + x, base + y], em, Anchor::Start, ink, words))
+        .collect();
+    draw_on(picture, &marks);
 }
 
 #[cfg(test)]
@@ -412,12 +385,12 @@ mod tests {
     #[test]
     fn a_level_surface_is_even_and_a_dent_shows_in_the_middle() {
         let level = vec![0.0; 1200];
-        let flat = relief(&level).page(Words::default(), (400, 250)).unwrap();
+        let flat = relief(&level).page(Words::default(), (400, 250));
         let middle = flat.pixel(200, 125);
         assert_eq!(middle, flat.pixel(120, 110), "level");
         assert_eq!(flat.pixel(2, 125)[..3], [255, 255, 255], "paper at the side");
         let bowl = bowl(1e-4);
-        let dented = relief(&bowl).page(Words::default(), (400, 250)).unwrap();
+        let dented = relief(&bowl).page(Words::default(), (400, 250));
         let changed = |x: usize, y: usize| {
             dented
                 .pixel(x, y)
@@ -442,7 +415,7 @@ mod tests {
     fn a_label_changes_its_corner_alone() {
         let mut picture = Picture { width: 300, height: 200, rgba: vec![128; 300 * 200 * 4] };
         let before = picture.clone();
-        label(&mut picture, "beyond linear theory").unwrap();
+        label(&mut picture, "beyond linear theory");
         assert_ne!(picture, before);
         assert_eq!(picture.rgba[..300 * 150 * 4], before.rgba[..300 * 150 * 4]);
     }

@@ -1,47 +1,56 @@
 //! The sheet: targets, phase and amplitude per element, and the pressure map with axes, as in the paper's figures.
 
+use std::f64::consts::PI;
+
 use glam::{DVec2, DVec3};
-use plotters::coord::types::RangedCoordf64;
-use plotters::prelude::*;
 
 use crate::acoustics::Aperture;
 use crate::field::colouring::phase_index;
-use crate::picture::lettering::Lettered;
+use crate::picture::figure::layout::{Frame, TITLE, clipped};
+use crate::picture::figure::mark::{Anchor, BLACK, Ink, Mark};
+use crate::picture::figure::{Axis, Bar, Content, Figure};
 use crate::picture::{ColourMap, Picture, PictureError};
 use crate::rounding::{pascals, percent_at_least};
 use crate::scene::{Focus, Plane, Sampling, Scene, chart, outline};
 use crate::solver::{self, Problem, Solution};
 
-/// Reference width and height of a sheet for the measures below; other sizes scale them.
-const PAGE: (f64, f64) = (1600.0, 1560.0);
+/// Width and height of a sheet, mm; its pixels are as many as are asked for.
+const PAGE: [f64; 2] = [200.0, 195.0];
 /// The part of a page that [`drive`] needs.
-const DRIVE_PAGE: (f64, f64) = (1600.0, 840.0);
+const DRIVE_PAGE: [f64; 2] = [200.0, 105.0];
 /// Side of the square of a plot.
-const PLOT: f64 = 560.0;
+const PLOT: f64 = 70.0;
 /// Left edge of the plots in the two columns, top edge in the two rows.
-const COLUMNS: [f64; 2] = [100.0, 880.0];
-const ROWS: [f64; 2] = [190.0, 905.0];
+const COLUMNS: [f64; 2] = [12.5, 111.5];
+const ROWS: [f64; 2] = [26.5, 114.0];
+/// Baseline of a plot's title above its top.
+const ABOVE: f64 = 2.0;
+/// Heights of the page's title and of the words below it, and their baselines.
+const HEADING: (f64, f64) = (4.5, 7.0);
+const SUMMARY: (f64, [f64; 2]) = (2.5, [12.5, 16.5]);
+/// Width of strokes, and radius of the strongest focus.
+const STROKE: f64 = 0.45;
+const DOT: f64 = 1.0;
 
-const INK: RGBColor = RGBColor(30, 30, 34);
-const FAINT: RGBColor = RGBColor(205, 205, 210);
+const FAINT: Ink = [205, 205, 210];
 /// Colour of targets.
-const WANTED: RGBColor = RGBColor(196, 43, 60);
-const EMPTY: [u8; 3] = [244, 244, 246];
+const WANTED: Ink = [196, 43, 60];
+const EMPTY: Ink = [244, 244, 246];
+const SILENT: Ink = [214, 214, 218];
 
 /// Height of a sheet of this width.
 pub fn height(width: usize) -> usize {
-    (width as f64 * PAGE.1 / PAGE.0).round() as usize
+    (width as f64 * PAGE[1] / PAGE[0]).round() as usize
 }
 
 /// Height of a picture by [`drive`] of this width.
 pub fn drive_height(width: usize) -> usize {
-    (width as f64 * DRIVE_PAGE.1 / DRIVE_PAGE.0).round() as usize
+    (width as f64 * DRIVE_PAGE[1] / DRIVE_PAGE[0]).round() as usize
 }
 
 /// Width and height in pixels of the map on a sheet of this size: compute the field for that many.
 pub fn map_size(plane: &Plane, width: usize, height: usize) -> (usize, usize) {
-    let (columns, rows) = Page::new(PAGE, width, height).plot((1, 1), plane.size).size;
-    (columns as usize, rows as usize)
+    frame(density(PAGE, (width, height)), (1, 1), plane.size).map.into()
 }
 
 /// The legend of the map on a sheet.
@@ -57,41 +66,37 @@ pub struct Legend {
 /// Draws the whole sheet; `map` is the RMS pressure, of the size [`map_size`].
 ///
 /// # Errors
-/// The page is too small for its axes.
+/// A target without an outline, or too many pixels.
 pub fn sheet(
     scene: &Scene,
     solution: &Solution,
     title: &str,
     map: &Picture,
     legend: &Legend,
-    (width, height): (usize, usize),
+    size: (usize, usize),
 ) -> Result<Picture, PictureError> {
-    let page = Page::new(PAGE, width, height);
-    page.draw(title, &summary(scene, solution), |root| {
-        let panels = Panels { page: &page, root, scene, solution };
-        panels.wanted_points((0, 0))?;
-        panels.phases((1, 0))?;
-        panels.amplitudes((0, 1))?;
-        panels.map((1, 1), map, legend)
-    })
+    let mut page = Page::new((scene, solution), density(PAGE, size), title);
+    page.targets((0, 0))?;
+    page.phases((1, 0));
+    page.amplitudes((0, 1));
+    page.map((1, 1), map, legend);
+    page.picture(size)
 }
 
 /// Draws phase and amplitude per element alone.
 ///
 /// # Errors
-/// The page is too small for its axes.
+/// Too many pixels.
 pub fn drive(
     scene: &Scene,
     solution: &Solution,
     title: &str,
-    (width, height): (usize, usize),
+    size: (usize, usize),
 ) -> Result<Picture, PictureError> {
-    let page = Page::new(DRIVE_PAGE, width, height);
-    page.draw(title, &summary(scene, solution), |root| {
-        let panels = Panels { page: &page, root, scene, solution };
-        panels.phases((0, 0))?;
-        panels.amplitudes((1, 0))
-    })
+    let mut page = Page::new((scene, solution), density(DRIVE_PAGE, size), title);
+    page.phases((0, 0));
+    page.amplitudes((1, 0));
+    page.picture(size)
 }
 
 /// Numbers of focal points, and of samples of strokes and areas, as text.
@@ -108,293 +113,160 @@ fn amount(foci: &[Focus]) -> String {
     said.collect::<Vec<_>>().join(", ")
 }
 
-fn summary(scene: &Scene, solution: &Solution) -> String {
+/// Method and foci, and the figures of the solution.
+fn summary(scene: &Scene, solution: &Solution) -> [String; 2] {
     let quality = &solution.quality;
     let aperture = Aperture::new(scene);
     let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
-    format!(
-        "{}, {}     mean {}, weakest {}, std/mean {:.1} %     η {:.1} %     at least {} of the upper bound",
-        solution.method.title(),
-        amount(&solution.foci),
+    let figures = format!(
+        "mean {}, weakest {}, std/mean {:.1} %     η {:.1} %     at least {} of the upper bound",
         pascals(quality.mean_pressure),
         pascals(quality.min_pressure),
         100.0 * quality.spread,
         100.0 * quality.efficiency,
         percent_at_least(solution.certified(bound), 0),
-    )
+    );
+    [format!("{}, {}", solution.method.title(), amount(&solution.foci)), figures]
 }
 
-type Root<'a> = DrawingArea<Lettered<'a>, plotters::coord::Shift>;
-type Chart<'a, 'b> = ChartContext<'a, Lettered<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
-
-/// A page in pixels, and the scale from the nominal measures to them.
-struct Page {
-    width: usize,
-    height: usize,
-    scale: f64,
+/// Pixels in a millimetre of a page.
+fn density(page: [f64; 2], (width, height): (usize, usize)) -> f64 {
+    (width as f64 / page[0]).min(height as f64 / page[1])
 }
 
-/// Position of a plot on the page, in pixels.
-#[derive(Clone, Copy)]
-struct Plot {
-    corner: (i32, i32),
-    size: (i32, i32),
+/// The largest rectangle of a shape in the square at a column and a row, from its upper left corner.
+fn frame(density: f64, (column, row): (usize, usize), shape: DVec2) -> Frame {
+    let pixels = |mm: f64| (mm * density).round() as usize;
+    let size = shape * (PLOT / shape.max_element());
+    let map = [size.x, size.y].map(|side| pixels(side).clamp(1, pixels(PLOT).max(1)));
+    Frame { density, corner: [COLUMNS[column], ROWS[row]].map(pixels), map }
 }
 
-impl Page {
-    fn new(nominal: (f64, f64), width: usize, height: usize) -> Self {
-        Self { width, height, scale: (width as f64 / nominal.0).min(height as f64 / nominal.1) }
-    }
-
-    fn px(&self, nominal: f64) -> i32 {
-        (nominal * self.scale).round() as i32
-    }
-
-    fn font(&self, nominal: f64) -> TextStyle<'static> {
-        ("sans-serif", (nominal * self.scale).max(1.0)).into_font().color(&INK)
-    }
-
-    fn draw(
-        &self,
-        title: &str,
-        summary: &str,
-        panels: impl FnOnce(&Root<'_>) -> Result<(), PictureError>,
-    ) -> Result<Picture, PictureError> {
-        let mut rgb = vec![255; self.width * self.height * 3];
-        {
-            let root = Lettered::on(&mut rgb, (self.width as u32, self.height as u32)).into_drawing_area();
-            root.fill(&WHITE)?;
-            let left = self.px(COLUMNS[0]);
-            root.draw(&Text::new(title.to_owned(), (left, self.px(40.0)), self.font(44.0)))?;
-            root.draw(&Text::new(summary.to_owned(), (left, self.px(98.0)), self.font(23.0)))?;
-            panels(&root)?;
-            root.present()?;
-        }
-        let rgba = rgb.chunks_exact(3).flat_map(|pixel| [pixel[0], pixel[1], pixel[2], 255]).collect();
-        Ok(Picture { width: self.width, height: self.height, rgba })
-    }
-
-    /// The largest rectangle of the given shape in the square at a column and a row, centred from left to right.
-    fn plot(&self, (column, row): (usize, usize), shape: DVec2) -> Plot {
-        let size = shape * (PLOT / shape.max_element());
-        let (width, height) = (self.px(size.x).max(1), self.px(size.y).max(1));
-        let left = self.px(COLUMNS[column] + (PLOT - size.x) / 2.0);
-        let top = self.px(ROWS[row] + (PLOT - size.y) / 2.0);
-        Plot { corner: (left, top), size: (width, height) }
-    }
-
-    /// Axes around a plot, `low` to `high` in mm.
-    fn chart<'a, 'b>(
-        &self,
-        root: &Root<'b>,
-        plot: Plot,
-        title: &str,
-        (low, high): (DVec2, DVec2),
-        labels: (&str, &str),
-    ) -> Result<Chart<'a, 'b>, PictureError> {
-        let (left, below) = (self.px(88.0), self.px(66.0));
-        let above = self.px(44.0);
-        root.draw(&Text::new(title.to_owned(), (plot.corner.0, plot.corner.1 - above), self.font(27.0)))?;
-        let area = root
-            .clone()
-            .shrink((plot.corner.0 - left, plot.corner.1), (plot.size.0 + left, plot.size.1 + below));
-        let mut chart = ChartBuilder::on(&area)
-            .x_label_area_size(below)
-            .y_label_area_size(left)
-            .build_cartesian_2d(low.x..high.x, low.y..high.y)?;
-        chart
-            .configure_mesh()
-            .disable_mesh()
-            .axis_style(INK)
-            .x_desc(labels.0)
-            .y_desc(labels.1)
-            .axis_desc_style(self.font(22.0))
-            .label_style(self.font(20.0))
-            .x_labels(7)
-            .y_labels(7)
-            .x_label_formatter(&|v| format!("{v:.0}"))
-            .y_label_formatter(&|v| format!("{v:.0}"))
-            .set_all_tick_mark_size(self.px(7.0))
-            .draw()?;
-        Ok(chart)
-    }
-
-    /// A colour bar to the right of a plot.
-    fn legend(
-        &self,
-        root: &Root<'_>,
-        plot: Plot,
-        map: ColourMap,
-        (low, high): (f64, f64),
-        ticks: &[(f64, String)],
-    ) -> Result<(), PictureError> {
-        let (left, top) = (plot.corner.0 + plot.size.0 + self.px(18.0), plot.corner.1);
-        let (width, height) = (self.px(20.0).max(1), plot.size.1);
-        let table = map.table();
-        let step =
-            |y: i32| (255.0 * f64::from(height - 1 - y) / f64::from((height - 1).max(1))).round() as usize;
-        let row =
-            |y: i32| std::iter::repeat_n(table[step(y)], width as usize).flat_map(|[r, g, b, _]| [r, g, b]);
-        root.draw(&bitmap(
-            (left, top),
-            (width as usize, height as usize),
-            (0..height).flat_map(row).collect(),
-        )?)?;
-        frame(root, (left, top), (width, height))?;
-        for (value, label) in ticks {
-            let y = top + ((high - value) / (high - low) * f64::from(height - 1)).round() as i32;
-            root.draw(&PathElement::new([(left + width, y), (left + width + self.px(6.0), y)], INK))?;
-            let at = (left + width + self.px(11.0), y - self.px(10.0));
-            root.draw(&Text::new(label.clone(), at, self.font(20.0)))?;
-        }
-        Ok(())
-    }
-}
-
-/// Data common to the panels of a sheet. Each is drawn in the cell at a column and a row.
-struct Panels<'a, 'b> {
-    page: &'a Page,
-    root: &'a Root<'b>,
+/// A page and what its panels show. Each panel is in the cell at a column and a row.
+struct Page<'a> {
     scene: &'a Scene,
     solution: &'a Solution,
+    density: f64,
+    marks: Vec<Mark>,
 }
 
-impl Panels<'_, '_> {
-    fn wanted_points(&self, cell: (usize, usize)) -> Result<(), PictureError> {
-        let Self { page, root, scene, solution } = self;
+impl<'a> Page<'a> {
+    fn new((scene, solution): (&'a Scene, &'a Solution), density: f64, title: &str) -> Self {
+        let text = |y, height, text: &str| Mark::text([COLUMNS[0], y], height, Anchor::Start, BLACK, text);
+        let mut marks = vec![text(HEADING.1, HEADING.0, title)];
+        marks.extend(
+            SUMMARY.1.iter().zip(summary(scene, solution)).map(|(&y, line)| text(y, SUMMARY.0, &line)),
+        );
+        Self { scene, solution, density, marks }
+    }
+
+    fn picture(self, (width, height): (usize, usize)) -> Result<Picture, PictureError> {
+        let Self { density, marks, .. } = self;
+        Figure { pixels: [width, height], density, title: String::new(), marks }.picture()
+    }
+
+    /// A map with axes below a title.
+    fn panel(&mut self, frame: &Frame, title: &str, axes: &[Axis; 2], bar: Option<Bar>, map: Picture) {
+        let [left, top] = frame.corner();
+        self.marks.push(Mark::text([left, top - ABOVE], TITLE, Anchor::Start, BLACK, title));
+        self.marks.extend(Content { axes: axes.clone(), bar, ..Content::default() }.marks(frame, map));
+    }
+
+    fn targets(&mut self, cell: (usize, usize)) -> Result<(), PictureError> {
+        let (scene, solution) = (self.scene, self.solution);
         let plane = &scene.plane;
-        let plot = page.plot(cell, plane.size);
-        let half = plane.size / 2.0 * 1e3;
-        let title = format!("Wanted ({})", amount(&solution.foci));
-        let mut chart = page.chart(root, plot, &title, ranges(plane), labels(plane))?;
-        let place = |point: DVec3| on_plane(plane, point).map(|p| (p.x, p.y));
+        let (frame, axes) = (frame(self.density, cell, plane.size), axes(plane));
+        let title = format!("Targets ({})", amount(&solution.foci));
+        self.panel(&frame, &title, &axes, None, plain(&frame, [255; 3]));
+        let place = |point| on_plane(plane, point).map(|DVec2 { x, y }| frame.place(&axes, [x, y]));
+        let room @ [left, top, right, bottom] = frame.room();
         for target in scene.targets.iter().filter(|target| target.is_in(0)) {
             let is_continuous = target.sampling == Sampling::Continuous || target.is_area();
-            let colour = if is_continuous { WANTED } else { FAINT };
+            let ink = if is_continuous { WANTED } else { FAINT };
             for stroke in outline::strokes(target).map_err(|e| PictureError(e.to_string()))? {
-                let line: Vec<_> = stroke.into_iter().filter_map(place).collect();
-                chart
-                    .draw_series([PathElement::new(line, colour.stroke_width(page.px(3.0).max(1) as u32))])?;
+                let points: Vec<_> = stroke.into_iter().filter_map(place).collect();
+                let pieces = clipped(&points, room).into_iter();
+                self.marks.extend(pieces.map(|piece| Mark::line(piece, STROKE, ink)));
             }
         }
         let most = solution.foci.iter().map(|focus| focus.target).fold(0.0, f64::max);
-        let inside = |&(x, y): &(f64, f64)| {
-            let offset = DVec2::new(x, y) - centre(plane);
-            offset.x.abs() <= half.x && offset.y.abs() <= half.y
-        };
         let separate = solution.foci.iter().filter(|focus| focus.is_separate());
         let dots = separate.filter_map(|focus| Some((place(focus.position)?, focus.target)));
+        let is_inside =
+            |&([x, y], _): &([f64; 2], f64)| (left..=right).contains(&x) && (top..=bottom).contains(&y);
         // A weaker focus is a smaller dot.
-        let dot = |((x, y), target): ((f64, f64), f64)| {
-            Circle::new((x, y), page.px(8.0 * (target / most).sqrt()).max(1), WANTED.filled())
-        };
-        chart.draw_series(dots.filter(|(at, _)| inside(at)).map(dot))?;
-        frame(root, plot.corner, plot.size)
+        self.marks.extend(dots.filter(is_inside).map(|(centre, target)| {
+            let radius = (DOT * (target / most).sqrt()).max(0.1);
+            Mark::Disc { centre, radius, ink: WANTED }
+        }));
+        Ok(())
     }
 
-    fn phases(&self, cell: (usize, usize)) -> Result<(), PictureError> {
-        let Self { page, root, solution, .. } = self;
+    fn phases(&mut self, cell: (usize, usize)) {
         let table = ColourMap::Cyclic.table();
-        let colour = |n: usize| table[phase_index(solution.drive.phases[n])];
-        let plot = self.element_map(cell, "Phase per element", colour)?;
-        let pi = std::f64::consts::PI;
-        let tick = |(value, label): (f64, &str)| (value, label.to_owned());
-        let ticks =
-            [(-pi, "−π"), (-pi / 2.0, "−π/2"), (0.0, "0"), (pi / 2.0, "π/2"), (pi, "π rad")].map(tick);
-        page.legend(root, plot, ColourMap::Cyclic, (-pi, pi), &ticks)
+        let phases = &self.solution.drive.phases;
+        let colour = |n: usize| table[phase_index(phases[n])];
+        let numbers = [(-PI, "−π"), (-PI / 2.0, "−π/2"), (0.0, "0"), (PI / 2.0, "π/2"), (PI, "π")];
+        let numbers = numbers.map(|(value, text)| (value, text.to_owned())).to_vec();
+        let bar = Bar { table, ends: [-PI, PI], label: "phase / rad".to_owned(), numbers: Some(numbers) };
+        self.elements(cell, "Phase per element", bar, colour);
     }
 
     /// The method's own amplitudes; the played ones are uniform, at the cost expressed by the efficiency.
-    fn amplitudes(&self, cell: (usize, usize)) -> Result<(), PictureError> {
-        let Self { page, root, solution, .. } = self;
+    fn amplitudes(&mut self, cell: (usize, usize)) {
         let table = ColourMap::Viridis.table();
-        let colour = |n: usize| table[(solution.excitation[n] * 255.0).round() as usize];
-        let title = "Amplitude per element, before it is made uniform";
-        let plot = self.element_map(cell, title, colour)?;
-        let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|value| (value, format!("{value}")));
-        page.legend(root, plot, ColourMap::Viridis, (0.0, 1.0), &ticks)
+        let amplitudes = &self.solution.excitation;
+        let colour = |n: usize| table[(amplitudes[n] * 255.0).round() as usize];
+        let bar = Bar { table, ends: [0.0, 1.0], label: "amplitude".to_owned(), numbers: None };
+        self.elements(cell, "Amplitude per element, before it is made uniform", bar, colour);
     }
 
     /// The array seen from the front, every driven element a disk of its colour.
-    fn element_map(
-        &self,
-        cell: (usize, usize),
-        title: &str,
-        colour: impl Fn(usize) -> [u8; 4],
-    ) -> Result<Plot, PictureError> {
-        let Self { page, root, scene, solution } = self;
+    fn elements(&mut self, cell: (usize, usize), title: &str, bar: Bar, colour: impl Fn(usize) -> [u8; 4]) {
+        let (scene, solution) = (self.scene, self.solution);
         let chart = chart::Chart::new(scene);
-        let plot = page.plot(cell, chart.size);
-        let half = chart.size * 500.0;
-        page.chart(root, plot, title, (-half, half), ("x / mm", "y / mm"))?;
-        let radius = scene.array.element_radius.min(chart.cell * 0.5);
-        let (width, height) = (plot.size.0 as usize, plot.size.1 as usize);
-        let pixel = DVec2::new(width as f64, height as f64) / chart.size;
-        let mut rgb = EMPTY.repeat(width * height);
-        for (n, place) in chart.places.iter().enumerate() {
-            let driven = solution.drive.amplitudes[n] > 0.0;
-            let [r, g, b, _] = if driven { colour(n) } else { [214, 214, 218, 255] };
-            let (low, high) = ((place - radius) * pixel, (place + radius) * pixel);
-            let along =
-                |low: f64, high: f64, count: usize| low.max(0.0) as usize..(high.ceil() as usize).min(count);
-            for row in along(low.y, high.y, height) {
-                for column in along(low.x, high.x, width) {
-                    let at = (DVec2::new(column as f64, row as f64) + 0.5) / pixel;
-                    if at.distance(*place) <= radius {
-                        let first = 3 * ((height - 1 - row) * width + column);
-                        rgb[first..first + 3].copy_from_slice(&[r, g, b]);
-                    }
-                }
-            }
-        }
-        root.draw(&bitmap(plot.corner, (width, height), rgb)?)?;
-        frame(root, plot.corner, plot.size)?;
-        Ok(plot)
+        let frame = frame(self.density, cell, chart.size);
+        let axis =
+            |size: f64, label: &str| Axis { ends: [-500.0 * size, 500.0 * size], label: label.to_owned() };
+        let axes = [axis(chart.size.x, "x / mm"), axis(chart.size.y, "y / mm")];
+        self.panel(&frame, title, &axes, Some(bar), plain(&frame, EMPTY));
+        let radius = scene.array.element_radius.min(chart.cell * 0.5) * frame.size()[0] / chart.size.x;
+        self.marks.extend(chart.places.iter().enumerate().map(|(n, &place)| {
+            let DVec2 { x, y } = (place - chart.size / 2.0) * 1e3;
+            let [r, g, b, _] = colour(n);
+            let ink = if solution.drive.amplitudes[n] > 0.0 { [r, g, b] } else { SILENT };
+            Mark::Disc { centre: frame.place(&axes, [x, y]), radius, ink }
+        }));
     }
 
-    fn map(&self, cell: (usize, usize), map: &Picture, legend: &Legend) -> Result<(), PictureError> {
+    fn map(&mut self, cell: (usize, usize), map: &Picture, legend: &Legend) {
+        let plane = &self.scene.plane;
+        let frame = frame(self.density, cell, plane.size);
         let Legend { colours, peak, remark } = legend;
-        let Self { page, root, scene, .. } = self;
-        let plane = &scene.plane;
-        let plot = page.plot(cell, plane.size);
-        let (low, high) = ranges(plane);
-        let title = match remark {
-            Some(remark) => format!("RMS pressure, {remark}"),
-            None => "RMS pressure".to_owned(),
-        };
-        page.chart(root, plot, &title, (low, high), labels(plane))?;
-        let rgb = map.rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
-        root.draw(&bitmap(plot.corner, (map.width, map.height), rgb)?)?;
-        frame(root, plot.corner, plot.size)?;
+        let remark = remark.as_ref().map_or_else(String::new, |remark| format!(", {remark}"));
+        let title = format!("RMS pressure up to {}{remark}", pascals(*peak));
         let (unit, divisor) = if *peak >= 1000.0 { ("kPa", 1000.0) } else { ("Pa", 1.0) };
-        let full = (peak / divisor).max(1e-9);
-        let decimals = if full >= 100.0 {
-            0
-        } else if full >= 10.0 {
-            1
-        } else {
-            2
+        let bar = Bar {
+            table: colours.table(),
+            ends: [0.0, (peak / divisor).max(1e-9)],
+            label: format!("RMS pressure / {unit}"),
+            numbers: None,
         };
-        let tick = |part: f64| {
-            let unit = if part == 1.0 { format!(" {unit}") } else { String::new() };
-            (part * full, format!("{:.decimals$}{unit}", part * full))
-        };
-        page.legend(root, plot, *colours, (0.0, full), &[0.0, 0.25, 0.5, 0.75, 1.0].map(tick))
+        self.panel(&frame, &title, &axes(plane), Some(bar), map.clone());
     }
 }
 
-/// Pixels with their top left corner at a position.
-fn bitmap<C>(
-    corner: C,
-    (width, height): (usize, usize),
-    rgb: Vec<u8>,
-) -> Result<BitMapElement<'static, C>, PictureError> {
-    BitMapElement::with_owned_buffer(corner, (width as u32, height as u32), rgb)
-        .ok_or_else(|| PictureError("a map has the wrong number of pixels".to_owned()))
+/// A map of one colour.
+fn plain(frame: &Frame, [r, g, b]: Ink) -> Picture {
+    let [width, height] = frame.map;
+    Picture { width, height, rgba: [r, g, b, 255].repeat(width * height) }
 }
 
-fn frame(root: &Root<'_>, (left, top): (i32, i32), (width, height): (i32, i32)) -> Result<(), PictureError> {
-    Ok(root.draw(&Rectangle::new([(left, top), (left + width, top + height)], INK))?)
+/// The axes of a map of the plane.
+pub fn axes(plane: &Plane) -> [Axis; 2] {
+    let ((low, high), (x, y)) = (ranges(plane), labels(plane));
+    let axis = |low: f64, high: f64, label: &str| Axis { ends: [low, high], label: label.to_owned() };
+    [axis(low.x, high.x, x), axis(low.y, high.y, y)]
 }
 
 /// Coordinates (mm) of a point's projection on the plane, along the axes that label it.
@@ -405,7 +277,7 @@ pub fn on_plane(plane: &Plane, point: DVec3) -> Option<DVec2> {
 }
 
 /// The plane's corners in mm.
-pub fn ranges(plane: &Plane) -> (DVec2, DVec2) {
+fn ranges(plane: &Plane) -> (DVec2, DVec2) {
     let half = plane.size * 500.0;
     (centre(plane) - half, centre(plane) + half)
 }
@@ -417,7 +289,7 @@ fn centre(plane: &Plane) -> DVec2 {
 }
 
 /// Names of the plane's axes.
-pub fn labels(plane: &Plane) -> (&'static str, &'static str) {
+fn labels(plane: &Plane) -> (&'static str, &'static str) {
     let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
     (
         axis_name(x).unwrap_or("along the plane's x axis / mm"),

@@ -1,11 +1,11 @@
 //! Labels of 3D pictures: names of axes, lines of text, and a colour bar.
 
 use glam::DVec2;
-use plotters::prelude::*;
-use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-use crate::picture::relief::on_picture;
-use crate::picture::{Picture, PictureError};
+use crate::picture::Picture;
+use crate::picture::figure::layout::CAPITAL;
+use crate::picture::figure::mark::{Anchor, Ink, Mark};
+use crate::picture::figure::raster::draw_on;
 
 /// The bar's width and its distance from the picture's edge, in points of the screen.
 const BAR: f64 = 14.0;
@@ -37,62 +37,59 @@ pub struct Bar {
 
 impl Words {
     /// Writes them on a picture.
-    ///
-    /// # Errors
-    /// They cannot be set.
-    pub fn write(&self, picture: &mut Picture) -> Result<(), PictureError> {
-        let ink = if self.is_light { RGBColor(32, 33, 38) } else { RGBColor(232, 233, 238) };
-        let faint = ink.mix(0.62);
+    pub fn write(&self, picture: &mut Picture) {
+        let (ink, ground): (Ink, Ink) =
+            if self.is_light { ([32, 33, 38], [244, 245, 248]) } else { ([232, 233, 238], [16, 16, 20]) };
+        let faint = mixed(ink, ground, 0.62);
         let (width, height, scale) = (picture.width as f64, picture.height as f64, self.scale);
-        let font = |size: f64| ("sans-serif", size * scale).into_font();
-        let middle = |h, v| Pos::new(h, v);
-        on_picture(picture, |root| {
-            let mut top = 16.0;
-            for (index, line) in self.lines.iter().enumerate() {
-                let size = if index == 0 { 19.0 } else { 13.5 };
-                let colour = if index == 0 { ink.mix(1.0) } else { faint };
-                let at = ((18.0 * scale) as i32, (top * scale) as i32);
-                root.draw_text(line, &font(size).color(&colour), at)?;
-                top += 1.5 * size;
+        let mut marks = Vec::new();
+        let mut top = 16.0;
+        for (index, line) in self.lines.iter().enumerate() {
+            let (em, ink) = if index == 0 { (15.7, ink) } else { (11.15, faint) };
+            let at = [18.0 * scale, (top + 0.6 * em) * scale];
+            marks.push(Mark::text(at, em * scale, Anchor::Start, ink, line));
+            top += 1.815 * em;
+        }
+        // With an outline in the ground's colour for contrast.
+        let rim = (1.5 * scale).ceil();
+        for (at, text) in &self.labels {
+            let around = (0..9).map(|i| [f64::from(i % 3 - 1) * rim, f64::from(i / 3 - 1) * rim]);
+            let em = 10.75 * scale;
+            for [x, y] in around.filter(|by| *by != [0.0, 0.0]).chain([[0.0, 0.0]]) {
+                let ink = if [x, y] == [0.0, 0.0] { mixed(ink, ground, 0.85) } else { ground };
+                let at = [at.x + x, at.y + y + em * CAPITAL / 2.0];
+                marks.push(Mark::text(at, em, Anchor::Middle, ink, text));
             }
-            // With an outline in the ground's colour for contrast.
-            let ground = if self.is_light { RGBColor(244, 245, 248) } else { RGBColor(16, 16, 20) };
-            let rim = (1.5 * scale).ceil() as i32;
-            for (at, text) in &self.labels {
-                let around =
-                    (0..9).map(|i| ((i % 3 - 1) * rim, (i / 3 - 1) * rim)).filter(|by| *by != (0, 0));
-                for (x, y) in around.chain([(0, 0)]) {
-                    let colour = if (x, y) == (0, 0) { ink.mix(0.85) } else { ground.mix(0.9) };
-                    let style = font(13.0).color(&colour).pos(middle(HPos::Center, VPos::Center));
-                    root.draw_text(text, &style, (at.x as i32 + x, at.y as i32 + y))?;
-                }
-            }
-            let Some(bar) = &self.bar else { return Ok(()) };
+        }
+        if let Some(bar) = &self.bar {
             let tall = (0.42 * height).max(40.0 * scale);
-            let right = width - EDGE * scale;
-            let (left, bottom) = (right - BAR * scale, height - EDGE * scale);
-            for step in 0..256 {
-                let [r, g, b, _] = bar.table[step];
+            let (right, bottom) = (width - EDGE * scale, height - EDGE * scale);
+            let (left, wide, em) = (right - BAR * scale, BAR * scale, 10.33 * scale);
+            for (step, &[r, g, b, _]) in bar.table.iter().enumerate() {
                 let low = bottom - tall * step as f64 / 256.0;
-                let corners = [(left as i32, (low - tall / 256.0) as i32), (right as i32, low as i32)];
-                root.draw(&Rectangle::new(corners, RGBColor(r, g, b).filled()))?;
+                let (corner, size) = ([left, low - tall / 256.0], [wide, tall / 256.0 + 0.5]);
+                marks.push(Mark::Block { corner, size, ink: [r, g, b] });
             }
-            let corners = [(left as i32, (bottom - tall) as i32), (right as i32, bottom as i32)];
-            root.draw(&Rectangle::new(corners, ink.mix(0.5)))?;
-            let beside = font(12.5).color(&faint).pos(middle(HPos::Right, VPos::Center));
+            marks.push(Mark::frame([left, bottom - tall], [wide, tall], 1.0, mixed(ink, ground, 0.5)));
             for (part, text) in &bar.ticks {
-                let y = (bottom - tall * part) as i32;
-                root.draw(&PathElement::new([((left - 4.0 * scale) as i32, y), (left as i32, y)], faint))?;
-                root.draw_text(text, &beside, ((left - 8.0 * scale) as i32, y))?;
+                let y = bottom - tall * part;
+                marks.push(Mark::line([[left - 4.0 * scale, y], [left, y]], 1.0, faint));
+                let at = [left - 8.0 * scale, y + em * CAPITAL / 2.0];
+                marks.push(Mark::text(at, em, Anchor::End, faint, text));
             }
             if let Some(part) = bar.mark {
                 let y = bottom - tall * part;
-                let line = [(left as i32, y as i32), (right as i32, y as i32)];
-                root.draw(&PathElement::new(line, ink.stroke_width((1.6 * scale) as u32)))?;
+                marks.push(Mark::line([[left, y], [right, y]], (1.6 * scale).floor().max(1.0), ink));
             }
-            let title = font(12.5).color(&faint).pos(middle(HPos::Right, VPos::Bottom));
-            root.draw_text(&bar.title, &title, (right as i32, (bottom - tall - 8.0 * scale) as i32))?;
-            Ok(())
-        })
+            let at = [right, bottom - tall - 8.0 * scale - 0.37 * em];
+            marks.push(Mark::text(at, em, Anchor::End, faint, &bar.title));
+        }
+        draw_on(picture, &marks);
     }
+}
+
+/// A part of one colour over another.
+fn mixed(ink: Ink, ground: Ink, part: f64) -> Ink {
+    let channel = |n: usize| part * f64::from(ink[n]) + (1.0 - part) * f64::from(ground[n]);
+    std::array::from_fn(|n| channel(n).round() as u8)
 }

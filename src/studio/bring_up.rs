@@ -2,12 +2,9 @@
 //! focus.
 
 use std::fmt;
-#[cfg(feature = "serial")]
 use std::path::Path;
 
-#[cfg(feature = "serial")]
 use crate::device::link::survey::{Discovery, Trial, TrialOutcome, survey};
-#[cfg(feature = "serial")]
 use crate::device::native::packet::{Info, Status};
 use crate::device::profile::Profile;
 use crate::scene::{Scene, Shape, Target};
@@ -73,7 +70,6 @@ impl Report {
 ///
 /// # Errors
 /// A missing port, or a native board that does not answer.
-#[cfg(feature = "serial")]
 pub async fn survey_line(
     port: &Path,
     profile: Profile,
@@ -99,7 +95,6 @@ pub async fn survey_line(
     Ok(fastest)
 }
 
-#[cfg(feature = "serial")]
 fn introduce(info: &Info, status: &Status, tell: &mut dyn FnMut(Verdict, String)) {
     let carrier = f64::from(info.carrier_millihertz) / 1e3;
     tell(
@@ -122,12 +117,10 @@ fn introduce(info: &Info, status: &Status, tell: &mut dyn FnMut(Verdict, String)
 }
 
 /// A rate too fast for a line is a fact, not a fault: slower ones may be error-free.
-#[cfg(feature = "serial")]
 fn verdict(trial: &Trial) -> Verdict {
     if trial.is_clean() { Verdict::Passed } else { Verdict::Noted }
 }
 
-#[cfg(feature = "serial")]
 fn in_words(trial: &Trial) -> String {
     match &trial.outcome {
         TrialOutcome::Impossible(why) => format!("{} baud: {why}", trial.baud),

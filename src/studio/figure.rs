@@ -12,7 +12,7 @@ use crate::field::stages::MOST_PIXELS;
 use crate::field::{Colouring, FieldError, Map, Quantity, Request, Stages, contour};
 use crate::memory;
 use crate::picture::figure::surface::{self, Measure, Surface};
-use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper, round_step};
+use crate::picture::figure::{Bar, Content, Figure, Format, Paper, round_step};
 use crate::picture::relief::Relief;
 use crate::picture::{ColourMap, Picture, colour, sheet};
 use crate::rounding::millimetres;
@@ -256,9 +256,6 @@ fn table(quantity: Quantity, wish: &Wish) -> [[u8; 4]; 256] {
 /// The content that does not depend on the map's values.
 fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) -> anyhow::Result<Content> {
     let plane = &request.plane;
-    let (low, high) = sheet::ranges(plane);
-    let (x, y) = sheet::labels(plane);
-    let axis = |low: f64, high: f64, label: &str| Axis { ends: [low, high], label: label.to_owned() };
     let place = |point| sheet::on_plane(plane, point).map(|DVec2 { x, y }| [x, y]);
     let is_continuous = |target: &Target| target.sampling == Sampling::Continuous || target.is_area();
     let (mut outlines, mut rings) = (Vec::new(), Vec::new());
@@ -274,7 +271,7 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
     let bar = || Law::new(request.quantity, wish, 1.0).bar(table(request.quantity, wish));
     Ok(Content {
         title: title(wish),
-        axes: [axis(low.x, high.x, x), axis(low.y, high.y, y)],
+        axes: sheet::axes(plane),
         bar: wish.has_colour_bar.then(bar),
         has_scale_bar: wish.has_scale_bar,
         remark: None,

@@ -4,8 +4,8 @@ use glam::DVec2;
 
 use crate::echo;
 use crate::field::{Depression, Map, Pressed, Quantity};
+use crate::picture::Picture;
 use crate::picture::relief::{self, Relief, Words};
-use crate::picture::{Picture, PictureError};
 use crate::rounding::{at_most, digits, milliseconds, percent_at_least};
 use crate::scene::{self, Envelope, Law, Liquid, Modulation, Plane, Scene};
 use crate::studio::map::{DrawnMap, SILENT, extent, summary};
@@ -43,15 +43,12 @@ pub fn describe(scene: &Scene, pressed: &Pressed, (quantity, map): (Quantity, &M
 }
 
 /// A depression as a map, or shaded on a page from points with `columns` columns.
-///
-/// # Errors
-/// The page is too small for its words.
 pub fn picture(
     name: &str,
     scene: &Scene,
     map: &DrawnMap,
     shaded: Option<(usize, (usize, usize))>,
-) -> Result<Picture, PictureError> {
+) -> Picture {
     let pressed = map.pressed.and_then(|pressed| Some((pressed, pressed.depression?)));
     let beyond = pressed.and_then(|(_, depression)| beyond_linear_theory(depression.slope));
     if let Some(beyond) = &beyond {
@@ -62,9 +59,9 @@ pub fn picture(
         if let Some((_, depression)) = pressed.filter(|_| beyond.is_some()) {
             let holds =
                 format!("beyond linear theory, true up to {} of this drive", holds_to(depression.slope));
-            relief::label(&mut picture, &holds)?;
+            relief::label(&mut picture, &holds);
         }
-        return Ok(picture);
+        return picture;
     };
     let relief = Relief::new(&map.map.values, columns, scene.plane.size);
     let size = scene.plane.size * 1e3;
@@ -92,16 +89,13 @@ pub enum Moment {
 }
 
 /// A frame of a film with this common range of depths (m), shaded on a page; `slope` is the steepest of all.
-///
-/// # Errors
-/// The page is too small for its words.
 pub fn frame(
     name: &str,
     scene: &Scene,
     (relief, [low, high]): (&Relief<'_>, [f32; 2]),
     (moment, slope): (Moment, f64),
     page: (usize, usize),
-) -> Result<Picture, PictureError> {
+) -> Picture {
     let when = match moment {
         Moment::Frame(index, count) => format!("Frame {} of {count}", index + 1),
         Moment::Time(seconds) => format!("{} after the sound begins", milliseconds(seconds, 1)),

@@ -23,7 +23,6 @@ pub mod opening;
 pub mod output;
 pub mod paintings;
 pub mod performance;
-#[cfg(feature = "serial")]
 pub mod player;
 pub mod posing;
 pub mod presets;

@@ -274,13 +274,13 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
             sheet::sheet(scene, solution, name, &drawn.picture, &legend, page)?
         }
         Diagram::Map(_) if quantity.declaration().of_liquid => {
-            liquid::picture(name, scene, &drawn, look.is_shaded().then_some((width, page)))?
+            liquid::picture(name, scene, &drawn, look.is_shaded().then_some((width, page)))
         }
         Diagram::Map(_) | Diagram::Drive => {
             let mut picture = drawn.picture;
             let has_room = picture.width.min(picture.height) >= SMALLEST_SHEET;
             if let Some(remark) = map::remark(quantity, &drawn.map).filter(|_| has_room) {
-                relief::label(&mut picture, &remark)?;
+                relief::label(&mut picture, &remark);
             }
             picture
         }

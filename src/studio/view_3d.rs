@@ -123,7 +123,7 @@ pub fn draw(
         is_light: look.is_light,
         scale,
     };
-    words.write(&mut picture)?;
+    words.write(&mut picture);
     Ok(Drawn { picture, what, how })
 }
 

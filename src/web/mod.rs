@@ -30,5 +30,4 @@
 //! by a page to a port (`stand-in.js`) with those of `sonoglyph send`.
 
 pub mod field;
-#[cfg(feature = "serial")]
 pub mod link;

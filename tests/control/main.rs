@@ -3,7 +3,6 @@
 #![cfg(unix)]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
-#[cfg(feature = "serial")]
 mod board;
 mod desk;
 #[path = "../dice/mod.rs"]

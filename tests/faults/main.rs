@@ -9,7 +9,6 @@ mod dice;
 mod disk;
 mod gpu;
 mod hostile;
-#[cfg(feature = "serial")]
 mod line;
 mod memory;
 mod place;

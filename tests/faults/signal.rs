@@ -71,7 +71,6 @@ fn a_new_file_is_whole_or_missing() {
     }
 }
 
-#[cfg(feature = "serial")]
 #[test]
 fn a_signal_ends_a_solve_of_hours() {
     let folder = folder();

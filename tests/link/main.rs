@@ -1,6 +1,6 @@
 //! The link with virtual boards over pseudo-terminals: whole frames only, and recovery from every fault.
 
-#![cfg(all(unix, feature = "serial"))]
+#![cfg(unix)]
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 mod attempts;

@@ -35,8 +35,6 @@ const LAYERS: &[(&str, &[&str])] = &[
             "npyz",
             "num_complex",
             "pdf_writer",
-            "plotters",
-            "plotters_backend",
             "png",
             "rayon",
             "subsetter",

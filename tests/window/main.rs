@@ -4,7 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 mod bead;
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(unix)]
 mod board;
 mod brush;
 mod canvas;
@@ -20,7 +20,7 @@ mod figure;
 mod files;
 mod gpu;
 mod motion;
-#[cfg(all(unix, feature = "serial", feature = "cli"))]
+#[cfg(all(unix, feature = "cli"))]
 mod parity;
 mod quantities;
 mod reach;

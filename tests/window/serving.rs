@@ -104,7 +104,7 @@ fn remote_edits_are_shown_solved_and_undone_as_one_step() {
     assert!(stands(&screen, 1, [0.02, 0.0, 0.1]));
 }
 
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(unix)]
 #[test]
 fn clients_start_and_stop_the_board_after_the_user_confirmed() {
     use sonoglyph::device::health::State;

@@ -1,34 +1,25 @@
-//! Commands for boards: `ports`, `check`, `send`, `serve` and `board`, and their errors without serial links.
+//! Commands for boards: `ports`, `check`, `send`, `serve` and `board`.
 
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(unix)]
 mod board;
-#[cfg(feature = "serial")]
 mod check;
-#[cfg(feature = "serial")]
 mod ports;
-#[cfg(feature = "serial")]
 mod send;
 pub mod serve;
 
-#[cfg(feature = "serial")]
 use std::path::Path;
 use std::path::PathBuf;
 
-#[cfg(feature = "serial")]
 use anyhow::Context;
 use clap::Args;
 
 use crate::cli::arguments::seconds;
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(unix)]
 pub use crate::cli::boards::board::run as board;
-#[cfg(feature = "serial")]
 pub use crate::cli::boards::{check::run as check, ports::run as ports, send::run as send};
-#[cfg(not(feature = "serial"))]
-pub use crate::cli::boards::{without_ports as check, without_ports as send};
 use crate::cli::names;
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(unix)]
 use crate::device::board::faults::Faults;
-#[cfg(feature = "serial")]
 use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;
 use crate::scene::Method;
@@ -121,41 +112,27 @@ fn parse_profile(name: &str) -> Result<Profile, String> {
     Profile::of_name(name).ok_or_else(|| format!("the boards are {}", names()))
 }
 
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(unix)]
 fn parse_faults(text: &str) -> Result<Faults, String> {
     Faults::parse(text)
 }
 
 /// Unused without virtual boards.
-#[cfg(not(all(unix, feature = "serial")))]
+#[cfg(not(unix))]
 type Faults = String;
 
-#[cfg(not(all(unix, feature = "serial")))]
+#[cfg(not(unix))]
 fn parse_faults(text: &str) -> Result<Faults, String> {
     Ok(text.to_owned())
 }
 
 /// The calibration of a board, by default without corrections.
-#[cfg(feature = "serial")]
 fn calibration(path: Option<&Path>, profile: Profile) -> anyhow::Result<Calibration> {
     let Some(path) = path else { return Ok(Calibration::default()) };
     Calibration::read(path, profile.elements()).with_context(|| path.display().to_string())
 }
 
-#[cfg(not(feature = "serial"))]
-pub fn ports() -> anyhow::Result<()> {
-    anyhow::bail!("this program was built without serial links; `cargo build --features serial` has them")
-}
-
-/// Stands in for commands that need a port.
-#[cfg(not(feature = "serial"))]
-pub fn without_ports<T>(_: &T) -> anyhow::Result<()> {
-    ports()
-}
-
-#[cfg(not(all(unix, feature = "serial")))]
+#[cfg(not(unix))]
 pub fn board(_: &BoardArgs) -> anyhow::Result<()> {
-    anyhow::bail!(
-        "virtual boards need a Unix system and a program built with serial links (feature `serial`)"
-    )
+    anyhow::bail!("virtual boards need a Unix system")
 }

@@ -109,7 +109,6 @@ fn settings(args: &ServeArgs) -> Settings {
 }
 
 /// Opens the link to the board, if one is given.
-#[cfg(feature = "serial")]
 fn board(args: &ServeArgs, scene: &Scene, interrupted: &Interrupted) -> anyhow::Result<Option<Board>> {
     use anyhow::Context;
 
@@ -122,14 +121,4 @@ fn board(args: &ServeArgs, scene: &Scene, interrupted: &Interrupted) -> anyhow::
     let calibration = calibration(args.calibration.as_deref(), profile)?;
     let settings = link::Settings { port, profile, baud: args.baud };
     Board::open(settings, calibration, || interrupted.is_set())
-}
-
-#[cfg(not(feature = "serial"))]
-fn board(args: &ServeArgs, _: &Scene, _: &Interrupted) -> anyhow::Result<Option<Board>> {
-    match args.port {
-        Some(_) => anyhow::bail!(
-            "this program was built without serial links; `cargo build --features serial` has them"
-        ),
-        None => Ok(None),
-    }
 }

@@ -62,7 +62,7 @@ impl Default for Paper {
 }
 
 /// An axis of the map.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
     /// mm, at the first and the last edge.
     pub ends: [f64; 2],
@@ -81,7 +81,7 @@ pub struct Bar {
 }
 
 /// The content of a figure except the map's pixels.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Content {
     pub title: Option<String>,
     /// Axes to the right and upwards.
@@ -103,17 +103,46 @@ pub struct Content {
     pub is_light: bool,
 }
 
-/// Position of the map in pixels of the PNG.
-struct Frame {
-    density: f64,
+/// Position of a map in pixels of the PNG.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::picture) struct Frame {
+    /// Pixels in a millimetre.
+    pub density: f64,
     /// Left, top.
-    corner: [usize; 2],
+    pub corner: [usize; 2],
     pub map: [usize; 2],
-    page: [usize; 2],
+}
+
+impl Frame {
+    /// Left and top, mm.
+    pub(in crate::picture) fn corner(&self) -> [f64; 2] {
+        self.corner.map(|pixels| pixels as f64 / self.density)
+    }
+
+    /// Width and height, mm.
+    pub(in crate::picture) fn size(&self) -> [f64; 2] {
+        self.map.map(|pixels| pixels as f64 / self.density)
+    }
+
+    /// Left, top, right, bottom, mm.
+    pub(in crate::picture) fn room(&self) -> [f64; 4] {
+        let ([left, top], [width, height]) = (self.corner(), self.size());
+        [left, top, left + width, top + height]
+    }
+
+    /// Place of a point that is in mm on the axes.
+    pub(in crate::picture) fn place(&self, [x, y]: &[Axis; 2], [u, v]: [f64; 2]) -> [f64; 2] {
+        let ([left, top], [width, height]) = (self.corner(), self.size());
+        [
+            left + width * (u - x.ends[0]) / (x.ends[1] - x.ends[0]),
+            top + height * (y.ends[1] - v) / (y.ends[1] - y.ends[0]),
+        ]
+    }
 }
 
 impl Content {
-    fn frame(&self, paper: Paper) -> Frame {
+    /// Position of the map, and pixels of the page.
+    fn frame(&self, paper: Paper) -> (Frame, [usize; 2]) {
         let density = paper.dpi / 25.4;
         let [x, y] = &self.axes;
         let span = |axis: &Axis| (axis.ends[1] - axis.ends[0]).max(1e-9);
@@ -137,40 +166,43 @@ impl Content {
         // A map narrower than its space is centred.
         let corner = [in_pixels(left + (room - width) / 2.0), in_pixels(top)];
         let page = [in_pixels(paper.width.max(left + room + right)), corner[1] + map[1] + in_pixels(bottom)];
-        Frame { density, corner, map, page }
+        (Frame { density, corner, map }, page)
     }
 
     /// Pixels of the map, width and height: compute it for that many.
     pub fn map_pixels(&self, paper: Paper) -> [usize; 2] {
-        self.frame(paper).map
+        self.frame(paper).0.map
     }
 
     /// Pixels of the PNG, width and height.
     pub fn page_pixels(&self, paper: Paper) -> [usize; 2] {
-        self.frame(paper).page
+        self.frame(paper).1
     }
 
     /// The figure of a map that has [`Self::map_pixels`].
     pub fn figure(&self, paper: Paper, map: Picture) -> Figure {
-        let frame = self.frame(paper);
-        let mut marks = Marks { list: Vec::new(), frame: &frame, content: self };
-        let place = |pixels: [usize; 2]| pixels.map(|pixels| pixels as f64 / frame.density);
-        let (corner, size) = (place(frame.corner), place(frame.map));
+        let (frame, pixels) = self.frame(paper);
+        let mut marks = self.marks(&frame, map);
+        if let Some(title) = &self.title {
+            let at = [frame.corner()[0], MARGIN + TITLE * 0.85];
+            marks.push(Mark::text(at, TITLE, Anchor::Start, BLACK, title));
+        }
+        Figure { pixels, density: frame.density, title: self.title.clone().unwrap_or_default(), marks }
+    }
+
+    /// The map with its axes and its bar, without the title.
+    pub(in crate::picture) fn marks(&self, frame: &Frame, map: Picture) -> Vec<Mark> {
+        let mut marks = Marks { list: Vec::new(), frame, content: self };
+        let (corner, size) = (frame.corner(), frame.size());
         marks.list.push(Mark::Pixels { corner, size, picture: map });
         marks.drawn_on_the_map();
-        marks.frame_of(corner, size);
+        marks.list.push(Mark::frame(corner, size, HAIRLINE, BLACK));
         marks.horizontal(corner, size);
         marks.vertical(corner, size);
         if let Some(bar) = &self.bar {
             marks.bar(bar, corner, size);
         }
-        if let Some(title) = &self.title {
-            let at = [corner[0], MARGIN + TITLE * 0.85];
-            marks.text(at, TITLE, Anchor::Start, false, title);
-        }
-        let list = marks.list;
-        let title = self.title.clone().unwrap_or_default();
-        Figure { pixels: frame.page, density: frame.density, title, marks: list }
+        marks.list
     }
 }
 
@@ -190,16 +222,11 @@ struct Marks<'a> {
 
 impl Marks<'_> {
     fn line(&mut self, points: &[[f64; 2]], width: f64, ink: Ink) {
-        self.list.push(Mark::Line { points: points.to_vec(), is_closed: false, width, ink });
+        self.list.push(Mark::line(points, width, ink));
     }
 
-    fn text(&mut self, at: [f64; 2], height: f64, anchor: Anchor, is_turned: bool, text: &str) {
-        self.list.push(Mark::Text { at, height, anchor, is_turned, ink: BLACK, text: text.to_owned() });
-    }
-
-    fn frame_of(&mut self, [x, y]: [f64; 2], [width, height]: [f64; 2]) {
-        let points = vec![[x, y], [x + width, y], [x + width, y + height], [x, y + height]];
-        self.list.push(Mark::Line { points, is_closed: true, width: HAIRLINE, ink: BLACK });
+    fn number(&mut self, at: [f64; 2], anchor: Anchor, ink: Ink, text: &str) {
+        self.list.push(Mark::text(at, NUMBER, anchor, ink, text));
     }
 
     fn horizontal(&mut self, [left, top]: [f64; 2], [width, height]: [f64; 2]) {
@@ -209,10 +236,10 @@ impl Marks<'_> {
         for (value, text) in steps(low, high, (width / SPACING).max(2.0)) {
             let x = left + width * (value - low) / (high - low);
             self.line(&[[x, bottom], [x, bottom + TICK]], HAIRLINE, BLACK);
-            self.text([x, bottom + TICK + GAP + NUMBER * CAPITAL], NUMBER, Anchor::Middle, false, &text);
+            self.number([x, bottom + TICK + GAP + NUMBER * CAPITAL], Anchor::Middle, BLACK, &text);
         }
         let below = bottom + TICK + GAP + NUMBER + GAP + LABEL * CAPITAL;
-        self.text([left + width / 2.0, below], LABEL, Anchor::Middle, false, &axis.label);
+        self.list.push(Mark::text([left + width / 2.0, below], LABEL, Anchor::Middle, BLACK, &axis.label));
     }
 
     fn vertical(&mut self, [left, top]: [f64; 2], [_, height]: [f64; 2]) {
@@ -223,11 +250,11 @@ impl Marks<'_> {
             let y = top + height * (high - value) / (high - low);
             self.line(&[[left - TICK, y], [left, y]], HAIRLINE, BLACK);
             let at = [left - TICK - GAP, y + NUMBER * CAPITAL / 2.0];
-            self.text(at, NUMBER, Anchor::End, false, &text);
+            self.number(at, Anchor::End, BLACK, &text);
             widest = widest.max(font::width(&text, NUMBER));
         }
         let at = [left - TICK - GAP - widest - GAP - LABEL * 0.2, top + height / 2.0];
-        self.text(at, LABEL, Anchor::Middle, true, &axis.label);
+        self.list.push(Mark::turned_text(at, LABEL, BLACK, &axis.label));
     }
 
     fn bar(&mut self, bar: &Bar, [map_left, top]: [f64; 2], [map_width, height]: [f64; 2]) {
@@ -240,18 +267,18 @@ impl Marks<'_> {
         let rgba = (0..rows).flat_map(|row| std::iter::repeat_n(colour(row), columns)).flatten().collect();
         let picture = Picture { width: columns, height: rows, rgba };
         self.list.push(Mark::Pixels { corner: [left, top], size: [width, height], picture });
-        self.frame_of([left, top], [width, height]);
+        self.list.push(Mark::frame([left, top], [width, height], HAIRLINE, BLACK));
         let ([low, high], right) = (bar.ends, left + width);
         let mut widest = 0.0f64;
         for (value, text) in bar.ticks(height) {
             let y = top + height * (high - value) / (high - low);
             self.line(&[[right, y], [right + TICK, y]], HAIRLINE, BLACK);
             let at = [right + TICK + GAP, y + NUMBER * CAPITAL / 2.0];
-            self.text(at, NUMBER, Anchor::Start, false, &text);
+            self.number(at, Anchor::Start, BLACK, &text);
             widest = widest.max(font::width(&text, NUMBER));
         }
         let at = [right + TICK + GAP + widest + GAP + LABEL * 0.75, top + height / 2.0];
-        self.text(at, LABEL, Anchor::Middle, true, &bar.label);
+        self.list.push(Mark::turned_text(at, LABEL, BLACK, &bar.label));
     }
 
     /// Contours, targets and scale bar: ink on the map.
@@ -259,23 +286,16 @@ impl Marks<'_> {
         let content = self.content;
         let ink = if content.is_light { BLACK } else { [255; 3] };
         let density = self.frame.density;
-        let [left, top] = self.frame.corner.map(|pixels| pixels as f64 / density);
-        let [width, height] = self.frame.map.map(|pixels| pixels as f64 / density);
+        let ([left, top], [width, height]) = (self.frame.corner(), self.frame.size());
         for line in &content.contours {
             let place =
                 |&[u, v]: &[f32; 2]| [left + f64::from(u) / density, top + height - f64::from(v) / density];
             let points: Vec<_> = line.iter().map(place).collect();
             self.line(&points, HAIRLINE, ink);
         }
-        let [x, y] = &content.axes;
-        let place = |[u, v]: [f64; 2]| {
-            [
-                left + width * (u - x.ends[0]) / (x.ends[1] - x.ends[0]),
-                top + height * (y.ends[1] - v) / (y.ends[1] - y.ends[0]),
-            ]
-        };
+        let place = |point| self.frame.place(&content.axes, point);
         let target_ink = if content.is_light { [0, 90, 181] } else { [120, 220, 255] };
-        let room = [left, top, left + width, top + height];
+        let room = self.frame.room();
         for outline in &content.outlines {
             let points: Vec<_> = outline.iter().map(|&point| place(point)).collect();
             for piece in clipped(&points, room) {
@@ -296,12 +316,11 @@ impl Marks<'_> {
             self.length(ends.map(place), text, ink, room);
         }
         if let Some(remark) = &content.remark {
-            let (at, text) = ([left + GAP, top + GAP + NUMBER * CAPITAL], remark.clone());
-            let anchor = Anchor::Start;
-            self.list.push(Mark::Text { at, height: NUMBER, anchor, is_turned: false, ink, text });
+            self.number([left + GAP, top + GAP + NUMBER * CAPITAL], Anchor::Start, ink, remark);
         }
         if content.has_scale_bar {
-            let span = x.ends[1] - x.ends[0];
+            let [low, high] = content.axes[0].ends;
+            let span = high - low;
             let length = round_step(span / 8.0);
             let (from, base) = (left + 2.0, top + height - 2.0);
             let drawn = width * length / span;
@@ -309,7 +328,7 @@ impl Marks<'_> {
             let (at, text) = ([from + drawn / 2.0, base - 1.4], format!("{length} mm"));
             let anchor = if font::width(&text, NUMBER) > drawn { Anchor::Start } else { Anchor::Middle };
             let at = if anchor == Anchor::Start { [from, at[1]] } else { at };
-            self.list.push(Mark::Text { at, height: NUMBER, anchor, is_turned: false, ink, text });
+            self.number(at, anchor, ink, &text);
         }
     }
 }
@@ -339,14 +358,13 @@ impl Marks<'_> {
         let left = if is_across { x } else { x - wide / 2.0 };
         let fits = left >= room[0] && left + wide <= room[2] && y - NUMBER >= room[1] && y <= room[3];
         if fits {
-            let text = text.to_owned();
-            self.list.push(Mark::Text { at: [x, y], height: NUMBER, anchor, is_turned: false, ink, text });
+            self.number([x, y], anchor, ink, text);
         }
     }
 }
 
 /// The pieces of a line within a rectangle (left, top, right, bottom).
-fn clipped(points: &[[f64; 2]], room: [f64; 4]) -> Vec<Vec<[f64; 2]>> {
+pub(in crate::picture) fn clipped(points: &[[f64; 2]], room: [f64; 4]) -> Vec<Vec<[f64; 2]>> {
     let mut pieces: Vec<Vec<[f64; 2]>> = Vec::new();
     let mut last = None;
     for pair in points.windows(2) {

@@ -6,20 +6,18 @@
 
 pub mod axes;
 pub(in crate::picture) mod font;
-mod layout;
-mod mark;
+pub(in crate::picture) mod layout;
+pub(in crate::picture) mod mark;
 mod pdf;
-mod raster;
+pub(in crate::picture) mod raster;
 pub mod surface;
-mod svg;
+pub(in crate::picture) mod svg;
 
 use crate::picture::{Picture, PictureError};
 
 pub use axes::{round_step, steps};
 pub use layout::{Axis, Bar, Content, Format, Paper};
-pub(in crate::picture) use mark::Anchor;
 pub use mark::Figure;
-pub(in crate::picture) use raster::letters;
 
 impl Figure {
     /// The bytes of a file.

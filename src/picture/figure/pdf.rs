@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use miniz_oxide::deflate::compress_to_vec_zlib;
-use pdf_writer::types::{CidFontType, FontFlags, LineJoinStyle, SystemInfo, UnicodeCmap};
+use pdf_writer::types::{CidFontType, FontFlags, LineCapStyle, LineJoinStyle, SystemInfo, UnicodeCmap};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use subsetter::GlyphRemapper;
 use ttf_parser::{RawFace, Tag};
@@ -129,6 +129,16 @@ fn content<'a>(figure: &'a Figure, letters: &mut Letters) -> (Vec<u8>, Vec<&'a P
                 fill(&mut content, *ink);
                 content.rect(x(corner[0]), y(corner[1] + size[1]), x(size[0]), x(size[1]));
                 content.fill_nonzero();
+            }
+            // A point with a round end.
+            Mark::Disc { centre: [u, v], radius, ink } => {
+                let [r, g, b] = ink.map(|channel| f32::from(channel) / 255.0);
+                content.save_state();
+                content.set_line_cap(LineCapStyle::RoundCap);
+                content.set_stroke_rgb(r, g, b);
+                content.set_line_width(x(2.0 * radius));
+                content.move_to(x(*u), y(*v)).line_to(x(*u), y(*v)).stroke();
+                content.restore_state();
             }
             Mark::Text { at, height, anchor, is_turned, ink, text } => {
                 let part = match anchor {

@@ -1,7 +1,7 @@
 //! A figure as pixels: the map one to one, all else antialiased.
 
 use png::{BitDepth, ColorType, PixelDimensions, Unit};
-use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Rect, Stroke, Transform};
+use tiny_skia::{FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, PixmapMut, Rect, Stroke, Transform};
 use ttf_parser::OutlineBuilder;
 
 use crate::picture::figure::mark::{Anchor, Ink, Mark};
@@ -38,12 +38,31 @@ pub fn picture(figure: &Figure) -> Result<Picture, PictureError> {
     let mut page = Pixmap::new(width as u32, height as u32)
         .ok_or_else(|| PictureError(format!("{width} x {height} pixels are too many")))?;
     page.fill(tiny_skia::Color::WHITE);
-    let density = figure.density as f32;
+    draw(&mut page.as_mut(), figure.density, &figure.marks);
+    // The page is opaque, so premultiplication has no effect.
+    Ok(Picture { width, height, rgba: page.take() })
+}
+
+/// Draws marks in pixels on an opaque picture.
+pub(in crate::picture) fn draw_on(picture: &mut Picture, marks: &[Mark]) {
+    let (width, height) = (picture.width as u32, picture.height as u32);
+    if let Some(mut page) = PixmapMut::from_bytes(&mut picture.rgba, width, height) {
+        draw(&mut page, 1.0, marks);
+    }
+}
+
+fn draw(page: &mut PixmapMut<'_>, pixels_per_mm: f64, marks: &[Mark]) {
+    let density = pixels_per_mm as f32;
     let to_pixels = Transform::from_scale(density, density);
-    for mark in &figure.marks {
+    for mark in marks {
         match mark {
             Mark::Pixels { corner, picture, .. } => {
-                copy(&mut page, corner.map(|mm| (mm * figure.density).round() as usize), picture);
+                copy(page, corner.map(|mm| (mm * pixels_per_mm).round() as usize), picture);
+            }
+            Mark::Disc { centre: [x, y], radius, ink } => {
+                if let Some(path) = PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32) {
+                    page.fill_path(&path, &paint(*ink), FillRule::Winding, to_pixels, None);
+                }
             }
             Mark::Line { points, is_closed, width, ink } => {
                 let Some(path) = line(points, *is_closed) else { continue };
@@ -69,11 +88,9 @@ pub fn picture(figure: &Figure) -> Result<Picture, PictureError> {
             }
         }
     }
-    // The page is opaque, so premultiplication has no effect.
-    Ok(Picture { width, height, rgba: page.take() })
 }
 
-fn copy(page: &mut Pixmap, [left, top]: [usize; 2], picture: &Picture) {
+fn copy(page: &mut PixmapMut<'_>, [left, top]: [usize; 2], picture: &Picture) {
     let width = page.width() as usize;
     let rows = picture.rgba.chunks_exact(picture.width * 4);
     for (row, pixels) in rows.enumerate() {
@@ -103,7 +120,7 @@ fn line(points: &[[f64; 2]], is_closed: bool) -> Option<Path> {
 }
 
 /// The outlines of a text in ems, its anchor at the origin.
-pub(in crate::picture) fn letters(text: &str, anchor: Anchor) -> Option<Path> {
+fn letters(text: &str, anchor: Anchor) -> Option<Path> {
     let width = font::width(text, 1.0);
     let mut x = match anchor {
         Anchor::Start => 0.0,

@@ -49,10 +49,8 @@ impl Surface {
         let top = on_grid(MARGIN + self.title.as_ref().map_or(0.0, |_| TITLE + GAP));
         let left = on_grid(MARGIN);
         let mut marks = vec![Mark::Pixels { corner: [left, top], size: [width, height], picture }];
-        let mut text = |at, height, anchor, text: &str| {
-            let text = text.to_owned();
-            marks.push(Mark::Text { at, height, anchor, is_turned: false, ink: BLACK, text });
-        };
+        let mut text =
+            |at, height, anchor, text: &str| marks.push(Mark::text(at, height, anchor, BLACK, text));
         if let Some(title) = &self.title {
             text([left, MARGIN + TITLE * 0.85], TITLE, Anchor::Start, title);
         }

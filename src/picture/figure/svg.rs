@@ -9,21 +9,32 @@ use crate::picture::figure::Figure;
 use crate::picture::figure::mark::{Ink, Mark};
 use crate::picture::{PictureError, export};
 
+/// Colour of the paper.
+pub(in crate::picture) const PAPER: &str = "#fff";
+
 /// The SVG; lengths are in mm.
 ///
 /// # Errors
 /// Pixels that cannot be encoded as PNG.
 pub fn write(figure: &Figure) -> Result<Vec<u8>, PictureError> {
+    Ok(format!("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n{}", element(figure)?).into_bytes())
+}
+
+/// The SVG as an element of a page.
+///
+/// # Errors
+/// Pixels that cannot be encoded as PNG.
+pub(in crate::picture) fn element(figure: &Figure) -> Result<String, PictureError> {
     let [width, height] = figure.size();
     let mut text = format!(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" \
          xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width:.4}mm\" height=\"{height:.4}mm\" \
          viewBox=\"0 0 {width:.4} {height:.4}\" font-family=\"Inter, Helvetica, Arial, sans-serif\">\n"
     );
     if !figure.title.is_empty() {
         line(&mut text, format_args!("<title>{}</title>", escaped(&figure.title)))?;
     }
-    line(&mut text, format_args!("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>"))?;
+    line(&mut text, format_args!("<rect width=\"100%\" height=\"100%\" fill=\"{PAPER}\"/>"))?;
     for mark in &figure.marks {
         match mark {
             Mark::Pixels { corner: [x, y], size: [width, height], picture } => {
@@ -60,6 +71,13 @@ pub fn write(figure: &Figure) -> Result<Vec<u8>, PictureError> {
                     colour(*ink)
                 ),
             )?,
+            Mark::Disc { centre: [x, y], radius, ink } => line(
+                &mut text,
+                format_args!(
+                    "<circle cx=\"{x:.3}\" cy=\"{y:.3}\" r=\"{radius:.3}\" fill=\"{}\"/>",
+                    colour(*ink)
+                ),
+            )?,
             Mark::Text { at: [x, y], height, anchor, is_turned, ink, text: words } => {
                 let anchor = anchor.into_str();
                 let turn = if *is_turned {
@@ -80,14 +98,14 @@ pub fn write(figure: &Figure) -> Result<Vec<u8>, PictureError> {
         }
     }
     text.push_str("</svg>\n");
-    Ok(text.into_bytes())
+    Ok(text)
 }
 
 fn line(text: &mut String, words: std::fmt::Arguments<'_>) -> Result<(), PictureError> {
     writeln!(text, "{words}").map_err(|error| PictureError(error.to_string()))
 }
 
-fn colour([r, g, b]: Ink) -> String {
+pub(in crate::picture) fn colour([r, g, b]: Ink) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 

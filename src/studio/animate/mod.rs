@@ -393,6 +393,6 @@ impl<'a> Film<'a> {
             Some(schedule) => Moment::Time((index + 1) as f64 / schedule.rate()),
             None => Moment::Frame(index, self.request.drives.len()),
         };
-        Ok(liquid::frame(name, self.scene, (&relief, extent.range), (moment, self.slope), page)?)
+        Ok(liquid::frame(name, self.scene, (&relief, extent.range), (moment, self.slope), page))
     }
 }

@@ -1,7 +1,7 @@
 //! The gateware: the simulated Verilog agrees with `device::native` byte by byte and pulse by pulse.
 
 mod line;
-#[cfg(all(unix, feature = "serial"))]
+#[cfg(unix)]
 mod link;
 mod packets;
 mod play;

@@ -1,6 +1,5 @@
 //! Harmful input is refused with one short message and status 2, and no file changes.
 
-#[cfg(feature = "serial")]
 mod boards;
 mod crowd;
 mod generator;

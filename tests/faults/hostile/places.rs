@@ -42,9 +42,6 @@ fn inputs_other_than_files_of_limited_size_are_refused() {
             commands.push(format!("probe a.toml --points points.csv --drive {name}"));
         }
         for command in commands {
-            if cfg!(not(feature = "serial")) && command.starts_with("send") {
-                continue;
-            }
             let args: Vec<_> = command.split(' ').collect();
             let message = refused(folder.path(), &mut program(folder.path(), &args));
             assert!(message.contains(part) && message.contains(name), "{command}: {message}");

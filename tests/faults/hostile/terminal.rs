@@ -100,9 +100,6 @@ fn a_megabyte_is_not_echoed() {
 
 #[test]
 fn an_invalid_calibration_gives_one_message() {
-    if cfg!(not(feature = "serial")) {
-        return;
-    }
     let table = format!("element,offset,gain,off\n0,{NASTY},1,0\n");
     let folder = folder_with(&[("a.toml", SCENE), ("c.csv", &table)]);
     let args = "send a.toml --port /dev/null --profile sonicsurface --calibration c.csv";
