@@ -26,8 +26,6 @@ const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
 /// Handles pointer input. `response` is the canvas.
 pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     look_around(editor, ui, response, lens);
-    let axes = editor.view.axes(editor.scene());
-    let modifiers = ui.input(|input| input.modifiers);
     // A quick click begins and ends within a frame.
     let is_meant = response.is_pointer_button_down_on() || response.clicked();
     let pressed = is_meant && ui.input(|input| input.pointer.primary_pressed());
@@ -36,16 +34,21 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
         typing::end(editor);
     }
     if let Some(at) = response.interact_pointer_pos() {
-        if pressed && editor.gesture.is_none() && !ui.input(|input| input.key_down(Key::Space)) {
+        let begins = pressed && editor.gesture.is_none() && !ui.input(|input| input.key_down(Key::Space));
+        if begins {
             typing::end(editor);
-            begin(editor, &axes, lens, at, modifiers);
         }
-        go_on(editor, &axes, lens, at, modifiers);
+        let mut press = Press::new(editor, lens, at, ui.input(|input| input.modifiers));
+        if begins {
+            press.begin();
+        }
+        press.go_on();
     }
     if !ui.input(|input| input.pointer.any_down()) {
-        end(editor, &axes, lens, response);
+        end(editor, lens, response);
     }
     if editor.typing.is_some() {
+        let axes = editor.view.axes(editor.scene());
         typing::write(editor, ui, &axes);
     }
 }
@@ -92,96 +95,254 @@ fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     }
 }
 
-/// The snapped position: on the grid if enabled, otherwise aligned with targets that are not `held`. Ctrl disables
-/// snapping.
-fn place(
-    editor: &mut Editor,
-    axes: &Axes,
-    lens: &Lens,
-    (at, modifiers): (Pos2, Modifiers),
-    held: Option<usize>,
-) -> DVec2 {
-    let uv = lens.flat(at);
-    editor.guides.clear();
-    if modifiers.command {
-        return uv;
-    }
-    if editor.snaps {
-        return (uv / editor.grid).round() * editor.grid;
-    }
-    uv + line_up(editor, axes, lens, &[uv], &held.into_iter().collect())
+/// The pointer on the canvas in this frame.
+struct Press<'a> {
+    editor: &'a mut Editor,
+    axes: Axes,
+    lens: &'a Lens,
+    at: Pos2,
+    /// Its position in the plane, m.
+    uv: DVec2,
+    modifiers: Modifiers,
 }
 
-/// The displacement that aligns these points with targets that are not `held`.
-fn line_up(editor: &mut Editor, axes: &Axes, lens: &Lens, places: &[DVec2], held: &BTreeSet<usize>) -> DVec2 {
-    if !editor.view.guides {
-        return DVec2::ZERO;
+impl<'a> Press<'a> {
+    fn new(editor: &'a mut Editor, lens: &'a Lens, at: Pos2, modifiers: Modifiers) -> Self {
+        let axes = editor.view.axes(editor.scene());
+        Self { editor, axes, lens, at, uv: lens.flat(at), modifiers }
     }
-    let (by, guides) = Guides::of(editor.scene(), axes, held).attract(lens, places);
-    editor.guides = guides;
-    by
+
+    /// The snapped position: on the grid if enabled, otherwise aligned with targets that are not `held`. Ctrl disables
+    /// snapping.
+    fn snapped(&mut self, held: Option<usize>) -> DVec2 {
+        let uv = self.uv;
+        self.editor.guides.clear();
+        if self.modifiers.command {
+            return uv;
+        }
+        if self.editor.snaps {
+            return (uv / self.editor.grid).round() * self.editor.grid;
+        }
+        uv + self.line_up(&[uv], &held.into_iter().collect())
+    }
+
+    /// The displacement that aligns these points with targets that are not `held`.
+    fn line_up(&mut self, places: &[DVec2], held: &BTreeSet<usize>) -> DVec2 {
+        if !self.editor.view.guides {
+            return DVec2::ZERO;
+        }
+        let (by, guides) = Guides::of(self.editor.scene(), &self.axes, held).attract(self.lens, places);
+        self.editor.guides = guides;
+        by
+    }
+
+    fn begin(&mut self) {
+        let from = self.snapped(None);
+        self.editor.gesture = match self.editor.tool {
+            Tool::Select => Some(self.grab()),
+            Tool::Point => {
+                let Some(target) = self.editor.tool.click(&self.axes, from) else { return };
+                self.editor.document.scene.targets.push(target.clone());
+                let index = self.editor.scene().targets.len() - 1;
+                self.editor.selection = BTreeSet::from([index]);
+                Some(Gesture::Move { from, before: vec![(index, target)] })
+            }
+            Tool::Text => {
+                self.editor.selection.clear();
+                self.editor.typing = Some(Typing::new(from));
+                None
+            }
+            Tool::Freehand => Some(Gesture::Stroke { points: vec![self.uv], index: None }),
+            Tool::Brush => {
+                let index = brush::picture_at(self.editor, &self.axes, self.uv);
+                Some(Gesture::Brush { last: None, index })
+            }
+            Tool::Erase => Some(Gesture::Erase { last: None }),
+            Tool::Measure => {
+                let other = other_end(self.editor, self.lens, self.at);
+                Some(Gesture::Measure { fixed: other.unwrap_or(from) })
+            }
+            Tool::Line | Tool::Circle | Tool::Rectangle | Tool::Triangle | Tool::Polygon => {
+                Some(Gesture::Draw { from, index: None })
+            }
+        };
+    }
+
+    /// Selects and grabs the target under the pointer, or begins a selection rectangle.
+    fn grab(&mut self) -> Gesture {
+        let from = self.uv;
+        if let Some(pull) = way::take(self.editor, &self.axes, self.lens, self.at) {
+            return Gesture::Way(pull);
+        }
+        if let Some(pull) = self.pull() {
+            return pull;
+        }
+        if let Some(fixed) = other_end(self.editor, self.lens, self.at) {
+            return Gesture::Measure { fixed };
+        }
+        let Some(index) =
+            edit::target_at(self.editor.scene(), &self.axes, from, REACH * self.lens.window.scale)
+        else {
+            let kept = if self.modifiers.shift { self.editor.selection.clone() } else { BTreeSet::new() };
+            self.editor.selection = kept.clone();
+            return Gesture::Band { from, kept };
+        };
+        let hit = group::around(self.editor.scene(), index);
+        match (self.modifiers.shift, self.editor.selection.contains(&index)) {
+            (true, true) => self.editor.selection.retain(|chosen| !hit.contains(chosen)),
+            (true, false) => self.editor.selection.extend(hit),
+            (false, true) => {}
+            (false, false) => self.editor.selection = hit,
+        }
+        if self.modifiers.alt {
+            edit::copy_in_place(&mut self.editor.document.scene, &mut self.editor.selection);
+        }
+        Gesture::Move { from, before: selected(self.editor) }
+    }
+
+    /// Grabs a handle of the selection.
+    fn pull(&self) -> Option<Gesture> {
+        if let Some(grip) = transform::at(self.editor, &self.axes, self.lens, self.at) {
+            return Some(Gesture::Transform { grip, from: self.uv, before: selected(self.editor) });
+        }
+        let index = self.editor.selection.first().copied().filter(|_| self.editor.selection.len() == 1)?;
+        let before = self.editor.scene().targets.get(index)?.clone();
+        let handle = handle::at(&before, &self.axes, self.lens, self.at)?;
+        Some(Gesture::Pull { index, handle, before })
+    }
+
+    fn go_on(&mut self) {
+        let Some(mut gesture) = self.editor.gesture.take() else { return };
+        match &mut gesture {
+            Gesture::Pan => {}
+            Gesture::Pull { index, handle, before } => {
+                let from = handle::handles(before)[*handle];
+                let uv = self.snapped(Some(*index));
+                // Small movements during a click pull nothing.
+                if uv.distance(self.axes.flat(from)) >= 2.0 * self.lens.window.scale {
+                    let depth = self.axes.x.cross(self.axes.y) * self.axes.height(from);
+                    let pulled = handle::pulled(before, *handle, self.axes.world(uv) + depth);
+                    if let Some(target) = self.editor.document.scene.targets.get_mut(*index) {
+                        *target = pulled;
+                    }
+                }
+            }
+            Gesture::Way(pull) => {
+                let uv = self.snapped(pull.target);
+                way::pull(self.editor, &self.axes, self.lens, uv, pull);
+            }
+            Gesture::Move { from, before } => self.follow(*from, before),
+            Gesture::Band { from, kept } => {
+                let inside = edit::targets_in(self.editor.scene(), &self.axes, *from, self.uv);
+                let whole = inside.iter().flat_map(|&index| group::around(self.editor.scene(), index));
+                self.editor.selection = kept.iter().copied().chain(whole).collect();
+            }
+            Gesture::Draw { from, index } => {
+                let mut to = self.snapped(*index);
+                if self.modifiers.shift {
+                    to = straight(self.editor.tool, *from, to);
+                }
+                if let Some(target) = self.editor.tool.drag(&self.axes, *from, to) {
+                    put(self.editor, index, target);
+                }
+            }
+            Gesture::Stroke { points, index } => {
+                let uv = self.uv;
+                let is_far = points.last().is_none_or(|last| last.distance(uv) >= STROKE_STEP);
+                if is_far && points.len() < MOST_VERTICES {
+                    points.push(uv);
+                    if points.len() > 1 {
+                        put(self.editor, index, tool::path(&self.axes, points, false));
+                    }
+                }
+            }
+            Gesture::Brush { last, index } => {
+                if let Some(way) = way(last, self.uv) {
+                    *index = brush::paint(self.editor, &self.axes, *index, way);
+                }
+            }
+            Gesture::Erase { last } => {
+                let uv = self.uv;
+                let is_deleted = |target: &Target| !brush::is_in(target, &self.axes);
+                let reach = REACH * self.lens.window.scale;
+                if let Some(index) =
+                    edit::target_among(self.editor.scene(), &self.axes, uv, reach, is_deleted)
+                {
+                    let mut erased = BTreeSet::from([index]);
+                    edit::delete(&mut self.editor.document.scene, &mut erased);
+                    self.editor.selection.clear();
+                }
+                if let Some(way) = way(last, uv) {
+                    brush::wipe(self.editor, &self.axes, way);
+                }
+            }
+            Gesture::Measure { fixed } => {
+                let mut to = self.snapped(None);
+                if self.modifiers.shift {
+                    to = straight(Tool::Line, *fixed, to);
+                }
+                if fixed.distance(to) >= measure::SHORTEST {
+                    self.editor.view.line = ProfileLine::Between([*fixed, to]);
+                }
+            }
+            Gesture::Transform { grip, from, before } => {
+                for (index, target) in before.iter() {
+                    let pulled =
+                        transform::pulled(target, *grip, &self.axes, *from, self.uv, self.modifiers.shift);
+                    if let Some(target) = self.editor.document.scene.targets.get_mut(*index) {
+                        *target = pulled;
+                    }
+                }
+            }
+        }
+        self.editor.gesture = Some(gesture);
+    }
+
+    /// Moves the held targets to the pointer.
+    fn follow(&mut self, from: DVec2, before: &[(usize, Target)]) {
+        self.editor.guides.clear();
+        let mut by = self.uv - from;
+        // A click that trembles is no move.
+        if by.length() < 2.0 * self.lens.window.scale {
+            by = DVec2::ZERO;
+        }
+        if let (true, Some((_, first))) = (by != DVec2::ZERO && !self.modifiers.command, before.first()) {
+            let centre = self.axes.flat(outline::centre(&first.shape));
+            if self.editor.snaps {
+                // The first target snaps to the grid and the others keep their offsets.
+                by = ((centre + by) / self.editor.grid).round() * self.editor.grid - centre;
+            } else {
+                let edges =
+                    edit::bounds(before.iter().map(|(_, target)| target), &self.axes).unwrap_or([centre; 2]);
+                let middle = if before.len() == 1 { centre } else { (edges[0] + edges[1]) / 2.0 };
+                let held = before.iter().map(|(index, _)| *index).collect();
+                let places = [middle, edges[0], edges[1]].map(|place| place + by);
+                by += self.line_up(&places, &held);
+            }
+        }
+        for (index, target) in before {
+            let mut moved = target.clone();
+            if by != DVec2::ZERO {
+                moved.shape.translate(self.axes.x * by.x + self.axes.y * by.y);
+            }
+            if let Some(target) = self.editor.document.scene.targets.get_mut(*index) {
+                *target = moved;
+            }
+        }
+    }
 }
 
-fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) {
-    let from = place(editor, axes, lens, (at, modifiers), None);
-    editor.gesture = match editor.tool {
-        Tool::Select => Some(grab(editor, axes, lens, at, modifiers)),
-        Tool::Point => {
-            let Some(target) = editor.tool.click(axes, from) else { return };
-            editor.document.scene.targets.push(target.clone());
-            let index = editor.scene().targets.len() - 1;
-            editor.selection = BTreeSet::from([index]);
-            Some(Gesture::Move { from, before: vec![(index, target)] })
+/// Puts a target being drawn into the scene, replacing its previous state.
+fn put(editor: &mut Editor, index: &mut Option<usize>, target: Target) {
+    let targets = &mut editor.document.scene.targets;
+    match index.and_then(|index| targets.get_mut(index)) {
+        Some(place) => *place = target,
+        None => {
+            targets.push(target);
+            *index = Some(targets.len() - 1);
         }
-        Tool::Text => {
-            editor.selection.clear();
-            editor.typing = Some(Typing::new(from));
-            None
-        }
-        Tool::Freehand => Some(Gesture::Stroke { points: vec![lens.flat(at)], index: None }),
-        Tool::Brush => {
-            let index = brush::picture_at(editor, axes, lens.flat(at));
-            Some(Gesture::Brush { last: None, index })
-        }
-        Tool::Erase => Some(Gesture::Erase { last: None }),
-        Tool::Measure => {
-            let other = other_end(editor, lens, at);
-            Some(Gesture::Measure { fixed: other.unwrap_or(from) })
-        }
-        Tool::Line | Tool::Circle | Tool::Rectangle | Tool::Triangle | Tool::Polygon => {
-            Some(Gesture::Draw { from, index: None })
-        }
-    };
-}
-
-/// Selects and grabs the target under the pointer, or begins a selection rectangle.
-fn grab(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) -> Gesture {
-    let from = lens.flat(at);
-    if let Some(pull) = way::take(editor, axes, lens, at) {
-        return Gesture::Way(pull);
     }
-    if let Some(pull) = pull(editor, axes, lens, at) {
-        return pull;
-    }
-    if let Some(fixed) = other_end(editor, lens, at) {
-        return Gesture::Measure { fixed };
-    }
-    let Some(index) = edit::target_at(editor.scene(), axes, from, REACH * lens.window.scale) else {
-        let kept = if modifiers.shift { editor.selection.clone() } else { BTreeSet::new() };
-        editor.selection = kept.clone();
-        return Gesture::Band { from, kept };
-    };
-    let hit = group::around(editor.scene(), index);
-    match (modifiers.shift, editor.selection.contains(&index)) {
-        (true, true) => editor.selection.retain(|chosen| !hit.contains(chosen)),
-        (true, false) => editor.selection.extend(hit),
-        (false, true) => {}
-        (false, false) => editor.selection = hit,
-    }
-    if modifiers.alt {
-        edit::copy_in_place(&mut editor.document.scene, &mut editor.selection);
-    }
-    Gesture::Move { from, before: selected(editor) }
+    editor.selection = index.iter().copied().collect();
 }
 
 /// The selected targets, with their indices.
@@ -202,143 +363,10 @@ fn other_end(editor: &Editor, lens: &Lens, at: Pos2) -> Option<DVec2> {
     }
 }
 
-/// Grabs a handle of the selection.
-fn pull(editor: &Editor, axes: &Axes, lens: &Lens, at: Pos2) -> Option<Gesture> {
-    if let Some(grip) = transform::at(editor, axes, lens, at) {
-        return Some(Gesture::Transform { grip, from: lens.flat(at), before: selected(editor) });
-    }
-    let index = editor.selection.first().copied().filter(|_| editor.selection.len() == 1)?;
-    let before = editor.scene().targets.get(index)?.clone();
-    let handle = handle::at(&before, axes, lens, at)?;
-    Some(Gesture::Pull { index, handle, before })
-}
-
-fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Modifiers) {
-    let Some(mut gesture) = editor.gesture.take() else { return };
-    match &mut gesture {
-        Gesture::Pan => {}
-        Gesture::Pull { index, handle, before } => {
-            let from = handle::handles(before)[*handle];
-            let uv = place(editor, axes, lens, (at, modifiers), Some(*index));
-            // Small movements during a click pull nothing.
-            if uv.distance(axes.flat(from)) >= 2.0 * lens.window.scale {
-                let depth = axes.x.cross(axes.y) * axes.height(from);
-                let pulled = handle::pulled(before, *handle, axes.world(uv) + depth);
-                if let Some(target) = editor.document.scene.targets.get_mut(*index) {
-                    *target = pulled;
-                }
-            }
-        }
-        Gesture::Way(pull) => {
-            let uv = place(editor, axes, lens, (at, modifiers), pull.target);
-            way::pull(editor, axes, lens, uv, pull);
-        }
-        Gesture::Move { from, before } => follow(editor, axes, lens, (at, modifiers), (*from, before)),
-        Gesture::Band { from, kept } => {
-            let inside = edit::targets_in(editor.scene(), axes, *from, lens.flat(at));
-            let whole = inside.iter().flat_map(|&index| group::around(editor.scene(), index));
-            editor.selection = kept.iter().copied().chain(whole).collect();
-        }
-        Gesture::Draw { from, index } => {
-            let mut to = place(editor, axes, lens, (at, modifiers), *index);
-            if modifiers.shift {
-                to = straight(editor.tool, *from, to);
-            }
-            if let Some(target) = editor.tool.drag(axes, *from, to) {
-                put(editor, index, target);
-            }
-        }
-        Gesture::Stroke { points, index } => {
-            let uv = lens.flat(at);
-            let is_far = points.last().is_none_or(|last| last.distance(uv) >= STROKE_STEP);
-            if is_far && points.len() < MOST_VERTICES {
-                points.push(uv);
-                if points.len() > 1 {
-                    put(editor, index, tool::path(axes, points, false));
-                }
-            }
-        }
-        Gesture::Brush { last, index } => {
-            if let Some(way) = way(last, lens.flat(at)) {
-                *index = brush::paint(editor, axes, *index, way);
-            }
-        }
-        Gesture::Erase { last } => {
-            let uv = lens.flat(at);
-            let is_deleted = |target: &Target| !brush::is_in(target, axes);
-            let reach = REACH * lens.window.scale;
-            if let Some(index) = edit::target_among(editor.scene(), axes, uv, reach, is_deleted) {
-                let mut erased = BTreeSet::from([index]);
-                edit::delete(&mut editor.document.scene, &mut erased);
-                editor.selection.clear();
-            }
-            if let Some(way) = way(last, uv) {
-                brush::wipe(editor, axes, way);
-            }
-        }
-        Gesture::Measure { fixed } => {
-            let mut to = place(editor, axes, lens, (at, modifiers), None);
-            if modifiers.shift {
-                to = straight(Tool::Line, *fixed, to);
-            }
-            if fixed.distance(to) >= measure::SHORTEST {
-                editor.view.line = ProfileLine::Between([*fixed, to]);
-            }
-        }
-        Gesture::Transform { grip, from, before } => {
-            for (index, target) in before.iter() {
-                let pulled = transform::pulled(target, *grip, axes, *from, lens.flat(at), modifiers.shift);
-                if let Some(target) = editor.document.scene.targets.get_mut(*index) {
-                    *target = pulled;
-                }
-            }
-        }
-    }
-    editor.gesture = Some(gesture);
-}
-
 /// The movement of the pointer; `None` at rest.
 fn way(last: &mut Option<DVec2>, to: DVec2) -> Option<[DVec2; 2]> {
     let from = last.replace(to).unwrap_or(DVec2::INFINITY);
     (from != to).then_some([if from.is_finite() { from } else { to }, to])
-}
-
-/// Moves the held targets to the pointer.
-fn follow(
-    editor: &mut Editor,
-    axes: &Axes,
-    lens: &Lens,
-    (at, modifiers): (Pos2, Modifiers),
-    (from, before): (DVec2, &[(usize, Target)]),
-) {
-    editor.guides.clear();
-    let mut by = lens.flat(at) - from;
-    // A click that trembles is no move.
-    if by.length() < 2.0 * lens.window.scale {
-        by = DVec2::ZERO;
-    }
-    if let (true, Some((_, first))) = (by != DVec2::ZERO && !modifiers.command, before.first()) {
-        let centre = axes.flat(outline::centre(&first.shape));
-        if editor.snaps {
-            // The first target snaps to the grid and the others keep their offsets.
-            by = ((centre + by) / editor.grid).round() * editor.grid - centre;
-        } else {
-            let edges = edit::bounds(before.iter().map(|(_, target)| target), axes).unwrap_or([centre; 2]);
-            let middle = if before.len() == 1 { centre } else { (edges[0] + edges[1]) / 2.0 };
-            let held = before.iter().map(|(index, _)| *index).collect();
-            let places = [middle, edges[0], edges[1]].map(|place| place + by);
-            by += line_up(editor, axes, lens, &places, &held);
-        }
-    }
-    for (index, target) in before {
-        let mut moved = target.clone();
-        if by != DVec2::ZERO {
-            moved.shape.translate(axes.x * by.x + axes.y * by.y);
-        }
-        if let Some(target) = editor.document.scene.targets.get_mut(*index) {
-            *target = moved;
-        }
-    }
 }
 
 /// With shift, lines go in steps of 15° and rectangles become squares.
@@ -355,34 +383,22 @@ fn straight(tool: Tool, from: DVec2, to: DVec2) -> DVec2 {
     }
 }
 
-/// Puts a target being drawn into the scene, replacing its previous state.
-fn put(editor: &mut Editor, index: &mut Option<usize>, target: Target) {
-    let targets = &mut editor.document.scene.targets;
-    match index.and_then(|index| targets.get_mut(index)) {
-        Some(place) => *place = target,
-        None => {
-            targets.push(target);
-            *index = Some(targets.len() - 1);
-        }
-    }
-    editor.selection = index.iter().copied().collect();
-}
-
-fn end(editor: &mut Editor, axes: &Axes, lens: &Lens, response: &Response) {
+fn end(editor: &mut Editor, lens: &Lens, response: &Response) {
     let Some(gesture) = editor.gesture.take() else { return };
+    let axes = editor.view.axes(editor.scene());
     editor.guides.clear();
     if let Gesture::Stroke { points, index: Some(index) } = &gesture
         && closes(points, lens)
     {
-        put(editor, &mut Some(*index), tool::path(axes, &points[..points.len() - 1], true));
+        put(editor, &mut Some(*index), tool::path(&axes, &points[..points.len() - 1], true));
     }
     if let Gesture::Draw { index: None, .. } = gesture
         && response.clicked()
         && let Some(at) = response.interact_pointer_pos()
     {
-        let at = place(editor, axes, lens, (at, Modifiers::NONE), None);
+        let at = Press::new(editor, lens, at, Modifiers::NONE).snapped(None);
         editor.guides.clear();
-        if let Some(target) = editor.tool.click(axes, at) {
+        if let Some(target) = editor.tool.click(&axes, at) {
             put(editor, &mut None, target);
         }
     }
