@@ -320,7 +320,7 @@ impl Window {
             Outcome::Listed(folder) => self.shown.folder = Some(folder),
             Outcome::Read(path, Ok(drawing)) => {
                 let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-                let import = ui::Import::new(name, drawing, &self.editor);
+                let import = ui::Import::new(name, drawing, &self.editor.view, self.editor.scene());
                 self.editor.dialog = Some(Dialog::Import(Box::new(import)));
             }
             Outcome::Heard(Ok(wave)) => self.take_waveform(wave),

@@ -1,12 +1,17 @@
 //! What the user wants beyond the window: files, boards, other programs.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::picture::figure::Format;
 use crate::scene::Scene;
 use crate::studio::animate::Kind;
+use crate::studio::opening;
 use crate::ui::board::BoardCommand;
-use crate::ui::dialog::file::Purpose;
+
+/// Extensions of drawings.
+pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
+/// Endings of tables of elements.
+pub const ELEMENTS: &[&str] = &["csv", "pat"];
 
 /// Commands beyond the user interface.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,4 +88,102 @@ pub enum Export {
     Elements,
     /// Every frame of the displayed motion, with the options of [`crate::ui::Editor::film`].
     Motion(Kind),
+}
+
+/// The purpose of a file dialog.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Purpose {
+    Open,
+    SaveAs,
+    /// A drawing that becomes targets.
+    Import,
+    /// A table of elements that becomes the array.
+    Elements,
+    /// Of the modulation.
+    Waveform,
+    Export(Export),
+}
+
+impl Purpose {
+    /// For a file dropped on the window.
+    pub fn of_dropped(path: &Path) -> Self {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        match ending.as_str() {
+            drawing if IMPORTED.contains(&drawing) => Self::Import,
+            table if ELEMENTS.contains(&table) => Self::Elements,
+            _ => Self::Open,
+        }
+    }
+
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Open => "Open a scene",
+            Self::SaveAs => "Save the scene as",
+            Self::Elements => "Take a table of elements (CSV, or PAT of OpenMPD)",
+            Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
+            Self::Waveform => "Open a waveform of the modulation (WAV)",
+            Self::Export(Export::Figure(_)) => "Export the figure",
+            Self::Export(Export::Map) => "Export the map as PNG",
+            Self::Export(Export::Sheet) => "Export the sheet as PNG",
+            Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
+            Self::Export(Export::Drive) => "Export the drive as CSV",
+            Self::Export(Export::Elements) => "Export the elements as CSV",
+            Self::Export(Export::Profile) => "Export the line profile as CSV",
+            Self::Export(Export::Motion(_)) => "Export the motion",
+        }
+    }
+
+    /// Accepted extensions, the default first.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Self::Open | Self::SaveAs => opening::ENDINGS,
+            Self::Import => IMPORTED,
+            Self::Elements => ELEMENTS,
+            Self::Waveform => &["wav"],
+            Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
+            Self::Export(Export::Figure(Format::Svg)) => &["svg"],
+            Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
+            Self::Export(Export::Numbers) => &["npy"],
+            Self::Export(Export::Drive | Export::Profile | Export::Elements) => &["csv"],
+            Self::Export(Export::Motion(kind)) => kind.endings(),
+        }
+    }
+
+    /// Whether the file must exist.
+    pub fn reads(self) -> bool {
+        matches!(self, Self::Open | Self::Import | Self::Elements | Self::Waveform)
+    }
+
+    pub(super) fn verb(self) -> &'static str {
+        match self {
+            Self::Open => "Open",
+            Self::SaveAs => "Save",
+            Self::Import | Self::Elements | Self::Waveform => "Read",
+            Self::Export(_) => "Export",
+        }
+    }
+
+    pub fn command(self, path: PathBuf) -> Command {
+        match self {
+            Self::Open => Command::Open(path),
+            Self::SaveAs => Command::SaveAs(path),
+            Self::Import => Command::Import(path),
+            Self::Elements => Command::TakeElements(path),
+            Self::Waveform => Command::Waveform(path),
+            Self::Export(export) => Command::Export(export, path),
+        }
+    }
+
+    /// The path with the default extension, if an output has none.
+    pub fn with_ending(self, path: PathBuf) -> PathBuf {
+        match path.extension() {
+            None if !self.reads() => path.with_extension(self.extensions()[0]),
+            _ => path,
+        }
+    }
+
+    pub(super) fn takes(self, name: &str) -> bool {
+        let ending = Path::new(name).extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        self.extensions().contains(&ending.as_str())
+    }
 }

@@ -8,10 +8,6 @@ use crate::scene::{Scene, Target};
 use crate::ui::beside;
 use crate::ui::board::BoardForm;
 use crate::ui::command::Command;
-use crate::ui::dialog::Dialog;
-use crate::ui::dialog::figure::FigureForm;
-use crate::ui::dialog::file::Asking;
-use crate::ui::dialog::film::FilmForm;
 use crate::ui::document::Document;
 use crate::ui::fitted::Fitted;
 use crate::ui::gesture::{Gesture, Typing, Vertex};
@@ -22,6 +18,7 @@ use crate::ui::playback::{Oscillation, Playback};
 use crate::ui::space::SpaceView;
 use crate::ui::tool::{Brush, Tool};
 use crate::ui::view::View;
+use crate::ui::{Asking, Dialog, FigureForm, FilmForm};
 
 /// The edited document and the state of its display.
 #[derive(Debug)]

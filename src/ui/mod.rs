@@ -61,12 +61,8 @@ pub mod view;
 mod view_bar;
 mod way;
 
-pub use command::{Command, Export};
-pub use dialog::Dialog;
-pub use dialog::figure::{FigureForm, Preview};
-pub use dialog::file::{Asking, ELEMENTS, Entry, Folder, IMPORTED, Purpose};
-pub use dialog::film::FilmForm;
-pub use dialog::import::Import;
+pub use command::{Command, ELEMENTS, Export, IMPORTED, Purpose};
+pub use dialog::{Asking, Dialog, Entry, FigureForm, FilmForm, Folder, Import, Preview};
 pub use editor::Editor;
 pub use frame::show;
 pub use layout::Layout;

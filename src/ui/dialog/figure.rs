@@ -1,92 +1,14 @@
 //! The dialog for exporting a figure of the map or the surface, with a preview.
 
-use egui::{ComboBox, DragValue, Sense, TextEdit, TextureHandle, Ui, vec2};
+use egui::{ComboBox, DragValue, Sense, TextEdit, Ui, vec2};
 use strum::VariantArray;
 
-use crate::picture::figure::{Format, Paper};
-use crate::studio::figure::{DENSITIES, WIDTHS, Wish};
-use crate::ui::view::View;
+use crate::picture::figure::Format;
+use crate::studio::figure::{DENSITIES, WIDTHS};
 use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, theme};
 
 /// Limit of the preview's size in points.
 const PREVIEW: f32 = 260.0;
-
-/// The options of a figure; map, colours, range and contours are those of the view.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FigureForm {
-    paper: Paper,
-    title: String,
-    colour_bar: bool,
-    scale_bar: bool,
-    contours: bool,
-    targets: bool,
-    widths: bool,
-    is_light: bool,
-    format: Format,
-}
-
-impl Default for FigureForm {
-    fn default() -> Self {
-        Self {
-            paper: Paper::default(),
-            title: String::new(),
-            colour_bar: true,
-            scale_bar: false,
-            contours: false,
-            targets: false,
-            widths: false,
-            is_light: false,
-            format: Format::Pdf,
-        }
-    }
-}
-
-impl FigureForm {
-    /// Colours for the ground of the view.
-    pub fn follow(&mut self, view: &View) {
-        self.is_light = view.is_light;
-    }
-
-    /// The figure of a view.
-    pub fn wish(&self, view: &View) -> Wish {
-        let declaration = view.quantity.declaration();
-        let is_shaded = view.is_shaded();
-        let has_contours = self.contours && declaration.has_mean && !is_shaded;
-        Wish {
-            paper: self.paper,
-            title: Some(self.title.clone()),
-            is_shaded,
-            colours: view.colours,
-            is_light: self.is_light,
-            scale: view.colouring().scale(),
-            range: None,
-            full: view.full,
-            low: view.low.filter(|_| view.full.is_some()),
-            floor: view.floor,
-            fades: view.fades,
-            contours: has_contours.then_some(view.contour_level).into_iter().collect(),
-            convention: view.convention,
-            has_colour_bar: self.colour_bar,
-            has_scale_bar: self.scale_bar,
-            has_targets: self.targets && !is_shaded,
-            has_widths: self.widths && !is_shaded,
-        }
-    }
-}
-
-/// A figure as written, in screen pixels.
-#[derive(Clone)]
-pub struct Preview {
-    pub texture: TextureHandle,
-    /// Of the figure, mm.
-    pub size: [f64; 2],
-}
-
-impl std::fmt::Debug for Preview {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Preview").field("size", &self.size).finish_non_exhaustive()
-    }
-}
 
 /// Draws the dialog, and returns whether it stays open.
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {

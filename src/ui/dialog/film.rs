@@ -3,54 +3,15 @@
 use egui::{ComboBox, DragValue, Ui};
 
 use crate::picture::animation::Pace;
-use crate::scene::{Scene, motion};
+use crate::scene::motion;
 use crate::studio::animate::{Kind, RATES};
-use crate::studio::swell::Schedule;
-use crate::ui::dialog::answer;
-use crate::ui::view::View;
-use crate::ui::{Dialog, Editor, Export, Map, Purpose, Shown};
+use crate::ui::dialog::answer::answer;
+use crate::ui::{Dialog, Editor, Export, Purpose, Shown};
 
 /// Pixels that a film may be wide.
 const WIDTHS: [usize; 2] = [200, 4096];
 /// s
 const LONGEST: f64 = 10.0;
-
-/// The options of a film; quantity, colours, range and shading are those of the view.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct FilmForm {
-    kind: Kind,
-    /// Pixels; `None`: as on the screen.
-    width: Option<usize>,
-    /// Displayed frames per second; `None`: real time, as far as viewers allow.
-    rate: Option<f64>,
-    waves: bool,
-    /// Duration of waves; `None`: the scene's default.
-    seconds: Option<f64>,
-}
-
-impl FilmForm {
-    /// Pixels of a film of a map, in the shape that it has on the screen.
-    pub fn size(&self, map: &Map, pixels_per_point: f32) -> (usize, usize) {
-        let [width, height] = [map.rect.width(), map.rect.height()]
-            .map(|points| f64::from(points * pixels_per_point).round().max(1.0));
-        let own = self.width.map_or(width, |width| width as f64);
-        self.kind.pixels((own as usize, (own * height / width).round().max(1.0) as usize))
-    }
-
-    pub fn rate(&self) -> Option<f64> {
-        self.rate.map(|rate| rate.min(self.kind.most_rate()))
-    }
-
-    /// The schedule of waves, if shown.
-    ///
-    /// # Errors
-    /// More pictures than waves may have.
-    pub fn schedule(&self, scene: &Scene, view: &View) -> Result<Option<Schedule>, String> {
-        let has_waves = view.quantity.declaration().of_liquid && (self.waves || !motion::moves(scene));
-        let schedule = has_waves.then(|| Schedule::new(scene, self.seconds)).transpose();
-        schedule.map_err(|error| format!("{error:#}"))
-    }
-}
 
 /// Draws the dialog, and returns whether it stays open.
 pub(super) fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> bool {

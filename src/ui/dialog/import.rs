@@ -6,9 +6,10 @@ use crate::acoustics::Aperture;
 use crate::import::{Drawing, Placement};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::solver::warning::{self, Warning};
-use crate::ui::dialog::answer;
+use crate::ui::dialog::answer::answer;
 use crate::ui::panels::{self, MM};
-use crate::ui::{Editor, theme};
+use crate::ui::theme;
+use crate::ui::view::View;
 
 /// Default of the longer side, m.
 const SIDE: f64 = 0.06;
@@ -38,10 +39,9 @@ struct Made {
 
 impl Import {
     /// Suggests the centre of the view.
-    pub fn new(name: String, drawing: Drawing, editor: &Editor) -> Self {
-        let axes = editor.view.axes(editor.scene());
-        let middle =
-            editor.view.window.map_or(axes.flat(editor.scene().plane.centre), |window| window.centre);
+    pub fn new(name: String, drawing: Drawing, view: &View, scene: &Scene) -> Self {
+        let axes = view.axes(scene);
+        let middle = view.window.map_or(axes.flat(scene.plane.centre), |window| window.centre);
         let placement = Placement {
             at: axes.world(middle),
             x: axes.x,
@@ -52,13 +52,13 @@ impl Import {
         Self { name, drawing, placement, made: None }
     }
 
-    /// Draws the dialog, and returns whether it stays open.
-    pub(super) fn show(&mut self, editor: &mut Editor, ui: &mut Ui) -> bool {
+    /// Draws the dialog, and returns the imported targets when it ends; none if it was cancelled.
+    pub(super) fn show(&mut self, scene: &Scene, ui: &mut Ui) -> Option<Vec<Target>> {
         ui.heading(format!("Import {}", self.name));
-        self.make(editor.scene());
+        self.make(scene);
         self.preview(ui);
         self.settings(ui);
-        let Some(made) = &self.made else { return true };
+        let made = self.made.as_ref()?;
         match &made.targets {
             Ok(targets) => {
                 ui.strong(summary(&made.foci, targets.len()));
@@ -72,18 +72,14 @@ impl Import {
             ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
         }
         ui.add_space(8.0);
-        let mut stays = true;
+        let mut cancels = false;
         let imports = answer(ui, ("Import", made.targets.is_ok()), |ui| {
-            stays = !ui.button("Cancel").clicked();
+            cancels = ui.button("Cancel").clicked();
         });
-        if let (true, Ok(targets)) = (imports, &made.targets) {
-            let own = &mut editor.document.scene.targets;
-            let first = own.len();
-            own.extend(targets.iter().cloned());
-            editor.selection = (first..editor.scene().targets.len()).collect();
-            stays = false;
+        match &made.targets {
+            Ok(targets) if imports => Some(targets.clone()),
+            Ok(_) | Err(_) => cancels.then(Vec::new),
         }
-        stays
     }
 
     /// Updates the targets after a change of the placement.

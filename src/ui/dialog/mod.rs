@@ -1,104 +1,29 @@
 //! The dialogs and messages of the window.
 
-pub mod figure;
-pub mod file;
-pub mod film;
-pub mod import;
+mod answer;
+mod figure;
+mod file;
+mod film;
+mod import;
+mod options;
 mod palette;
+mod state;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use egui::{Context, Id, Key, Modal, Modifiers, RichText, ScrollArea, Ui};
+use egui::{Context, Id, Modal, RichText, ScrollArea, Ui};
 use strum::VariantArray;
 
 use crate::echo;
-use crate::scene::Scene;
+use crate::scene::{Scene, Target};
 use crate::ui::action::{Action, Group};
 use crate::ui::board::BoardCommand;
-use crate::ui::{Command, Editor, Shown, keys, theme};
-use file::Purpose;
-use import::Import;
+use crate::ui::{Command, Editor, Purpose, Shown, keys};
+use answer::{answer, hear_enter};
 
-/// A modal dialog or message.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Dialog {
-    /// Which file?
-    Path {
-        purpose: Purpose,
-        text: String,
-    },
-    /// The file already exists.
-    Replace {
-        purpose: Purpose,
-        /// The typed text.
-        text: String,
-        path: PathBuf,
-    },
-    /// Unsaved changes would be lost by this command.
-    Unsaved(Command),
-    /// Another program has changed the file to be saved.
-    Changed(PathBuf),
-    /// A failure and its reason.
-    Message {
-        title: String,
-        text: String,
-    },
-    /// A scene that the last run did not save.
-    Recovered(Box<Scene>),
-    /// The loudness warning.
-    Loud(BoardCommand),
-    /// All actions, searched by name.
-    Palette {
-        text: String,
-        chosen: usize,
-    },
-    /// Placement of a drawing.
-    Import(Box<Import>),
-    /// Options of a figure of the map.
-    Figure,
-    /// Options of a film of the motion.
-    Film,
-    Help,
-}
-
-impl Dialog {
-    /// Whether it requires an answer, since data may be lost: Escape and clicks outside do not close it.
-    fn insists(&self) -> bool {
-        matches!(self, Self::Recovered(_))
-    }
-}
-
-/// Whether Enter was pressed, once and not held, while no widget had the keyboard.
-fn is_entered(ui: &Ui) -> bool {
-    let is_free = ui.memory(|memory| memory.focused().is_none());
-    is_free && ui.data(|data| data.get_temp(entered_id())).unwrap_or(false)
-}
-
-fn entered_id() -> Id {
-    Id::unique("dialog entered")
-}
-
-/// Notes, before the dialog's widgets see it, whether Enter answers it.
-fn hear_enter(ctx: &Context) {
-    let is_free = ctx.memory(|memory| memory.focused().is_none());
-    let is_enter = |event: &egui::Event| {
-        matches!(event, egui::Event::Key { key: Key::Enter, pressed: true, repeat: false, modifiers, .. }
-            if *modifiers == Modifiers::NONE)
-    };
-    let entered = is_free && ctx.input(|input| input.events.iter().any(is_enter));
-    ctx.data_mut(|data| data.insert_temp(entered_id(), entered));
-}
-
-/// The row of buttons of a dialog, the primary one first: Enter presses it. Whether it was pressed.
-fn answer(ui: &mut Ui, (primary, enabled): (&str, bool), others: impl FnOnce(&mut Ui)) -> bool {
-    let entered = enabled && is_entered(ui);
-    ui.horizontal(|ui| {
-        let clicked = ui.add_enabled(enabled, theme::primary(primary)).clicked();
-        others(ui);
-        clicked || entered
-    })
-    .inner
-}
+pub use import::Import;
+pub use options::{FigureForm, FilmForm, Preview};
+pub use state::{Asking, Dialog, Entry, Folder};
 
 /// Draws the dialog that is open, if one is.
 pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Vec<Command>) {
@@ -131,7 +56,12 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
             Dialog::Palette { text, chosen } => {
                 stays = palette::show((text, chosen), (editor, shown), ui, commands);
             }
-            Dialog::Import(import) => stays = import.show(editor, ui),
+            Dialog::Import(import) => {
+                if let Some(targets) = import.show(editor.scene(), ui) {
+                    add(targets, editor);
+                    stays = false;
+                }
+            }
             Dialog::Figure => stays = figure::show(editor, shown, ui, commands),
             Dialog::Film => stays = film::show(editor, shown, ui),
             Dialog::Help => {
@@ -148,6 +78,17 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
     if editor.dialog.is_none() && stays && !dismissed {
         editor.dialog = Some(dialog);
     }
+}
+
+/// Adds imported targets, and selects them.
+fn add(targets: Vec<Target>, editor: &mut Editor) {
+    if targets.is_empty() {
+        return;
+    }
+    let own = &mut editor.document.scene.targets;
+    let first = own.len();
+    own.extend(targets);
+    editor.selection = (first..editor.scene().targets.len()).collect();
 }
 
 /// The confirmation for overwriting a file.
