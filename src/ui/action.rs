@@ -360,8 +360,8 @@ impl Action {
             Self::Paste => commands.push(Command::Paste),
             Self::Duplicate => clipboard::duplicate(editor),
             Self::Delete => clipboard::delete_chosen(editor),
-            Self::Group => group::join(editor),
-            Self::Ungroup => group::rename(editor, ""),
+            Self::Group => group::join(&mut editor.document.scene, &editor.selection),
+            Self::Ungroup => group::rename(&mut editor.document.scene, &editor.selection, ""),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
             Self::Export(Export::Figure(_)) => {

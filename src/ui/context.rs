@@ -48,11 +48,11 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     }
     ui.separator();
     if item(ui, 2, "Group") {
-        group::join(editor);
+        group::join(&mut editor.document.scene, &editor.selection);
     }
     let is_grouped = group::any(editor.scene(), &editor.selection);
     if ui.add_enabled(is_grouped, Button::new("Ungroup")).clicked() {
-        group::rename(editor, "");
+        group::rename(&mut editor.document.scene, &editor.selection, "");
     }
     ui.separator();
     let axes = editor.view.axes(editor.scene());

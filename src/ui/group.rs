@@ -3,7 +3,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::scene::{Scene, Target};
-use crate::ui::Editor;
 
 /// Stem of generated names; a number follows.
 const STEM: &str = "Group";
@@ -32,15 +31,15 @@ pub fn any(scene: &Scene, selection: &BTreeSet<usize>) -> bool {
 }
 
 /// Groups the selection.
-pub fn join(editor: &mut Editor) {
-    let name = fresh(&editor.scene().targets, STEM);
-    rename(editor, &name);
+pub fn join(scene: &mut Scene, selection: &BTreeSet<usize>) {
+    let name = fresh(&scene.targets, STEM);
+    rename(scene, selection, &name);
 }
 
 /// Renames the group of the selection; an empty name ungroups it.
-pub fn rename(editor: &mut Editor, name: &str) {
-    for &index in &editor.selection {
-        if let Some(target) = editor.document.scene.targets.get_mut(index) {
+pub fn rename(scene: &mut Scene, selection: &BTreeSet<usize>, name: &str) {
+    for &index in selection {
+        if let Some(target) = scene.targets.get_mut(index) {
             name.clone_into(&mut target.group);
         }
     }

@@ -7,7 +7,8 @@ use crate::import::{Drawing, Placement};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::solver::warning::{self, Warning};
 use crate::ui::dialog::answer::answer;
-use crate::ui::panels::{self, MM};
+use crate::ui::panels::form::{MM, form, number};
+use crate::ui::panels::target::{point, sampling};
 use crate::ui::theme;
 use crate::ui::view::View;
 
@@ -105,19 +106,19 @@ impl Import {
     fn settings(&mut self, ui: &mut Ui) {
         let size = self.drawing.size;
         let placement = &mut self.placement;
-        panels::form(ui, "placement", |ui| {
+        form(ui, "placement", |ui| {
             for (name, part) in [("Width", size.x), ("Height", size.y)] {
                 if part > 1e-6 {
                     let mut length = placement.side * part;
                     let range = SIDES.start() * part..=SIDES.end() * part;
-                    panels::number(ui, (name, "The other one follows"), &mut length, MM, range);
+                    number(ui, (name, "The other one follows"), &mut length, MM, range);
                     if length != placement.side * part {
                         placement.side = length / part;
                     }
                 }
             }
-            panels::point(ui, "Centre", &mut placement.at);
-            panels::sampling(ui, &mut placement.sampling, &[]);
+            point(ui, "Centre", &mut placement.at);
+            sampling(ui, &mut placement.sampling, &[]);
         });
     }
 

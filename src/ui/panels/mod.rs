@@ -13,7 +13,7 @@ mod path;
 mod profile;
 mod scene;
 mod solver;
-mod target;
+pub mod target;
 
 use egui::{ScrollArea, Ui};
 use strum::VariantArray;

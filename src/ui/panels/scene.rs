@@ -188,7 +188,7 @@ fn together(editor: &mut Editor, count: usize, ui: &mut Ui) {
         is_renamed = target::label(ui, target::GROUP, "in no group", &mut group);
     });
     if is_renamed {
-        group::rename(editor, &group);
+        group::rename(&mut editor.document.scene, &editor.selection, &group);
     }
     if is_louder {
         let chosen = |(index, target): (usize, &mut Target)| {
