@@ -9,9 +9,10 @@ use std::path::{Path, PathBuf};
 use eframe::egui_wgpu::{WgpuSetup, WgpuSetupExisting};
 use eframe::{egui, wgpu};
 
+use crate::app::examples::{example, linked};
 use crate::app::recovery::Recovery;
 use crate::app::settings::{Memory, Settings};
-use crate::app::{Legacy, TITLE, Window, example, linked};
+use crate::app::window::{Legacy, TITLE, Window};
 use crate::field::GpuError;
 use crate::field::gpu::{adapter, device_descriptor};
 use crate::studio::evaluator::Renderer;

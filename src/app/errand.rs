@@ -2,13 +2,17 @@
 //!
 //! Reading drawings, listing folders, exporting motions and file dialogs are errands: no frame waits for a disk.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 
 use egui::Context;
 
+use crate::import::Drawing;
+use crate::scene::{Array, Wave};
 use crate::studio::later;
+use crate::ui::{Folder, Purpose};
 
 /// Resolution of progress.
 const STEPS: f32 = 1000.0;
@@ -105,6 +109,31 @@ impl<T: Send + 'static> Errand<T> {
             Err(TryRecvError::Disconnected) => State::Failed,
         }
     }
+}
+
+/// The result of an errand.
+#[derive(Debug)]
+pub enum Outcome {
+    /// The answer of the desktop's file dialog; `Err` with the current text if there is no dialog or no choice.
+    Chosen(Purpose, Result<PathBuf, String>),
+    /// A dropped file, with the browser's reason.
+    #[cfg(target_arch = "wasm32")]
+    Unreadable(String),
+    Listed(Folder),
+    Read(PathBuf, anyhow::Result<Drawing>),
+    Heard(Result<Wave, String>),
+    /// An array with loaded elements.
+    Placed(Result<Box<Array>, String>),
+    /// The motion was exported, if it was not called off.
+    Filmed(PathBuf, anyhow::Result<Option<()>>),
+}
+
+/// A motion being exported.
+#[derive(Debug)]
+pub struct Film {
+    /// The file's.
+    pub name: String,
+    pub progress: Progress,
 }
 
 #[cfg(test)]

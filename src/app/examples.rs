@@ -1,5 +1,10 @@
 //! The example scenes of `assets/scenes`, built into the program.
 
+#[cfg(target_arch = "wasm32")]
+use crate::app::browser;
+use crate::studio::link;
+use crate::ui::document::Document;
+
 /// A scene to begin with.
 #[derive(Debug)]
 pub struct Example {
@@ -74,4 +79,23 @@ mod tests {
             assert!(titles.insert(example.title), "{} is called as another", example.name);
         }
     }
+}
+
+/// An example scene as a document without a file.
+pub fn example(index: usize) -> anyhow::Result<Document> {
+    let example = EXAMPLES.get(index).unwrap_or(&EXAMPLES[0]);
+    Ok(Document::parse(example.text.to_owned(), example.name)?)
+}
+
+/// The scene of a link as a document without a file; a page's address keeps that of its own link.
+pub fn linked(text: &str) -> anyhow::Result<Document> {
+    let mut document = Document::parse(link::read(text)?, "linked scene")?;
+    #[cfg(target_arch = "wasm32")]
+    let is_kept = browser::fragment().is_some_and(|own| own == text);
+    #[cfg(not(target_arch = "wasm32"))]
+    let is_kept = false;
+    if !is_kept {
+        document.was_never_saved();
+    }
+    Ok(document)
 }

@@ -4,16 +4,18 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use eframe::egui;
+use eframe::egui::{self, TextureOptions};
 
-use crate::app::Window;
-use crate::app::errand::{Errand, Progress, State};
 #[cfg(target_arch = "wasm32")]
-use crate::app::page;
+use crate::app::browser;
+use crate::app::errand::{Errand, Film, Outcome, Progress, State};
+use crate::app::figure::{Previews, Recipe, image};
+use crate::app::window::Window;
 use crate::app::{folders, settings};
 use crate::drive::Drive;
 use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
+use crate::picture::figure::Format;
 use crate::picture::{export, numbers, sheet};
 use crate::scene::{Array, Elements, Envelope, Scene, Wave, check};
 use crate::solver::frames;
@@ -23,36 +25,12 @@ use crate::studio::opening::stem;
 use crate::studio::paintings::Placed;
 use crate::studio::{elements, figure, link, liquid, map, opening, output, waveform};
 use crate::ui::document::Document;
+use crate::ui::part::wake;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
-use crate::ui::{self, Command, Dialog, Export, Folder, Purpose};
+use crate::ui::{self, Command, Dialog, Export, Preview, Purpose};
 
 const SHEET_WIDTH: usize = 1600;
-
-/// The result of an errand.
-#[derive(Debug)]
-pub(super) enum Outcome {
-    /// The answer of the desktop's file dialog; `Err` with the current text if there is no dialog or no choice.
-    Chosen(Purpose, Result<PathBuf, String>),
-    /// A dropped file, with the browser's reason.
-    #[cfg(target_arch = "wasm32")]
-    Unreadable(String),
-    Listed(Folder),
-    Read(PathBuf, anyhow::Result<Drawing>),
-    Heard(Result<Wave, String>),
-    /// An array with loaded elements.
-    Placed(Result<Box<Array>, String>),
-    /// The motion was exported, if it was not called off.
-    Filmed(PathBuf, anyhow::Result<Option<()>>),
-}
-
-/// A motion being exported.
-#[derive(Debug)]
-pub(super) struct Film {
-    /// The file's.
-    name: String,
-    pub(super) progress: Progress,
-}
 
 /// Opens the file dialog of the desktop or browser.
 #[cfg(not(target_arch = "wasm32"))]
@@ -82,7 +60,7 @@ fn ask_for_file(
 /// Opens the browser's file dialog. Outputs only have a name.
 #[cfg(target_arch = "wasm32")]
 fn ask_for_file(purpose: Purpose, _: &Document) -> impl Future<Output = Option<PathBuf>> + use<> {
-    async move { if purpose.reads() { page::pick(purpose.extensions()).await } else { None } }
+    async move { if purpose.reads() { browser::pick(purpose.extensions()).await } else { None } }
 }
 
 /// Whether no file is overwritten: browsers choose unused names for downloads.
@@ -158,7 +136,7 @@ impl Window {
         let file = Arc::clone(file);
         let read = async move {
             let bytes = file.bytes_async().await?;
-            Ok(page::take(file.path(), bytes))
+            Ok(browser::take(file.path(), bytes))
         };
         let outcome = async move {
             match read.await {
@@ -487,5 +465,62 @@ impl Window {
         let legend = sheet::Legend { colours, peak: drawn.map.peak.into(), remark };
         let page = sheet::sheet(scene, solution, &name, &drawn.picture, &legend, page)?;
         Ok(export::png(&page)?)
+    }
+}
+
+impl Window {
+    fn recipe(&self) -> anyhow::Result<Recipe> {
+        let request = self.workshop.mapping.request().context("there is no map")?;
+        let solution = self.shown.solution.as_ref();
+        Ok(Recipe {
+            scene: Arc::new(self.editor.scene().clone()),
+            foci: solution.map_or_else(Vec::new, |solution| solution.foci.clone()),
+            // The figure has its own size in pixels.
+            request: Request { size: (1, 1), ..request.clone() },
+            wish: self.editor.figure.wish(&self.editor.view),
+        })
+    }
+
+    /// Updates the preview while it is displayed.
+    pub(super) fn preview_figure(&mut self, ctx: &egui::Context) {
+        if self.editor.dialog != Some(Dialog::Figure) {
+            if self.shown.figure.is_some() {
+                (self.previews, self.shown.figure) = (Previews::default(), None);
+            }
+            return;
+        }
+        let recipe = match self.recipe() {
+            Ok(recipe) => recipe,
+            Err(error) => return self.shown.figure = Some(Err(format!("{error:#}"))),
+        };
+        let Previews { later, shown } = &mut self.previews;
+        later.collect();
+        later.ask(&recipe, wake(ctx), |recipe| recipe.preview().map_err(|error| format!("{error:#}")));
+        let Some(made) = later.get(&recipe) else { return };
+        if shown.as_ref() == Some(&recipe) {
+            return;
+        }
+        self.shown.figure = Some(made.clone().map(|(picture, size)| {
+            let texture = ctx.load_texture("figure", image(&picture), TextureOptions::LINEAR);
+            Preview { texture, size }
+        }));
+        *shown = Some(recipe);
+        ctx.request_repaint();
+    }
+
+    pub(super) fn figure_bytes(&self, format: Format) -> anyhow::Result<Vec<u8>> {
+        Ok(self.recipe()?.figure()?.write(format)?)
+    }
+
+    pub(super) fn copy_figure(&mut self, ctx: &egui::Context) {
+        let picture = self.recipe().and_then(|recipe| Ok(recipe.figure()?.picture()?));
+        match picture {
+            Ok(picture) => {
+                let words = format!("Copied {} x {} pixels", picture.width, picture.height);
+                ctx.copy_image(image(&picture));
+                self.tell(&words, false);
+            }
+            Err(error) => self.refuse("The figure cannot be copied", &error),
+        }
     }
 }

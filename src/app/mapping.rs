@@ -9,9 +9,9 @@
 //! `Window::new` with a GPU, which `tests/window/gpu.rs` tests.
 
 use std::f64::consts::TAU;
-use web_time::Instant;
 
 use egui::{Color32, ColorImage, Context, TextureId, TextureOptions};
+use web_time::Instant;
 
 use crate::app::screen::Screen;
 use crate::drive::Drive;

@@ -25,6 +25,7 @@ use crate::app::posing::{self, Source};
 use crate::app::screen::Screen;
 use crate::app::space::Spacing;
 use crate::field::{Evaluator, Quantity, missed};
+
 #[cfg(not(target_arch = "wasm32"))]
 use crate::gauge::Gauge;
 use crate::scene::{Scene, check, motion};

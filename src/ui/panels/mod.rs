@@ -21,7 +21,6 @@ use strum::VariantArray;
 use crate::ui::{Command, Editor, Panel, Shown};
 
 pub use form::{DEGREES, MM, PLAIN, Unit, bare_number, caption, fact, form, number, value};
-pub use target::{point, sampling};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.add_space(4.0);
