@@ -276,14 +276,14 @@ fn go_on(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
     match &mut gesture {
         Gesture::Pan => {}
         Gesture::Pull { index, handle, before } => {
-            let from = handle::handles(before)[*handle];
+            let from = before.handles()[*handle];
             let uv = place(editor, axes, lens, (at, modifiers), Some(*index));
             // Small movements during a click pull nothing.
             if uv.distance(axes.flat(from)) >= 2.0 * lens.window.scale {
                 let depth = axes.x.cross(axes.y) * axes.height(from);
-                let pulled = handle::pulled(before, *handle, axes.world(uv) + depth);
                 if let Some(target) = editor.document.scene.targets.get_mut(*index) {
-                    *target = pulled;
+                    target.clone_from(before);
+                    target.pull(*handle, axes.world(uv) + depth);
                 }
             }
         }

@@ -5,7 +5,7 @@ use egui_plot::{Line, PlotPoints};
 use glam::DVec3;
 
 use crate::force::Outcome;
-use crate::scene::{Bead, Material, Shape};
+use crate::scene::{Bead, Material};
 use crate::studio::levitation;
 use crate::ui::panels::form::{choice, given, still_plot, variants};
 use crate::ui::panels::{MM, Unit, fact, form, number};
@@ -32,10 +32,7 @@ pub fn place(editor: &Editor, shown: &Shown) -> Option<DVec3> {
 /// Position of the first played trap; beads do not sit at its lobes.
 fn trap(editor: &Editor) -> Option<DVec3> {
     let mut targets = editor.scene().targets.iter().filter(|target| target.visible);
-    targets.find_map(|target| {
-        let Shape::Trap { at, .. } = target.shape else { return None };
-        Some(at)
-    })
+    targets.find(|target| target.shape.is_trap()).map(|target| target.shape.centre())
 }
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
