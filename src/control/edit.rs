@@ -76,17 +76,7 @@ impl Wish {
                 Edit::Send(false) => (sends, stops) = (false, stops + u64::from(sends)),
                 Edit::Stop => (sends, stops) = (false, stops + 1),
                 Edit::Scene(scene) => edited = Some((**scene).clone()),
-                Edit::At(..)
-                | Edit::Across(..)
-                | Edit::Pressure(..)
-                | Edit::Angle(..)
-                | Edit::Text(..)
-                | Edit::Visible(..)
-                | Edit::Replace(..)
-                | Edit::Add(_)
-                | Edit::Remove(_)
-                | Edit::Clear
-                | Edit::Table(..) => apply(edit, edited.get_or_insert_with(|| (*self.scene).clone()))?,
+                _ => apply(edit, edited.get_or_insert_with(|| (*self.scene).clone()))?,
             }
         }
         let scene = match edited {

@@ -67,16 +67,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     let cursor = match editor.tool {
         Tool::Select => egui::CursorIcon::Default,
         Tool::Text => egui::CursorIcon::Text,
-        Tool::Point
-        | Tool::Line
-        | Tool::Circle
-        | Tool::Rectangle
-        | Tool::Triangle
-        | Tool::Polygon
-        | Tool::Freehand
-        | Tool::Brush
-        | Tool::Erase
-        | Tool::Measure => egui::CursorIcon::Crosshair,
+        _ => egui::CursorIcon::Crosshair,
     };
     // The key that ends a text must not draw.
     if !was_typing {

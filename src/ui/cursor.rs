@@ -115,15 +115,7 @@ fn press(editor: &mut Editor, lens: &Lens, at: DVec2) {
                 editor.selection.clear();
             }
         }
-        Tool::Point
-        | Tool::Line
-        | Tool::Circle
-        | Tool::Rectangle
-        | Tool::Triangle
-        | Tool::Polygon
-        | Tool::Freehand
-        | Tool::Brush
-        | Tool::Measure => {
+        _ => {
             let Some(target) = editor.tool.click(&axes, at) else { return };
             editor.document.scene.targets.push(target);
             editor.selection = [editor.scene().targets.len() - 1].into();

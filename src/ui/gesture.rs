@@ -206,9 +206,7 @@ fn begin(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, modifiers: Mod
             let other = other_end(editor, lens, at);
             Some(Gesture::Measure { fixed: other.unwrap_or(from) })
         }
-        Tool::Line | Tool::Circle | Tool::Rectangle | Tool::Triangle | Tool::Polygon => {
-            Some(Gesture::Draw { from, index: None })
-        }
+        _ => Some(Gesture::Draw { from, index: None }),
     };
 }
 

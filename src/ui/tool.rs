@@ -93,13 +93,7 @@ impl Tool {
             }
             Self::Triangle => Shape::Triangle { at, size: radius * 3.0_f64.sqrt() },
             Self::Polygon => Shape::Polygon { at, radius, sides: 6 },
-            Self::Select
-            | Self::Point
-            | Self::Freehand
-            | Self::Text
-            | Self::Brush
-            | Self::Erase
-            | Self::Measure => return None,
+            _ => return None,
         })
     }
 

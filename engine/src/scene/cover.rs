@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::range::{Key, KeyError};
+use crate::scene::range::{KeyError, refuse};
 use crate::scene::stroke;
 use crate::scene::{Grey, Sampling, Target, pixels};
 use crate::scene::{Method, Scene, Turns, motion};
@@ -312,10 +312,6 @@ fn broad([columns, rows]: [usize; 2], strokes: &[Vec<DVec2>], width: f64) -> Vec
         }
     }
     distances.into_iter().map(|distance| pixels::overlap(distance, width / 2.0)).collect()
-}
-
-fn refuse<T>(key: &'static str, message: impl Into<String>) -> Result<T, KeyError> {
-    Err(KeyError::new([Key::from(key)], message))
 }
 
 impl Scene {

@@ -7,12 +7,13 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::scene::check::MOST_FOCI;
 use crate::scene::cover::Patch;
 use crate::scene::range::{Key, KeyError};
 use crate::scene::run::{self, Run, Vertex};
+use crate::scene::target::facing;
 use crate::scene::{Cover, Focus, Part, Sampling, Scene, Shape, Target, stroke};
 
 pub use crate::scene::stroke::strokes;
@@ -164,12 +165,6 @@ pub(crate) fn drawn(target: &Target) -> Result<Vec<Vec<Vertex>>, KeyError> {
     Ok(strokes(target)?.into_iter().map(even).collect())
 }
 
-/// The axes of a flat target, before and after a quarter turn.
-pub(crate) fn axes(target: &Target) -> (DVec3, DVec3) {
-    let turn = target.turn();
-    (turn * DVec3::X, turn * DVec3::Y)
-}
-
 /// The number of focal points of all targets, without computing them; continuous strokes count with their corners,
 /// areas as one.
 ///
@@ -223,7 +218,7 @@ impl<'a> Division<'a> {
         };
         let Target { shape, normal, angle, .. } = self.target;
         let at = shape.centre();
-        let facing = DQuat::from_rotation_arc(DVec3::Z, normal.try_normalize().unwrap_or(DVec3::Z));
+        let facing = facing(*normal);
         let place = |i| {
             let turn = DVec2::from_angle(angle + TAU * i as f64 / *pieces as f64);
             Vertex { at: at + facing * (turn * radius).extend(0.0), pressure: 1.0 }

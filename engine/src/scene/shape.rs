@@ -13,7 +13,7 @@ pub(super) const SMALLEST: f64 = 1e-3;
 
 /// The outline of a target. Lengths in m. The brightness of a picture prescribes |p|²; its file is relative to the
 /// scene's folder, or absolute. The charge of a trap for a bead is the topological one of a vortex.
-#[derive(Clone, Debug, PartialEq, EnumDiscriminants, EnumIs)]
+#[derive(Clone, Debug, PartialEq, EnumDiscriminants, EnumIs, IntoStaticStr)]
 #[strum_discriminants(name(Kind), derive(EnumString, IntoStaticStr, VariantArray, VariantNames))]
 #[strum_discriminants(strum(serialize_all = "lowercase", const_into_str))]
 pub enum Shape {
@@ -98,57 +98,50 @@ impl Shape {
     /// Its keys: the scene file, the checks, the window and all moves read this table.
     pub fn keys(&mut self) -> Vec<ShapeKey<'_>> {
         use ShapeValue::{Charge, Closed, File, Length, Letters, Point, Sides, Vertices};
-        fn key<'a>(
-            name: &'static str,
-            label: &'static str,
-            tip: &'static str,
-            value: ShapeValue<'a>,
-        ) -> ShapeKey<'a> {
-            ShapeKey { name, row: (label, tip), value }
-        }
-        match self {
-            Self::Point { at } => vec![key("at", "At", "", Point(at))],
+        const CENTRE: (&str, &str) = ("Centre", "");
+        let rows = match self {
+            Self::Point { at } => vec![("at", ("At", ""), Point(at))],
             Self::Line { from, to } => {
-                vec![key("from", "From", "", Point(from)), key("to", "To", "", Point(to))]
+                vec![("from", ("From", ""), Point(from)), ("to", ("To", ""), Point(to))]
             }
             Self::Circle { at, radius } => vec![
-                key("at", "Centre", "", Point(at)),
-                key("radius", "Radius", "From the centre to the line", Length(radius)),
+                ("at", CENTRE, Point(at)),
+                ("radius", ("Radius", "From the centre to the line"), Length(radius)),
             ],
             Self::Rectangle { at, width, height } => vec![
-                key("at", "Centre", "", Point(at)),
-                key("width", "Width", "Along x", Length(width)),
-                key("height", "Height", "Along y", Length(height)),
+                ("at", CENTRE, Point(at)),
+                ("width", ("Width", "Along x"), Length(width)),
+                ("height", ("Height", "Along y"), Length(height)),
             ],
-            Self::Triangle { at, size } => vec![
-                key("at", "Centre", "", Point(at)),
-                key("size", "Side", "Length of a side", Length(size)),
-            ],
+            Self::Triangle { at, size } => {
+                vec![("at", CENTRE, Point(at)), ("size", ("Side", "Length of a side"), Length(size))]
+            }
             Self::Polygon { at, radius, sides } => vec![
-                key("at", "Centre", "", Point(at)),
-                key("radius", "Radius", "From the centre to a corner", Length(radius)),
-                key("sides", "Sides", "Number of corners", Sides(sides)),
+                ("at", CENTRE, Point(at)),
+                ("radius", ("Radius", "From the centre to a corner"), Length(radius)),
+                ("sides", ("Sides", "Number of corners"), Sides(sides)),
             ],
             Self::Path { vertices, closed } => vec![
-                key("vertices", "Centre", "", Vertices(vertices)),
-                key("closed", "Closed", "The last vertex joins the first", Closed(closed)),
+                ("vertices", CENTRE, Vertices(vertices)),
+                ("closed", ("Closed", "The last vertex joins the first"), Closed(closed)),
             ],
             Self::Text { text, at, height } => vec![
-                key("text", "Text", "", Letters(text)),
-                key("at", "Centre", "", Point(at)),
-                key("height", "Letter height", "Of a capital letter", Length(height)),
+                ("text", ("Text", ""), Letters(text)),
+                ("at", CENTRE, Point(at)),
+                ("height", ("Letter height", "Of a capital letter"), Length(height)),
             ],
             Self::Picture { file, at, width, pixels: _ } => vec![
-                key("file", "Picture", "Brightness is target pressure squared", File(file)),
-                key("at", "Centre", "", Point(at)),
-                key("width", "Width", "Of the picture", Length(width)),
+                ("file", ("Picture", "Brightness is target pressure squared"), File(file)),
+                ("at", CENTRE, Point(at)),
+                ("width", ("Width", "Of the picture"), Length(width)),
             ],
             Self::Trap { at, trap, charge } => vec![
-                key("at", "At", "", Point(at)),
-                key("trap", "Trap", "", ShapeValue::Trap(trap)),
-                key("charge", "Turns", "", Charge(charge)),
+                ("at", ("At", ""), Point(at)),
+                ("trap", ("Trap", ""), ShapeValue::Trap(trap)),
+                ("charge", ("Turns", ""), Charge(charge)),
             ],
-        }
+        };
+        rows.into_iter().map(|(name, row, value)| ShapeKey { name, row, value }).collect()
     }
 
     /// Its points: the centre, both ends, or the vertices; m.
@@ -166,18 +159,9 @@ impl Shape {
 
     /// The centre of rotation, which is also its position for edits; m.
     pub fn centre(&self) -> DVec3 {
-        match self {
-            Self::Point { at }
-            | Self::Circle { at, .. }
-            | Self::Rectangle { at, .. }
-            | Self::Triangle { at, .. }
-            | Self::Polygon { at, .. }
-            | Self::Text { at, .. }
-            | Self::Picture { at, .. }
-            | Self::Trap { at, .. } => *at,
-            Self::Line { from, to } => (*from + *to) / 2.0,
-            Self::Path { vertices, .. } => vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64,
-        }
+        let mut copy = self.clone();
+        let points = copy.points();
+        points.iter().map(|at| **at).sum::<DVec3>() / points.len().max(1) as f64
     }
 
     /// Moves its centre to this point (m).
@@ -243,11 +227,6 @@ impl Shape {
     /// Default name of its targets.
     pub fn title(&self) -> String {
         match self {
-            Self::Point { .. } => "Point".to_owned(),
-            Self::Line { .. } => "Line".to_owned(),
-            Self::Circle { .. } => "Circle".to_owned(),
-            Self::Rectangle { .. } => "Rectangle".to_owned(),
-            Self::Triangle { .. } => "Triangle".to_owned(),
             Self::Polygon { sides, .. } => format!("Polygon of {sides}"),
             Self::Path { vertices, .. } => format!("Freehand, {} vertices", vertices.len()),
             Self::Text { text, .. } => format!("Text “{text}”"),
@@ -256,6 +235,7 @@ impl Shape {
                 format!("Picture {name}")
             }
             Self::Trap { trap, .. } => format!("Trap, {}", trap.into_str()),
+            _ => <&str>::from(self).to_owned(),
         }
     }
 

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3};
 
-use crate::scene::range::{Key, KeyError};
+use crate::scene::range::{KeyError, refuse};
 use crate::scene::run::Vertex;
 use crate::scene::shape::SMALLEST;
 use crate::scene::{Shape, Target, font};
@@ -32,8 +32,8 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
         Shape::Triangle { size, .. } => flat(ring(size / 3.0_f64.sqrt(), 3, TAU / 4.0)),
         Shape::Polygon { radius, sides, .. } => flat(ring(*radius, *sides as usize, TAU / 4.0)),
         Shape::Text { text, height, .. } => font::lay_out(text, *height)
-            .map_err(|glyph| {
-                refusal("text", format!("the stroke font has no glyph for `{}`", glyph.escape_debug()))
+            .or_else(|glyph| {
+                refuse("text", format!("the stroke font has no glyph for `{}`", glyph.escape_debug()))
             })?
             .iter()
             .map(|stroke| stroke.iter().map(placed).collect())
@@ -155,8 +155,4 @@ fn frame(width: f64, height: f64) -> Vec<DVec2> {
 fn ring(radius: f64, vertices: usize, start: f64) -> Vec<DVec2> {
     let vertex = |i: usize| DVec2::from_angle(start + TAU * (i % vertices) as f64 / vertices as f64) * radius;
     (0..=vertices).map(vertex).collect()
-}
-
-fn refusal(key: &'static str, message: impl Into<String>) -> KeyError {
-    KeyError::new([Key::from(key)], message)
 }

@@ -8,6 +8,7 @@ use strum::VariantArray;
 use crate::scene::motion::MotionTable;
 use crate::scene::range::{Key, KeyError};
 use crate::scene::shape::Kind;
+use crate::scene::solver::is_zero;
 use crate::scene::{Motion, Shape, ShapeKey, ShapeValue, Trap};
 
 /// A shape that becomes focal points.
@@ -75,8 +76,7 @@ impl Target {
 
     /// Rotation of a flat shape from the array's plane.
     pub fn turn(&self) -> DQuat {
-        let normal = self.normal.try_normalize().unwrap_or(DVec3::Z);
-        DQuat::from_rotation_arc(DVec3::Z, normal) * DQuat::from_rotation_z(self.angle)
+        facing(self.normal) * DQuat::from_rotation_z(self.angle)
     }
 
     /// Whether it is a picture without loaded pixels.
@@ -122,15 +122,16 @@ impl Serialize for Sampling {
     }
 }
 
-fn is_zero(angle: &f64) -> bool {
-    *angle == 0.0
-}
-
 fn is_true(visible: &bool) -> bool {
     *visible
 }
 
-fn is_z(normal: &DVec3) -> bool {
+/// The rotation from +z to a normal.
+pub(super) fn facing(normal: DVec3) -> DQuat {
+    DQuat::from_rotation_arc(DVec3::Z, normal.try_normalize().unwrap_or(DVec3::Z))
+}
+
+pub(super) fn is_z(normal: &DVec3) -> bool {
     *normal == DVec3::Z
 }
 

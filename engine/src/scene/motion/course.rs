@@ -68,7 +68,7 @@ fn tracks(target: &Target) -> Result<Vec<Track>, KeyError> {
     }
     if let Some(radius) = target.shape.circle() {
         // The polygon that is drawn for it is not the circle.
-        let (x, y) = outline::axes(target);
+        let [x, y] = [DVec3::X, DVec3::Y].map(|axis| target.turn() * axis);
         let centre = Vertex { at: target.shape.centre(), pressure: target.pressure };
         return Ok(vec![Track::Circle { centre, x: x * radius, y: y * radius }]);
     }
