@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::Value;
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::scene::{self, ElementModel, Shape};
+use sonoglyph::scene::{self, ElementModel};
 use sonoglyph::solver::{self, Limits, Problem, room};
 use sonoglyph::studio::json;
 
@@ -55,7 +55,7 @@ fn is_brief(scene: &scene::Scene) -> bool {
     let points = scene.targets.len();
     points <= FEW
         && points * scene.elements() <= MOST_PAIRS
-        && scene.targets.iter().all(|target| matches!(target.shape, Shape::Point { .. }))
+        && scene.targets.iter().all(|target| target.shape.is_point())
         && (scene.quiet.is_empty() && scene.reflectors.is_empty() && !scene.aims_at_depression())
         && (iterations <= 100 && search == 0.0 && !frames.are_several())
         && scene.array.element != ElementModel::ExactPiston

@@ -13,7 +13,7 @@ use wasm_bindgen::prelude::{Closure, JsValue, wasm_bindgen};
 use web_sys::{MessageEvent, Worker, WorkerOptions, WorkerType};
 
 use crate::app::job::{CompareMethods, Follow, Job, Solve};
-use crate::scene::{Elements, Grey, Pixels, Placed, Scene, Shape, file};
+use crate::scene::{Elements, Grey, Pixels, Placed, Scene, file};
 
 const SCRIPT: &str = "./worker.js";
 
@@ -37,10 +37,8 @@ struct Parcel {
 
 impl Parcel {
     fn of(scene: &Scene) -> Self {
-        let pixels = scene.targets.iter().filter_map(|target| match &target.shape {
-            Shape::Picture { pixels, .. } => Some(pixels.get().cloned()),
-            _ => None,
-        });
+        let pictures = scene.targets.iter().filter_map(|target| target.shape.picture());
+        let pixels = pictures.map(|(_, _, pixels)| pixels.get().cloned());
         let elements = scene.array.placed.get().map(<[_]>::to_vec);
         Self { text: file::write(scene), pixels: pixels.collect(), elements }
     }
@@ -49,7 +47,7 @@ impl Parcel {
         let mut scene = file::parse(&self.text, Path::new("")).ok()?;
         let mut pixels = self.pixels.into_iter();
         for target in &mut scene.targets {
-            if let Shape::Picture { pixels: own, .. } = &mut target.shape {
+            if let Some((_, own)) = target.shape.picture_mut() {
                 *own = pixels.next()?.map_or_else(Pixels::default, Pixels::new);
             }
         }

@@ -10,7 +10,7 @@ use crate::control::refusal::{EditError, Number};
 use crate::control::table::{self, Table};
 use crate::echo;
 use crate::scene::check::check;
-use crate::scene::{Scene, Shape, Target, file};
+use crate::scene::{Scene, Target, file};
 use crate::studio::{arrays, opening};
 
 /// One change of a scene, or of its playback.
@@ -76,17 +76,7 @@ impl Wish {
                 Edit::Send(false) => (sends, stops) = (false, stops + u64::from(sends)),
                 Edit::Stop => (sends, stops) = (false, stops + 1),
                 Edit::Scene(scene) => edited = Some((**scene).clone()),
-                Edit::At(..)
-                | Edit::Across(..)
-                | Edit::Pressure(..)
-                | Edit::Angle(..)
-                | Edit::Text(..)
-                | Edit::Visible(..)
-                | Edit::Replace(..)
-                | Edit::Add(_)
-                | Edit::Remove(_)
-                | Edit::Clear
-                | Edit::Table(..) => apply(edit, edited.get_or_insert_with(|| (*self.scene).clone()))?,
+                _ => apply(edit, edited.get_or_insert_with(|| (*self.scene).clone()))?,
             }
         }
         let scene = match edited {
@@ -112,23 +102,15 @@ fn apply(edit: &Edit, scene: &mut Scene) -> Result<(), EditError> {
         Edit::Pressure(number, pressure) => target(targets, *number)?.pressure = *pressure,
         Edit::Angle(number, angle) => {
             let target = target(targets, *number)?;
-            if matches!(target.shape, Shape::Point { .. }) {
+            if target.shape.is_point() {
                 return Err(EditError::NoAngle(*number));
             }
             target.angle = *angle;
         }
-        Edit::Text(number, letters) => match &mut target(targets, *number)?.shape {
-            Shape::Text { text, .. } => text.clone_from(letters),
-            Shape::Point { .. }
-            | Shape::Line { .. }
-            | Shape::Circle { .. }
-            | Shape::Rectangle { .. }
-            | Shape::Triangle { .. }
-            | Shape::Polygon { .. }
-            | Shape::Path { .. }
-            | Shape::Trap { .. }
-            | Shape::Picture { .. } => return Err(EditError::NoText(*number)),
-        },
+        Edit::Text(number, letters) => {
+            let text = target(targets, *number)?.shape.text_mut();
+            text.ok_or(EditError::NoText(*number))?.clone_from(letters);
+        }
         Edit::Visible(number, visible) => target(targets, *number)?.visible = *visible,
         Edit::Replace(number, other) => {
             refuse_file_of(other)?;
@@ -157,17 +139,9 @@ fn target(targets: &mut [Target], number: Number) -> Result<&mut Target, EditErr
 
 /// Refuses a target that names a file of this machine.
 fn refuse_file_of(target: &Target) -> Result<(), EditError> {
-    match &target.shape {
-        Shape::Picture { file, .. } => Err(EditError::NamesFile(echo::value(file))),
-        Shape::Point { .. }
-        | Shape::Line { .. }
-        | Shape::Circle { .. }
-        | Shape::Rectangle { .. }
-        | Shape::Triangle { .. }
-        | Shape::Polygon { .. }
-        | Shape::Path { .. }
-        | Shape::Text { .. }
-        | Shape::Trap { .. } => Ok(()),
+    match target.shape.picture() {
+        Some((file, ..)) => Err(EditError::NamesFile(echo::value(file))),
+        None => Ok(()),
     }
 }
 

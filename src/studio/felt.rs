@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::device::profile::Profile;
 use crate::device::stock::{self, Modulated};
-use crate::scene::{Envelope, Liquid, Modulation, Scene, Shape, motion};
+use crate::scene::{Envelope, Liquid, Modulation, Scene, motion};
 
 /// Hz; skin is most sensitive near it.
 const FREQUENCY: f64 = 200.0;
@@ -77,13 +77,12 @@ fn is_steady(modulation: &Modulation) -> bool {
 
 /// A scene with a liquid or a trap is for them, and so is the standing wave between opposed boards.
 fn is_for_a_hand(scene: &Scene) -> bool {
-    let is_trap = |shape: &Shape| matches!(shape, Shape::Trap { .. });
     let mut visible = scene.targets.iter().filter(|target| target.visible).peekable();
     let is_liquid = scene.liquid != Liquid::default() || scene.aims_at_depression();
     let mut boards = scene.boards.iter();
     let are_opposed =
         boards.next().is_some_and(|first| boards.any(|board| board.normal.dot(first.normal) < 0.0));
-    visible.peek().is_some() && !visible.any(|target| is_trap(&target.shape)) && !is_liquid && !are_opposed
+    visible.peek().is_some() && !visible.any(|target| target.shape.is_trap()) && !is_liquid && !are_opposed
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::force::{Hold, Levitation, Outcome, Sphere};
 use crate::rounding;
-use crate::scene::{Scene, Shape, Target};
+use crate::scene::{Scene, Target};
 
 /// A trap of a scene, and the behaviour of a bead released there.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,8 +21,7 @@ pub struct Held {
 /// For all visible traps, at their position in the scene.
 pub fn held(scene: &Scene, aperture: &Aperture, drives: &[Drive]) -> Vec<Held> {
     let trap = |(target, it): (usize, &Target)| {
-        let Shape::Trap { at, .. } = it.shape else { return None };
-        it.visible.then_some((target, at))
+        (it.visible && it.shape.is_trap()).then(|| (target, it.shape.centre()))
     };
     let traps: Vec<_> = scene.targets.iter().enumerate().filter_map(trap).collect();
     if traps.is_empty() {

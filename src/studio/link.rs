@@ -10,8 +10,8 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 use thiserror::Error;
 
 use crate::echo;
+use crate::scene::Scene;
 use crate::scene::file::{self, FileError, LONGEST};
-use crate::scene::{Scene, Shape};
 
 /// Scheme of links without a page, and prefixes of page addresses.
 const SCHEME: &str = "sonoglyph:";
@@ -59,8 +59,8 @@ pub fn of_page(link: &str, page: &str) -> String {
 /// A scene with pictures or a waveform, which are separate files.
 pub fn write(scene: &Scene) -> Result<String, LinkError> {
     for target in &scene.targets {
-        if let Shape::Picture { file, .. } = &target.shape {
-            return Err(LinkError::Picture(file.clone()));
+        if let Some((file, ..)) = target.shape.picture() {
+            return Err(LinkError::Picture(file.to_owned()));
         }
     }
     if !scene.modulation.file.is_empty() {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use crate::picture::grey;
 use crate::scene::check::check;
 use crate::scene::file::{self, FileError};
-use crate::scene::{Array, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Shape, Target};
+use crate::scene::{Array, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Target};
 use crate::source;
 use crate::studio::{arrays, elements, waveform};
 
@@ -105,7 +105,7 @@ pub fn load_wave(modulation: &mut Modulation, folder: &Path) -> Result<(), KeyEr
 pub fn load_targets(targets: &mut [Target], folder: &Path) -> Result<(), KeyError> {
     let mut loaded: HashMap<PathBuf, Pixels> = HashMap::new();
     for (index, target) in targets.iter_mut().enumerate().filter(|(_, target)| target.lacks_pixels()) {
-        let Shape::Picture { file, pixels, .. } = &mut target.shape else { continue };
+        let Some((file, pixels)) = target.shape.picture_mut() else { continue };
         let path = folder.join(&*file);
         *pixels = match loaded.get(&path) {
             Some(pixels) => pixels.clone(),

@@ -7,7 +7,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use crate::picture::grey;
-use crate::scene::{Grey, Pixels, Scene, Shape, Target};
+use crate::scene::{Grey, Pixels, Scene, Target};
 use crate::source;
 
 /// Suffix of painting names: `<scene>-painting.png`, `<scene>-painting-2.png` and so on.
@@ -34,7 +34,7 @@ impl Paintings {
         // Files with matching pixels come first: new files must not replace them.
         for is_held in [true, false] {
             for target in &mut placed.scene.targets {
-                let Shape::Picture { file, pixels, .. } = &mut target.shape else { continue };
+                let Some((file, pixels)) = target.shape.picture_mut() else { continue };
                 let holder = self.holder(pixels, &path);
                 let is_missing = pixels.get().is_none();
                 if is_missing && is_held {
@@ -109,7 +109,7 @@ impl Paintings {
     /// Adopts a scene read from `path`: its paintings become painted pixels, recorded as written.
     pub fn adopt(&mut self, scene: &mut Scene, path: &Path) {
         for target in &mut scene.targets {
-            let Shape::Picture { pixels, .. } = &mut target.shape else { continue };
+            let Some((_, pixels)) = target.shape.picture_mut() else { continue };
             let Some(grey) = pixels.get() else { continue };
             let Some(file) = grey.file.clone().filter(|file| is_painting_of(path, file)) else { continue };
             *pixels = Pixels::new(Grey { file: None, ..grey.clone() });
@@ -144,8 +144,8 @@ pub fn is_painting_of(path: &Path, place: &Path) -> bool {
 /// Whether a scene has a picture loaded from this file.
 pub fn names(scene: &Scene, place: &Path) -> bool {
     let is_from = |target: &Target| {
-        let Shape::Picture { pixels, .. } = &target.shape else { return false };
-        let file = pixels.get().and_then(|grey| grey.file.as_deref());
+        let pixels = target.shape.picture().and_then(|(_, _, pixels)| pixels.get());
+        let file = pixels.and_then(|grey| grey.file.as_deref());
         file.is_some_and(|file| absolute(file) == absolute(place))
     };
     scene.targets.iter().any(is_from)

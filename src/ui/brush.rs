@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use glam::DVec2;
 
-use crate::scene::{Dab, Pixels, Scene, Shape, Target};
+use crate::scene::{Dab, Grey, Pixels, Scene, Target, outline};
 use crate::ui::Editor;
 use crate::ui::edit;
 use crate::ui::tool::{self, Brush};
@@ -36,18 +36,13 @@ fn pictures_in(scene: &Scene, axes: &Axes) -> impl DoubleEndedIterator<Item = us
 
 /// Whether a target is a visible, loaded picture in a plane.
 pub fn is_in(target: &Target, axes: &Axes) -> bool {
-    let Shape::Picture { at, width, pixels, .. } = &target.shape else { return false };
-    let half = DVec2::new(1.0, pixels.aspect()) * *width / 2.0;
-    let corners = [half, half * DVec2::new(-1.0, 1.0)].map(|corner| target.turn() * corner.extend(0.0));
-    let is_near = corners
-        .iter()
-        .all(|corner| [*at + *corner, *at - *corner].iter().all(|corner| axes.height(*corner).abs() <= NEAR));
-    target.visible && pixels.get().is_some() && is_near
+    let is_loaded = target.shape.is_picture() && !target.lacks_pixels();
+    let corners = || outline::strokes(target).unwrap_or_default().concat();
+    target.visible && is_loaded && corners().iter().all(|corner| axes.height(*corner).abs() <= NEAR)
 }
 
 fn is_inside(target: &Target, axes: &Axes, at: DVec2) -> bool {
-    let Shape::Picture { pixels, .. } = &target.shape else { return false };
-    let Some(grey) = pixels.get() else { return false };
+    let Some(grey) = target.shape.picture().and_then(|(_, _, pixels)| pixels.get()) else { return false };
     let size = DVec2::new(grey.width as f64, grey.height as f64);
     let dab = dab(target, axes, [at, at], 0.0);
     dab.is_some_and(|dab| dab.from.cmpge(DVec2::ZERO).all() && dab.from.cmple(size).all())
@@ -55,13 +50,13 @@ fn is_inside(target: &Target, axes: &Axes, at: DVec2) -> bool {
 
 /// A segment of a stroke on the plane (m) in pixels of a picture.
 fn dab(target: &Target, axes: &Axes, way: [DVec2; 2], diameter: f64) -> Option<Dab> {
-    let Shape::Picture { at, width, pixels, .. } = &target.shape else { return None };
-    let grey = pixels.get()?;
+    let (_, width, pixels) = target.shape.picture()?;
+    let (grey, at) = (pixels.get()?, target.shape.centre());
     let per_metre = grey.width as f64 / width;
     let middle = DVec2::new(grey.width as f64, grey.height as f64) / 2.0;
     let back = target.turn().inverse();
     let place = |uv: DVec2| {
-        let flat = (back * (axes.world(uv) - *at)).truncate();
+        let flat = (back * (axes.world(uv) - at)).truncate();
         middle + flat * DVec2::new(1.0, -1.0) * per_metre
     };
     let [from, to] = way.map(place);
@@ -75,7 +70,7 @@ fn change(
     names: &Names,
     change: impl Fn(&mut Pixels, &Dab) -> bool,
 ) -> bool {
-    let (Some(dab), Shape::Picture { pixels, file, .. }) = (dab, &mut target.shape) else { return false };
+    let (Some(dab), Some((file, pixels))) = (dab, target.shape.picture_mut()) else { return false };
     let is_of_file = pixels.get().is_some_and(|grey| grey.file.is_some());
     let is_changed = change(pixels, &dab);
     if is_changed && is_of_file {
@@ -89,10 +84,7 @@ struct Names(BTreeSet<String>);
 
 impl Names {
     fn of(scene: &Scene) -> Self {
-        let name = |target: &Target| {
-            let Shape::Picture { file, .. } = &target.shape else { return None };
-            Some(file.clone())
-        };
+        let name = |target: &Target| target.shape.picture().map(|(file, ..)| file.to_owned());
         Self(scene.targets.iter().filter_map(name).collect())
     }
 
@@ -145,7 +137,9 @@ pub fn wipe(editor: &mut Editor, axes: &Axes, way: [DVec2; 2]) {
 
 /// Deletes black pictures.
 pub fn clear_away(editor: &mut Editor) {
-    let is_black = |target: &Target| matches!(&target.shape, Shape::Picture { pixels, .. } if pixels.get().is_some_and(|grey| grey.is_black()));
+    let is_black = |target: &Target| {
+        target.shape.picture().and_then(|(_, _, pixels)| pixels.get()).is_some_and(Grey::is_black)
+    };
     let targets = editor.scene().targets.iter().enumerate();
     let mut black: BTreeSet<usize> =
         targets.filter(|(_, target)| is_black(target)).map(|(index, _)| index).collect();

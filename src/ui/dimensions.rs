@@ -1,33 +1,21 @@
 //! The dimensions of a target, shown beside the pointer while it is drawn or resized.
 
-use crate::scene::{Shape, Target, outline};
+use crate::scene::Target;
 use crate::ui::edit;
 use crate::ui::measure::{length_and_angle, mm};
 use crate::ui::view::Axes;
 
 /// Size of a target in mm, or position of a point on the plane.
 pub fn of(target: &Target, axes: &Axes) -> String {
-    match &target.shape {
-        Shape::Point { at } | Shape::Trap { at, .. } => {
-            let at = axes.flat(*at);
-            format!("{}, {} mm", mm(at.x), mm(at.y))
-        }
-        Shape::Line { .. } => {
-            let ends = outline::strokes(target).unwrap_or_default().concat();
-            let [from, to] = ends[..] else { return String::new() };
-            format!("length {}", length_and_angle([axes.flat(from), axes.flat(to)]))
-        }
-        Shape::Circle { radius, .. } => format!("Ø {} mm", mm(2.0 * radius)),
-        Shape::Rectangle { width, height, .. } => format!("{} x {} mm", mm(*width), mm(*height)),
-        Shape::Triangle { size, .. } => format!("side {} mm", mm(*size)),
-        Shape::Polygon { radius, sides, .. } => format!("Ø {} mm, {sides} corners", mm(2.0 * radius)),
-        Shape::Text { height, .. } => format!("height {} mm", mm(*height)),
-        Shape::Picture { width, pixels, .. } => {
-            format!("{} x {} mm", mm(*width), mm(width * pixels.aspect()))
-        }
-        Shape::Path { .. } => {
+    if let Some(size) = target.shape.size(mm) {
+        return size;
+    }
+    let strokes = edit::outline_on(target, axes);
+    match strokes.concat()[..] {
+        [at] => format!("{}, {} mm", mm(at.x), mm(at.y)),
+        [from, to] if target.shape.is_line() => format!("length {}", length_and_angle([from, to])),
+        _ => {
             let piece = |pair: &[_]| -> f64 { glam::DVec2::distance(pair[0], pair[1]) };
-            let strokes = edit::outline_on(target, axes);
             let length: f64 = strokes.iter().flat_map(|stroke| stroke.windows(2).map(piece)).sum();
             format!("length {} mm", mm(length))
         }
@@ -39,7 +27,7 @@ mod tests {
     use glam::{DVec2, DVec3};
 
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::{Scene, Shape};
     use crate::ui::tool::Tool;
     use crate::ui::view::View;
 

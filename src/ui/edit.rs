@@ -1,12 +1,11 @@
 //! Edits of a scene's targets by tools and keys.
 
 use std::collections::BTreeSet;
-use std::path::Path;
 
 use glam::{DVec2, DVec3};
 use strum::{IntoStaticStr, VariantArray};
 
-use crate::scene::{MotionPath, Scene, Shape, Target, file, outline};
+use crate::scene::{MotionPath, Scene, Target, file, outline};
 use crate::ui::group;
 use crate::ui::view::Axes;
 
@@ -35,8 +34,8 @@ pub fn return_pixels(pasted: &mut [Target], copied: &[Target]) {
         return;
     }
     for (target, copied) in pasted.iter_mut().zip(copied) {
-        if let (Shape::Picture { file, pixels, .. }, Shape::Picture { file: own, pixels: painted, .. }) =
-            (&mut target.shape, &copied.shape)
+        if let (Some((file, pixels)), Some((own, _, painted))) =
+            (target.shape.picture_mut(), copied.shape.picture())
             && file == own
         {
             *pixels = painted.clone();
@@ -84,26 +83,7 @@ pub fn duplicate(scene: &mut Scene, selection: &mut BTreeSet<usize>, axes: &Axes
 
 /// Name of a target in lists.
 pub fn name(target: &Target) -> String {
-    if target.name.is_empty() { kind(target) } else { target.name.clone() }
-}
-
-/// Default name of a target.
-pub fn kind(target: &Target) -> String {
-    match &target.shape {
-        Shape::Point { .. } => "Point".to_owned(),
-        Shape::Trap { trap, .. } => format!("Trap, {}", trap.into_str()),
-        Shape::Line { .. } => "Line".to_owned(),
-        Shape::Circle { .. } => "Circle".to_owned(),
-        Shape::Rectangle { .. } => "Rectangle".to_owned(),
-        Shape::Triangle { .. } => "Triangle".to_owned(),
-        Shape::Polygon { sides, .. } => format!("Polygon of {sides}"),
-        Shape::Path { vertices, .. } => format!("Freehand, {} vertices", vertices.len()),
-        Shape::Text { text, .. } => format!("Text “{text}”"),
-        Shape::Picture { file, .. } => {
-            let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
-            format!("Picture {name}")
-        }
-    }
+    if target.name.is_empty() { target.shape.title() } else { target.name.clone() }
 }
 
 /// The outlines of a target on a cut.
@@ -239,6 +219,7 @@ fn distance_to(stroke: &[DVec2], at: DVec2) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Shape;
     use crate::ui::view::View;
 
     fn scene() -> (Scene, Axes) {

@@ -109,9 +109,8 @@ fn off_plane(height: f64) -> String {
 
 fn is_of_selection(editor: &Editor, at: DVec3) -> bool {
     let is_there = |index: &usize| {
-        editor.scene().targets.get(*index).is_some_and(
-            |target| matches!(target.shape, crate::scene::Shape::Point { at: own } if own.distance(at) < 1e-9),
-        )
+        let target = editor.scene().targets.get(*index);
+        target.is_some_and(|it| it.shape.is_point() && it.shape.centre().distance(at) < 1e-9)
     };
     editor.selection.iter().any(is_there)
 }

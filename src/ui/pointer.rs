@@ -216,14 +216,14 @@ impl<'a> Press<'a> {
         match &mut gesture {
             Gesture::Pan => {}
             Gesture::Pull { index, handle, before } => {
-                let from = handle::handles(before)[*handle];
+                let from = before.handles()[*handle];
                 let uv = self.snapped(Some(*index));
                 // Small movements during a click pull nothing.
                 if uv.distance(self.axes.flat(from)) >= 2.0 * self.lens.window.scale {
                     let depth = self.axes.x.cross(self.axes.y) * self.axes.height(from);
-                    let pulled = handle::pulled(before, *handle, self.axes.world(uv) + depth);
                     if let Some(target) = self.editor.document.scene.targets.get_mut(*index) {
-                        *target = pulled;
+                        target.clone_from(before);
+                        target.pull(*handle, self.axes.world(uv) + depth);
                     }
                 }
             }

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
 use egui::{Key, Painter, Pos2, Rect, Stroke, StrokeKind};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use strum::{IntoStaticStr, VariantArray};
 
 use crate::scene::{Pixels, Scene, Shape, Target};
@@ -173,19 +173,12 @@ pub fn canvas(axes: &Axes, scene: &Scene, file: String) -> Target {
 
 /// A target in the plane, upright there.
 fn facing(shape: Shape, axes: &Axes) -> Target {
-    let has_no_face = matches!(shape, Shape::Point { .. } | Shape::Line { .. } | Shape::Path { .. });
     let mut target = Target::new(shape);
-    if has_no_face {
-        return target;
+    if target.shape.is_flat() {
+        target.face(axes.x.cross(axes.y), axes.x);
+        // A zero rotation is not written to the file.
+        target.angle = if target.angle.abs() < 1e-9 { 0.0 } else { target.angle };
     }
-    let normal = axes.x.cross(axes.y);
-    if normal.distance(DVec3::Z) > 1e-9 {
-        target.normal = normal;
-    }
-    let x = target.turn().inverse() * axes.x;
-    let angle = x.y.atan2(x.x);
-    // A zero rotation is not written to the file.
-    target.angle = if angle.abs() < 1e-9 { 0.0 } else { angle };
     target
 }
 

@@ -3,7 +3,7 @@
 use egui::{Painter, Pos2, Rect, Stroke, StrokeKind, pos2};
 use glam::{DQuat, DVec2, DVec3};
 
-use crate::scene::{Shape, Target, outline};
+use crate::scene::Target;
 use crate::ui::Editor;
 use crate::ui::edit;
 use crate::ui::gesture::Grip;
@@ -15,9 +15,6 @@ use crate::ui::view::{Axes, Lens};
 const AROUND: f32 = 14.0;
 
 const ABOVE: f32 = 22.0;
-
-/// Smallest size, m.
-const SMALLEST: f64 = 1e-3;
 
 /// Lower and upper corner (m) of the selection.
 fn bounds(editor: &Editor, axes: &Axes) -> Option<[DVec2; 2]> {
@@ -41,8 +38,7 @@ fn has_corners(editor: &Editor) -> bool {
 /// Rotation has no effect on a single point or circle.
 fn can_turn(editor: &Editor) -> bool {
     let mut chosen = editor.selection.iter().filter_map(|&index| editor.scene().targets.get(index));
-    let is_round = |target: &Target| matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
-    editor.selection.len() > 1 || chosen.any(|target| !is_round(target))
+    editor.selection.len() > 1 || chosen.any(|target| !target.shape.is_round())
 }
 
 fn turner(rect: Rect) -> Pos2 {
@@ -108,81 +104,22 @@ fn scaled(target: &Target, axes: &Axes, about: DVec2, factor: f64) -> Target {
         let by = (axes.flat(*at) - about) * (factor - 1.0);
         *at += axes.x * by.x + axes.y * by.y;
     };
-    let larger = |size: &mut f64| *size = (*size * factor).max(SMALLEST);
-    match &mut target.shape {
-        Shape::Point { at } | Shape::Trap { at, .. } => place(at),
-        Shape::Line { from, to } => [from, to].into_iter().for_each(place),
-        Shape::Path { vertices, .. } => vertices.iter_mut().for_each(place),
-        Shape::Circle { at, radius } | Shape::Polygon { at, radius, .. } => {
-            place(at);
-            larger(radius);
-        }
-        Shape::Rectangle { at, width, height } => {
-            place(at);
-            larger(width);
-            larger(height);
-        }
-        Shape::Triangle { at, size } => {
-            place(at);
-            larger(size);
-        }
-        Shape::Text { at, height, .. } => {
-            place(at);
-            larger(height);
-        }
-        Shape::Picture { at, width, .. } => {
-            place(at);
-            larger(width);
-        }
-    }
+    target.shape.scale(factor, place);
     target
 }
 
 /// Rotated (rad) in the plane about a point.
 fn turned(target: &Target, axes: &Axes, about: DVec2, angle: f64) -> Target {
     let turn = DQuat::from_axis_angle(axes.x.cross(axes.y).normalize_or(DVec3::Z), angle);
-    let about = axes.world(about);
     let mut turned = target.clone();
-    let centre = outline::centre(&target.shape);
-    let own = DQuat::from_rotation_z(target.angle);
-    let vertex = |at: &mut DVec3| *at = about + turn * (centre + own * (*at - centre) - about);
-    match &mut turned.shape {
-        Shape::Line { from, to } => {
-            [from, to].into_iter().for_each(vertex);
-            turned.angle = 0.0;
-        }
-        Shape::Path { vertices, .. } => {
-            vertices.iter_mut().for_each(vertex);
-            turned.angle = 0.0;
-        }
-        Shape::Point { at } => *at = about + turn * (*at - about),
-        Shape::Trap { at, .. }
-        | Shape::Circle { at, .. }
-        | Shape::Rectangle { at, .. }
-        | Shape::Triangle { at, .. }
-        | Shape::Polygon { at, .. }
-        | Shape::Text { at, .. }
-        | Shape::Picture { at, .. } => {
-            *at = about + turn * (*at - about);
-            face(&mut turned, turn * target.turn());
-        }
-    }
+    turned.rotate(axes.world(about), turn);
     turned
-}
-
-/// Sets normal and angle of a flat shape for this rotation.
-fn face(target: &mut Target, turn: DQuat) {
-    let normal = turn * DVec3::Z;
-    target.normal = if normal.distance(DVec3::Z) < 1e-9 { DVec3::Z } else { normal };
-    target.angle = 0.0;
-    let x = target.turn().inverse() * (turn * DVec3::X);
-    target.angle = x.y.atan2(x.x);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
+    use crate::scene::{Scene, Shape};
     use crate::ui::view::{Cut, View};
 
     const AT: DVec3 = DVec3::new(0.01, 0.02, 0.1);

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use egui::{Event, Key, Ui};
 
-use crate::scene::{Shape, font};
+use crate::scene::font;
 use crate::ui::Editor;
 use crate::ui::edit;
 use crate::ui::tool::{self, Tool};
@@ -35,8 +35,8 @@ pub fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {
         }
         (false, Some(index)) => {
             // Only the letters: height and position may have been edited meanwhile.
-            if let Some(Shape::Text { text, .. }) =
-                editor.document.scene.targets.get_mut(index).map(|target| &mut target.shape)
+            let target = editor.document.scene.targets.get_mut(index);
+            if let Some(text) = target.and_then(|target| target.shape.text_mut())
                 && *text != typing.text
             {
                 text.clone_from(&typing.text);

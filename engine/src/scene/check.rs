@@ -9,7 +9,8 @@ use crate::scene::range::{Key, KeyError, count, direction, finite, length, point
 use crate::scene::space::Front;
 use crate::scene::{
     Area, Array, ElementModel, Envelope, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath,
-    Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo, Trap, Turns, Zone, space,
+    Plane, Pressures, Sampling, Scene, Shape, ShapeKey, ShapeValue, Solver, Target, Tempo, Trap, Turns, Zone,
+    space,
 };
 
 pub use crate::scene::space::MOST_ELEMENTS;
@@ -187,44 +188,22 @@ fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
         Sampling::Whole | Sampling::Continuous => Ok(()),
         Sampling::Spacing(spacing) => length("spacing", spacing),
         Sampling::Points(points) => count("points", points as u64, 1, MOST_FOCI as u64),
-        Sampling::Fill => fill(&target.shape),
+        Sampling::Fill => target.shape.inside().or_else(|reason| refuse("fill", reason)),
         Sampling::Stroke(width) => length("stroke", width),
-    }
-}
-
-fn fill(shape: &Shape) -> Result<(), KeyError> {
-    match shape {
-        Shape::Circle { .. }
-        | Shape::Rectangle { .. }
-        | Shape::Triangle { .. }
-        | Shape::Polygon { .. }
-        | Shape::Path { closed: true, .. } => Ok(()),
-        Shape::Path { closed: false, .. } => {
-            refuse("fill", "an open path has no inside: give `closed = true`, or `stroke`, a width in metres")
-        }
-        Shape::Line { .. } => {
-            refuse("fill", "a line has no inside: give `stroke`, a width in metres, instead")
-        }
-        Shape::Text { .. } => {
-            refuse("fill", "letters are strokes: give `stroke`, their width in metres, instead")
-        }
-        Shape::Point { .. } | Shape::Trap { .. } | Shape::Picture { .. } => {
-            refuse("fill", "only closed shapes are filled")
-        }
     }
 }
 
 /// Checks the pressures along a path.
 fn pressures(target: &Target) -> Result<(), KeyError> {
-    let Shape::Path { vertices, .. } = &target.shape else {
-        return if target.pressures.is_empty() {
-            Ok(())
-        } else {
-            refuse("pressures", "only a path has one per vertex")
-        };
-    };
-    if !target.pressures.is_empty() && target.pressures.len() != vertices.len() {
-        let (given, asked) = (target.pressures.len(), vertices.len());
+    let given = target.pressures.len();
+    if given == 0 {
+        return Ok(());
+    }
+    if !target.shape.is_path() {
+        return refuse("pressures", "only a path has one per vertex");
+    }
+    let asked = target.shape.clone().points().len();
+    if given != asked {
         return refuse("pressures", format!("{given} pressures for {asked} vertices: give one for each"));
     }
     for (index, pressure) in target.pressures.iter().enumerate() {
@@ -293,73 +272,59 @@ fn aim(scene: &Scene) -> Result<(), KeyError> {
     refuse("target", message)
 }
 
+/// Checks the keys of a shape by their types.
 fn shape(shape: &Shape) -> Result<(), KeyError> {
-    match shape {
-        Shape::Point { at } => point("at", *at),
-        Shape::Trap { at, charge, .. } => {
-            point("at", *at)?;
-            Trap::check(*charge)
-        }
-        Shape::Line { from, to } => {
-            point("from", *from)?;
-            point("to", *to)?;
-            if from == to { refuse("to", "the line ends where it begins") } else { Ok(()) }
-        }
-        Shape::Circle { at, radius } => {
-            point("at", *at)?;
-            length("radius", *radius)
-        }
-        Shape::Rectangle { at, width, height } => {
-            point("at", *at)?;
-            length("width", *width)?;
-            length("height", *height)
-        }
-        Shape::Triangle { at, size } => {
-            point("at", *at)?;
-            length("size", *size)
-        }
-        Shape::Polygon { at, radius, sides } => {
-            point("at", *at)?;
-            length("radius", *radius)?;
-            count("sides", u64::from(*sides), 3, MOST_FOCI as u64)
-        }
-        Shape::Path { vertices, .. } => {
-            if vertices.len() < 2 {
-                return refuse("vertices", "a path needs at least two vertices");
-            }
-            if vertices.len() > MOST_FOCI {
-                return refuse("vertices", format!("a path may have at most {MOST_FOCI} vertices"));
-            }
-            for (index, vertex) in vertices.iter().enumerate() {
-                point("vertices", *vertex).map_err(|mut e| {
-                    e.path.push(index.into());
-                    e
-                })?;
-            }
-            if vertices.windows(2).all(|pair| pair[0] == pair[1]) {
-                return refuse("vertices", "the path has no length");
-            }
-            Ok(())
-        }
-        Shape::Text { text, at, height } => {
-            if text.trim().is_empty() {
-                return refuse("text", "the text is empty");
+    let mut copy = shape.clone();
+    for ShapeKey { name, value, .. } in copy.keys() {
+        match value {
+            ShapeValue::Point(at) => point(name, *at)?,
+            ShapeValue::Vertices(vertices) => self::vertices(name, vertices)?,
+            ShapeValue::Length(length) => self::length(name, *length)?,
+            ShapeValue::Sides(sides) => count(name, u64::from(*sides), 3, MOST_FOCI as u64)?,
+            ShapeValue::Letters(text) if text.trim().is_empty() => {
+                return refuse(name, "the text is empty");
             }
             // Every letter has at least one focal point.
-            if text.chars().count() > MOST_FOCI {
-                return refuse("text", format!("a text may have at most {MOST_FOCI} characters"));
+            ShapeValue::Letters(text) if text.chars().count() > MOST_FOCI => {
+                return refuse(name, format!("a text may have at most {MOST_FOCI} characters"));
             }
-            point("at", *at)?;
-            length("height", *height)
-        }
-        Shape::Picture { file, at, width, pixels: _ } => {
-            if file.is_empty() {
-                return refuse("file", "there is no name of a picture");
+            ShapeValue::File(file) if file.is_empty() => {
+                return refuse(name, "there is no name of a picture");
             }
-            point("at", *at)?;
-            length("width", *width)
+            ShapeValue::Charge(charge) => Trap::check(*charge)?,
+            ShapeValue::Letters(_) | ShapeValue::File(_) | ShapeValue::Closed(_) | ShapeValue::Trap(_) => {}
         }
     }
+    match copy.points()[..] {
+        [&mut from, &mut to] if shape.is_line() && from == to => {
+            refuse("to", "the line ends where it begins")
+        }
+        _ => Ok(()),
+    }
+}
+
+fn vertices(key: &'static str, vertices: &[DVec3]) -> Result<(), KeyError> {
+    if vertices.len() < 2 {
+        return refuse(key, "a path needs at least two vertices");
+    }
+    if vertices.len() > MOST_FOCI {
+        return refuse(key, format!("a path may have at most {MOST_FOCI} vertices"));
+    }
+    points(key, vertices)?;
+    if vertices.windows(2).all(|pair| pair[0] == pair[1]) {
+        return refuse(key, "the path has no length");
+    }
+    Ok(())
+}
+
+/// Checks a list of positions.
+fn points(key: &'static str, points: &[DVec3]) -> Result<(), KeyError> {
+    points.iter().enumerate().try_for_each(|(index, at)| {
+        point(key, *at).map_err(|mut e| {
+            e.path.push(index.into());
+            e
+        })
+    })
 }
 
 fn plane(plane: &Plane) -> Result<(), KeyError> {
@@ -432,12 +397,7 @@ fn motion(motion: &Motion) -> Result<(), KeyError> {
     count("foci", motion.foci.into(), 1, MOST_FOCI as u64)?;
     // The upper limit depends on the array: see `motion::check`.
     count("frames", u64::from(motion.frames), 1, u64::from(u32::MAX))?;
-    for (index, offset) in motion.points.iter().enumerate() {
-        point("points", *offset).map_err(|mut e| {
-            e.path.push(index.into());
-            e
-        })?;
-    }
+    points("points", &motion.points)?;
     finite("angle", motion.angle)?;
     keyframes(&motion.keyframes)?;
     if motion.path == MotionPath::Keyframes && motion.keyframes.is_empty() {

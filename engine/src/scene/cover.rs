@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::range::{Key, KeyError};
-use crate::scene::stroke::{self, centre};
-use crate::scene::{Grey, Sampling, Shape, Target, pixels};
+use crate::scene::range::{KeyError, refuse};
+use crate::scene::stroke;
+use crate::scene::{Grey, Sampling, Target, pixels};
 use crate::scene::{Method, Scene, Turns, motion};
 use std::ops::RangeInclusive;
 
@@ -53,10 +53,10 @@ impl Cover {
     /// # Errors
     /// A path that is not planar or has no inside, a missing glyph, or a picture that is black or not loaded.
     pub fn new(target: &Target, wavelength: f64) -> Result<Option<Self>, KeyError> {
-        let cover = match (&target.shape, target.sampling) {
-            (Shape::Picture { pixels, width, .. }, _) => {
+        let cover = match (target.shape.picture(), target.sampling) {
+            (Some((_, width, pixels)), _) => {
                 let Some(grey) = pixels.get() else { return refuse("file", "the picture is not loaded") };
-                Self::of_picture(target, grey, DVec2::new(*width, *width * pixels.aspect()))
+                Self::of_picture(target, grey, DVec2::new(width, width * pixels.aspect()))
             }
             (_, Sampling::Fill) => Self::of_strokes(target, 0.0, wavelength)?,
             (_, Sampling::Stroke(width)) => Self::of_strokes(target, width, wavelength)?,
@@ -65,13 +65,13 @@ impl Cover {
             }
         };
         let is_black = cover.sums.last().is_none_or(|&sum| sum <= 0.0);
-        match (&target.shape, target.sampling) {
-            (Shape::Picture { .. }, _) if is_black => {
-                refuse("file", "the picture is black: it prescribes no sound")
-            }
-            (Shape::Path { .. }, Sampling::Fill) if is_black => refuse("fill", "the path encloses no area"),
-            _ => Ok(Some(cover)),
+        if is_black && target.shape.is_picture() {
+            return refuse("file", "the picture is black: it prescribes no sound");
         }
+        if is_black && target.shape.is_path() && target.sampling == Sampling::Fill {
+            return refuse("fill", "the path encloses no area");
+        }
+        Ok(Some(cover))
     }
 
     /// A black margin is cropped: the surroundings are quiet anyway.
@@ -93,7 +93,7 @@ impl Cover {
         let counts = [columns.len(), rows_kept.len()];
         Self {
             pressure: target.pressure,
-            centre: centre(&target.shape) + axes[0] * from_centre.x + axes[1] * from_centre.y,
+            centre: target.shape.centre() + axes[0] * from_centre.x + axes[1] * from_centre.y,
             axes,
             half: DVec2::new(counts[0] as f64, counts[1] as f64) * pixel / 2.0,
             counts,
@@ -105,10 +105,11 @@ impl Cover {
     /// The area within half of `width` (m) of the outline, or inside it where that is 0.
     fn of_strokes(target: &Target, width: f64, wavelength: f64) -> Result<Self, KeyError> {
         let strokes = stroke::strokes(target)?;
-        let middle = centre(&target.shape);
-        let axes = match &target.shape {
-            Shape::Line { .. } | Shape::Path { .. } => plane_of(&strokes.concat())?,
-            _ => [DVec3::X, DVec3::Y].map(|axis| target.turn() * axis),
+        let middle = target.shape.centre();
+        let axes = if target.shape.is_line() || target.shape.is_path() {
+            plane_of(&strokes.concat())?
+        } else {
+            [DVec3::X, DVec3::Y].map(|axis| target.turn() * axis)
         };
         let flat = |point: &DVec3| DVec2::from(axes.map(|axis| (*point - middle).dot(axis)));
         let flat: Vec<Vec<_>> = strokes.iter().map(|stroke| stroke.iter().map(flat).collect()).collect();
@@ -313,10 +314,6 @@ fn broad([columns, rows]: [usize; 2], strokes: &[Vec<DVec2>], width: f64) -> Vec
     distances.into_iter().map(|distance| pixels::overlap(distance, width / 2.0)).collect()
 }
 
-fn refuse<T>(key: &'static str, message: impl Into<String>) -> Result<T, KeyError> {
-    Err(KeyError::new([Key::from(key)], message))
-}
-
 impl Scene {
     /// Numbers of drives in turn of a drag's frame and of a whole search. Without a number in the scene, areas at rest
     /// have as many as pay, since their |p|² counts in the mean.
@@ -336,7 +333,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Pixels;
+    use crate::scene::{Pixels, Shape};
 
     #[test]
     fn a_black_rim_is_left_out_and_moves_nothing() {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::Wave;
+use crate::scene::solver::is_zero;
 
 /// Tones that a modulation may have.
 pub const MOST_TONES: usize = 16;
@@ -69,10 +70,6 @@ impl Default for Tone {
     fn default() -> Self {
         Self { frequency: 200.0, depth: 1.0, phase: 0.0 }
     }
-}
-
-fn is_zero(phase: &f64) -> bool {
-    *phase == 0.0
 }
 
 /// A spectral line: amplitude · cos(2π frequency t + phase).

@@ -9,7 +9,7 @@ use serde::ser::{Serialize, Serializer};
 use strum::VariantNames;
 
 use crate::scene::motion::{Easing, MotionPath};
-use crate::scene::{Envelope, Light, LiquidName, Material, Method, Trap, target, zone};
+use crate::scene::{Envelope, Light, LiquidName, Material, Method, Trap, shape, zone};
 
 struct Name<T>(PhantomData<T>);
 
@@ -41,4 +41,4 @@ macro_rules! by_name {
     )*};
 }
 
-by_name!(Easing, Envelope, Light, LiquidName, Material, Method, MotionPath, Trap, target::Kind, zone::Kind);
+by_name!(Easing, Envelope, Light, LiquidName, Material, Method, MotionPath, Trap, shape::Kind, zone::Kind);

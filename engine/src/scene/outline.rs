@@ -7,15 +7,16 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DQuat, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 
 use crate::scene::check::MOST_FOCI;
 use crate::scene::cover::Patch;
 use crate::scene::range::{Key, KeyError};
 use crate::scene::run::{self, Run, Vertex};
+use crate::scene::target::facing;
 use crate::scene::{Cover, Focus, Part, Sampling, Scene, Shape, Target, stroke};
 
-pub use crate::scene::stroke::{centre, strokes};
+pub use crate::scene::stroke::strokes;
 
 /// Samples of a continuous stroke in a wavelength, at least: |p|² has up to two cycles in one.
 const PER_WAVELENGTH: f64 = 4.0;
@@ -90,9 +91,9 @@ pub(crate) fn foci_of_targets(
                 target: target.pressure * patch.brightness.sqrt(),
                 part: Part::Area(index),
             }));
-        } else if let Shape::Trap { at, trap, charge } = target.shape {
+        } else if let Some((trap, charge)) = target.shape.trap() {
             divisions.next();
-            let turn = target.turn();
+            let (at, turn) = (target.shape.centre(), target.turn());
             foci.extend(trap.lobes(charge, wavelength).into_iter().map(|lobe| Focus {
                 position: at + turn * lobe.at,
                 target: target.pressure,
@@ -150,19 +151,18 @@ fn on_surface(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
     Err(KeyError::new([Key::from("solver"), Key::from("target")], message))
 }
 
+/// The centre of rotation of a shape.
+pub fn centre(shape: &Shape) -> DVec3 {
+    shape.centre()
+}
+
 /// The strokes of a target, as drawn, with their target pressures.
 pub(crate) fn drawn(target: &Target) -> Result<Vec<Vec<Vertex>>, KeyError> {
-    if let Shape::Path { .. } = target.shape {
+    if target.shape.is_path() {
         return Ok(vec![stroke::path(target)]);
     }
     let even = |stroke: Vec<DVec3>| stroke.into_iter().map(|at| Vertex { at, pressure: 1.0 }).collect();
     Ok(strokes(target)?.into_iter().map(even).collect())
-}
-
-/// The axes of a flat target, before and after a quarter turn.
-pub(crate) fn axes(target: &Target) -> (DVec3, DVec3) {
-    let turn = target.turn();
-    (turn * DVec3::X, turn * DVec3::Y)
 }
 
 /// The number of focal points of all targets, without computing them; continuous strokes count with their corners,
@@ -197,8 +197,8 @@ impl<'a> Division<'a> {
             Sampling::Points(points) if points > most => return Err(too_many(target, points)),
             Sampling::Points(points) => run::pieces_by_count(&runs, points)?,
         };
-        if let (Sampling::Continuous, Shape::Circle { radius, .. }, [ring]) =
-            (target.sampling, &target.shape, &mut runs[..])
+        if let (Sampling::Continuous, Some(radius), [ring]) =
+            (target.sampling, target.shape.circle(), &mut runs[..])
         {
             // A circle is longer than the polygon that represents it.
             ring.length = TAU * radius;
@@ -213,14 +213,15 @@ impl<'a> Division<'a> {
 
     fn points(&self) -> Vec<Vertex> {
         // Points of a circle are computed exactly, not taken from its polygon.
-        let (Shape::Circle { at, radius }, [pieces]) = (&self.target.shape, &self.pieces[..]) else {
+        let (Some(radius), [pieces]) = (self.target.shape.circle(), &self.pieces[..]) else {
             return run::divide(&self.runs, &self.pieces);
         };
-        let Target { normal, angle, .. } = self.target;
-        let facing = DQuat::from_rotation_arc(DVec3::Z, normal.try_normalize().unwrap_or(DVec3::Z));
+        let Target { shape, normal, angle, .. } = self.target;
+        let at = shape.centre();
+        let facing = facing(*normal);
         let place = |i| {
             let turn = DVec2::from_angle(angle + TAU * i as f64 / *pieces as f64);
-            Vertex { at: *at + facing * (turn * *radius).extend(0.0), pressure: 1.0 }
+            Vertex { at: at + facing * (turn * radius).extend(0.0), pressure: 1.0 }
         };
         (0..*pieces).map(place).collect()
     }

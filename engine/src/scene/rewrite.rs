@@ -5,7 +5,7 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
-use crate::scene::{Elements, Pixels, Scene, Shape, Wave, file};
+use crate::scene::{Elements, Pixels, Scene, Wave, file};
 
 /// Repeated tables.
 const REPEATED: [&str; 4] = ["board", "reflector", "target", "quiet"];
@@ -29,7 +29,7 @@ fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.array.placed = Elements::default();
     for target in &mut scene.targets {
-        if let Shape::Picture { pixels, .. } = &mut target.shape {
+        if let Some((_, pixels)) = target.shape.picture_mut() {
             *pixels = Pixels::default();
         }
     }
@@ -211,7 +211,7 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{Method, Motion, MotionPath, Sampling, Target, Tempo};
+    use crate::scene::{Method, Motion, MotionPath, Sampling, Shape, Target, Tempo};
 
     const TEXT: &str = r#"# A scene by hand.
 format = 1   # the only one

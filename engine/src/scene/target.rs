@@ -3,12 +3,13 @@
 use glam::{DQuat, DVec3};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
-use strum::{EnumString, IntoStaticStr, VariantNames};
+use strum::VariantArray;
 
 use crate::scene::motion::MotionTable;
-use crate::scene::pixels::Pixels;
 use crate::scene::range::{Key, KeyError};
-use crate::scene::{Motion, Trap};
+use crate::scene::shape::Kind;
+use crate::scene::solver::is_zero;
+use crate::scene::{Motion, Shape, ShapeKey, ShapeValue, Trap};
 
 /// A shape that becomes focal points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -48,8 +49,7 @@ pub struct Target {
 impl Target {
     /// A target of this shape with everything else at its default.
     pub fn new(shape: Shape) -> Self {
-        let is_whole = matches!(shape, Shape::Point { .. } | Shape::Trap { .. } | Shape::Picture { .. });
-        let sampling = if is_whole { Sampling::Whole } else { Sampling::default() };
+        let sampling = if shape.is_whole() { Sampling::Whole } else { Sampling::default() };
         Self {
             shape,
             pressure: 1.0,
@@ -69,82 +69,25 @@ impl Target {
     pub fn is_area(&self) -> bool {
         match self.sampling {
             Sampling::Fill | Sampling::Stroke(_) => true,
-            Sampling::Whole => matches!(self.shape, Shape::Picture { .. }),
+            Sampling::Whole => self.shape.is_picture(),
             Sampling::Continuous | Sampling::Spacing(_) | Sampling::Points(_) => false,
         }
     }
 
     /// Rotation of a flat shape from the array's plane.
     pub fn turn(&self) -> DQuat {
-        let normal = self.normal.try_normalize().unwrap_or(DVec3::Z);
-        DQuat::from_rotation_arc(DVec3::Z, normal) * DQuat::from_rotation_z(self.angle)
+        facing(self.normal) * DQuat::from_rotation_z(self.angle)
     }
 
     /// Whether it is a picture without loaded pixels.
     pub fn lacks_pixels(&self) -> bool {
-        matches!(&self.shape, Shape::Picture { pixels, .. } if pixels.get().is_none())
+        self.shape.picture().is_some_and(|(_, _, pixels)| pixels.get().is_none())
     }
 
     /// Whether it is shown in a step of the motion.
     pub fn is_in(&self, step: u32) -> bool {
         self.visible && self.step.is_none_or(|own| own == step)
     }
-}
-
-/// The outline of a target. Lengths in m.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "lowercase")]
-pub enum Shape {
-    Point {
-        at: DVec3,
-    },
-    Line {
-        from: DVec3,
-        to: DVec3,
-    },
-    Circle {
-        at: DVec3,
-        radius: f64,
-    },
-    Rectangle {
-        at: DVec3,
-        width: f64,
-        height: f64,
-    },
-    Triangle {
-        at: DVec3,
-        size: f64,
-    },
-    Polygon {
-        at: DVec3,
-        radius: f64,
-        sides: u32,
-    },
-    Path {
-        vertices: Vec<DVec3>,
-        closed: bool,
-    },
-    Text {
-        text: String,
-        at: DVec3,
-        height: f64,
-    },
-    /// A trap for a bead.
-    Trap {
-        at: DVec3,
-        trap: Trap,
-        /// Topological charge of a vortex.
-        charge: i32,
-    },
-    /// Its brightness prescribes |p|².
-    Picture {
-        /// As in the scene file: relative to the scene's folder, or absolute.
-        file: String,
-        at: DVec3,
-        width: f64,
-        #[serde(skip)]
-        pixels: Pixels,
-    },
 }
 
 /// The sampling of a shape: its outline as one stroke or as separate focal points, or an area.
@@ -179,15 +122,16 @@ impl Serialize for Sampling {
     }
 }
 
-fn is_zero(angle: &f64) -> bool {
-    *angle == 0.0
-}
-
 fn is_true(visible: &bool) -> bool {
     *visible
 }
 
-fn is_z(normal: &DVec3) -> bool {
+/// The rotation from +z to a normal.
+pub(super) fn facing(normal: DVec3) -> DQuat {
+    DQuat::from_rotation_arc(DVec3::Z, normal.try_normalize().unwrap_or(DVec3::Z))
+}
+
+pub(super) fn is_z(normal: &DVec3) -> bool {
     *normal == DVec3::Z
 }
 
@@ -196,7 +140,7 @@ fn is_z(normal: &DVec3) -> bool {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TargetTable {
-    #[serde(default)]
+    #[serde(default = "Kind::point")]
     kind: Kind,
     at: Option<DVec3>,
     from: Option<DVec3>,
@@ -229,22 +173,6 @@ pub struct TargetTable {
     motion: Option<MotionTable>,
 }
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, EnumString, IntoStaticStr, VariantNames)]
-#[strum(serialize_all = "lowercase", const_into_str)]
-pub(super) enum Kind {
-    #[default]
-    Point,
-    Line,
-    Circle,
-    Rectangle,
-    Triangle,
-    Polygon,
-    Path,
-    Text,
-    Picture,
-    Trap,
-}
-
 impl TargetTable {
     /// The target of this table, the `index`-th in the file.
     ///
@@ -252,78 +180,38 @@ impl TargetTable {
     /// Missing keys, or keys of other kinds.
     pub fn into_target(mut self, index: usize) -> Result<Target, KeyError> {
         let table = &mut self;
-        let at = DVec3::new(0.0, 0.0, 0.1);
-        let side = DVec3::new(0.02, 0.0, 0.0);
-        let shape = match table.kind {
-            Kind::Point => Shape::Point { at: table.at.take().unwrap_or(at) },
-            Kind::Line => Shape::Line {
-                from: table.from.take().unwrap_or(at - side),
-                to: table.to.take().unwrap_or(at + side),
-            },
-            Kind::Circle => Shape::Circle {
-                at: table.at.take().unwrap_or(at),
-                radius: table.radius.take().unwrap_or(0.02),
-            },
-            Kind::Rectangle => Shape::Rectangle {
-                at: table.at.take().unwrap_or(at),
-                width: table.width.take().unwrap_or(0.04),
-                height: table.height.take().unwrap_or(0.04),
-            },
-            Kind::Triangle => {
-                Shape::Triangle { at: table.at.take().unwrap_or(at), size: table.size.take().unwrap_or(0.04) }
-            }
-            Kind::Polygon => Shape::Polygon {
-                at: table.at.take().unwrap_or(at),
-                radius: table.radius.take().unwrap_or(0.02),
-                sides: table.sides.take().unwrap_or(6),
-            },
-            Kind::Path => Shape::Path {
-                vertices: table.vertices.take().unwrap_or_default(),
-                closed: table.closed.take().unwrap_or(false),
-            },
-            Kind::Text => Shape::Text {
-                text: table.text.take().unwrap_or_else(|| "HIT".to_owned()),
-                at: table.at.take().unwrap_or(at),
-                height: table.height.take().unwrap_or(0.04),
-            },
-            Kind::Trap => Shape::Trap {
-                at: table.at.take().unwrap_or(at),
-                trap: table.trap.take().unwrap_or_default(),
-                charge: table.charge.take().unwrap_or(1),
-            },
-            Kind::Picture => Shape::Picture {
-                file: table.file.take().ok_or_else(|| no_file(index))?,
-                at: table.at.take().unwrap_or(at),
-                width: table.width.take().unwrap_or(0.08),
-                pixels: Pixels::default(),
-            },
+        let refuse = |key: &'static str, message: &str| {
+            Err(KeyError::new([Key::from("target"), Key::from(index), Key::from(key)], message))
         };
-        let mut target = Target::new(shape);
+        if table.kind == Kind::Picture && table.file.is_none() {
+            return refuse("file", "a target of kind `picture` needs the `file` that holds the picture");
+        }
+        let mut target = Target::new(table.kind.usual());
+        for key in target.shape.keys() {
+            table.take(key);
+        }
         target.step = table.step;
         target.visible = table.visible.unwrap_or(target.visible);
         target.name = std::mem::take(&mut table.name);
         target.group = std::mem::take(&mut table.group);
         let under = |e: KeyError| e.under(&["target".into(), index.into(), "motion".into()]);
         target.motion = table.motion.take().map(MotionTable::into_motion).transpose().map_err(under)?;
-        target.pressure = table.pressure.take().unwrap_or(target.pressure);
-        if table.kind != Kind::Point {
-            target.angle = table.angle.take().unwrap_or(target.angle);
+        target.pressure = table.pressure.unwrap_or(target.pressure);
+        if !target.shape.is_point() {
+            take(&mut table.angle, &mut target.angle);
         }
-        if !matches!(table.kind, Kind::Point | Kind::Trap | Kind::Picture) {
+        if !target.shape.is_whole() {
             target.sampling = table.sampling(index)?.unwrap_or(target.sampling);
         }
-        if table.kind == Kind::Path {
-            target.pressures = table.pressures.take().unwrap_or_default();
+        if target.shape.is_path() {
+            take(&mut table.pressures, &mut target.pressures);
         }
-        if !matches!(table.kind, Kind::Point | Kind::Line | Kind::Path) {
-            target.normal = table.normal.take().unwrap_or(target.normal);
+        if target.shape.is_flat() {
+            take(&mut table.normal, &mut target.normal);
         }
-        match self.stray_key() {
+        match table.stray_key() {
             None => Ok(target),
-            Some(key) => Err(KeyError::new(
-                [Key::from("target"), Key::from(index), Key::from(key)],
-                format!("a target of kind `{}` has no such key", self.kind.into_str()),
-            )),
+            Some(key) => refuse(key, &format!("a target of kind `{}` has no such key", self.kind.into_str())),
         }
     }
 
@@ -348,67 +236,45 @@ impl TargetTable {
         }
     }
 
-    /// A key unused by the kind.
-    fn stray_key(&self) -> Option<&'static str> {
-        let Self {
-            kind: _,
-            at,
-            from,
-            to,
-            radius,
-            width,
-            height,
-            size,
-            sides,
-            vertices,
-            closed,
-            text,
-            file,
-            trap,
-            charge,
-            pressure: _,
-            pressures,
-            spacing,
-            points,
-            fill,
-            stroke,
-            angle,
-            normal,
-            step: _,
-            visible: _,
-            name: _,
-            group: _,
-            motion: _,
-        } = self;
-        [
-            ("at", at.is_some()),
-            ("from", from.is_some()),
-            ("to", to.is_some()),
-            ("radius", radius.is_some()),
-            ("width", width.is_some()),
-            ("height", height.is_some()),
-            ("size", size.is_some()),
-            ("sides", sides.is_some()),
-            ("vertices", vertices.is_some()),
-            ("closed", closed.is_some()),
-            ("text", text.is_some()),
-            ("file", file.is_some()),
-            ("trap", trap.is_some()),
-            ("charge", charge.is_some()),
-            ("pressures", pressures.is_some()),
-            ("spacing", spacing.is_some()),
-            ("points", points.is_some()),
-            ("fill", fill.is_some()),
-            ("stroke", stroke.is_some()),
-            ("angle", angle.is_some()),
-            ("normal", normal.is_some()),
-        ]
-        .into_iter()
-        .find_map(|(key, given)| given.then_some(key))
+    /// Moves the value of a shape's key out of the table. Returns whether it was given.
+    fn take(&mut self, key: ShapeKey<'_>) -> bool {
+        match (key.name, key.value) {
+            ("at", ShapeValue::Point(at)) => take(&mut self.at, at),
+            ("from", ShapeValue::Point(from)) => take(&mut self.from, from),
+            ("to", ShapeValue::Point(to)) => take(&mut self.to, to),
+            ("radius", ShapeValue::Length(radius)) => take(&mut self.radius, radius),
+            ("width", ShapeValue::Length(width)) => take(&mut self.width, width),
+            ("height", ShapeValue::Length(height)) => take(&mut self.height, height),
+            ("size", ShapeValue::Length(size)) => take(&mut self.size, size),
+            (_, ShapeValue::Sides(sides)) => take(&mut self.sides, sides),
+            (_, ShapeValue::Vertices(vertices)) => take(&mut self.vertices, vertices),
+            (_, ShapeValue::Closed(closed)) => take(&mut self.closed, closed),
+            (_, ShapeValue::Letters(text)) => take(&mut self.text, text),
+            (_, ShapeValue::File(file)) => take(&mut self.file, file),
+            (_, ShapeValue::Trap(trap)) => take(&mut self.trap, trap),
+            (_, ShapeValue::Charge(charge)) => take(&mut self.charge, charge),
+            (_, ShapeValue::Point(_) | ShapeValue::Length(_)) => false,
+        }
+    }
+
+    /// A key unused by the kind, once the used ones are taken.
+    fn stray_key(&mut self) -> Option<&'static str> {
+        let mut others: Vec<_> = Kind::VARIANTS.iter().map(|kind| kind.usual()).collect();
+        let keys = others.iter_mut().flat_map(Shape::keys);
+        let of_shape = keys.map(|key| (key.name, self.take(key))).find(|(_, given)| *given);
+        let of_target = [
+            ("pressures", self.pressures.is_some()),
+            ("spacing", self.spacing.is_some()),
+            ("points", self.points.is_some()),
+            ("fill", self.fill.is_some()),
+            ("stroke", self.stroke.is_some()),
+            ("angle", self.angle.is_some()),
+            ("normal", self.normal.is_some()),
+        ];
+        of_shape.into_iter().chain(of_target).find_map(|(key, given)| given.then_some(key))
     }
 }
 
-fn no_file(index: usize) -> KeyError {
-    let path = [Key::from("target"), Key::from(index), Key::from("file")];
-    KeyError::new(path, "a target of kind `picture` needs the `file` that holds the picture")
+fn take<T>(given: &mut Option<T>, value: &mut T) -> bool {
+    given.take().map(|given| *value = given).is_some()
 }

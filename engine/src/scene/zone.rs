@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantNames};
 
 use crate::scene::range::{Key, KeyError};
+use crate::scene::solver::is_zero;
+use crate::scene::target::{facing, is_z};
 
 /// Limit of samples per zone; larger zones are sampled more coarsely.
 const MOST_POINTS: f64 = 4096.0;
@@ -35,14 +37,6 @@ pub enum Area {
     Circle { radius: f64 },
     Rectangle { width: f64, height: f64 },
     Polygon { radius: f64, sides: u32 },
-}
-
-fn is_z(normal: &DVec3) -> bool {
-    *normal == DVec3::Z
-}
-
-fn is_zero(angle: &f64) -> bool {
-    *angle == 0.0
 }
 
 impl Area {
@@ -106,8 +100,7 @@ impl Zone {
     }
 
     fn turn(&self) -> DQuat {
-        let facing = DQuat::from_rotation_arc(DVec3::Z, self.normal.try_normalize().unwrap_or(DVec3::Z));
-        facing * DQuat::from_rotation_z(self.angle)
+        facing(self.normal) * DQuat::from_rotation_z(self.angle)
     }
 }
 

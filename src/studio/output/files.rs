@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::bail;
 
 use crate::echo;
-use crate::scene::{Scene, Shape};
+use crate::scene::Scene;
 use crate::studio::output::check_writable;
 use crate::studio::output::disk::{folder_of, followed};
 
@@ -95,7 +95,7 @@ impl Files {
             self.reads(&samples.file)?;
         }
         for target in &scene.targets {
-            if let Shape::Picture { pixels, .. } = &target.shape
+            if let Some((_, _, pixels)) = target.shape.picture()
                 && let Some(path) = pixels.get().and_then(|grey| grey.file.as_deref())
             {
                 self.reads(path)?;

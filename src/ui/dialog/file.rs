@@ -152,6 +152,8 @@ fn list(
 mod tests {
     use super::*;
     use crate::scene::Scene;
+    use crate::ui::document::Document;
+    use crate::ui::{Dialog, Export};
 
     #[test]
     fn scenes_of_all_endings_are_listed_and_lend_exports_their_names() {

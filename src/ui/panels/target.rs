@@ -4,11 +4,11 @@ use egui::{RichText, TextEdit, Ui};
 use glam::DVec3;
 
 use crate::scene::check::{MOST_FOCI, MOST_LETTERS};
-use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, Target, Trap, font};
+use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, ShapeKey, ShapeValue, Target, Trap, font};
 use crate::ui::panels::form::{bare_count, choice, coordinates, count, variants};
 use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_number, caption, form, number, value};
-use crate::ui::{edit, theme};
+use crate::ui::theme;
 
 /// Initial spacing of an outline's focal points, m.
 const SPACING: f64 = 0.01;
@@ -24,20 +24,19 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
     let figures = Figures::of(scene, Some(index));
     let Some(target) = scene.targets.get_mut(index) else { return };
     form(ui, "target", |ui| {
-        let kind = edit::kind(target);
+        let kind = target.shape.title();
         label(ui, ("Name", "What the target is called in lists and warnings"), &kind, &mut target.name);
         shape(target, ui);
         holding(target, ui);
-        if target.sampling == Sampling::Fill && matches!(target.shape, Shape::Path { closed: false, .. }) {
+        let has_inside = target.shape.inside().is_ok();
+        if target.sampling == Sampling::Fill && !has_inside {
             target.sampling = Sampling::Continuous;
         }
         pressure(target, pressures, ui);
         if target.sampling != Sampling::Whole {
-            let areas = areas(&target.shape);
-            sampling(ui, &mut target.sampling, areas);
+            sampling(ui, &mut target.sampling, if has_inside { &AREAS } else { &AREAS[..1] });
         }
-        let turns = !matches!(target.shape, Shape::Point { .. } | Shape::Circle { .. });
-        if turns {
+        if !target.shape.is_round() {
             number(ui, ("Angle", "Rotation about its centre"), &mut target.angle, DEGREES, -7.0..=7.0);
         }
         step(target, takes_turns, ui);
@@ -69,72 +68,42 @@ fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
 }
 
 fn shape(target: &mut Target, ui: &mut Ui) {
-    match &mut target.shape {
-        Shape::Point { at } | Shape::Trap { at, .. } => point(ui, "At", at),
-        Shape::Line { from, to } => {
-            point(ui, "From", from);
-            point(ui, "To", to);
-        }
-        Shape::Circle { at, radius } => {
-            point(ui, "Centre", at);
-            number(ui, ("Radius", "From the centre to the line"), radius, MM, LENGTH);
-        }
-        Shape::Rectangle { at, width, height } => {
-            point(ui, "Centre", at);
-            number(ui, ("Width", "Along x"), width, MM, LENGTH);
-            number(ui, ("Height", "Along y"), height, MM, LENGTH);
-        }
-        Shape::Triangle { at, size } => {
-            point(ui, "Centre", at);
-            number(ui, ("Side", "Length of a side"), size, MM, LENGTH);
-        }
-        Shape::Polygon { at, radius, sides } => {
-            point(ui, "Centre", at);
-            number(ui, ("Radius", "From the centre to a corner"), radius, MM, LENGTH);
-            count(ui, ("Sides", "Number of corners"), sides, 3..=64);
-        }
-        Shape::Path { vertices, closed } => {
-            let mut centre = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
-            let before = centre;
-            point(ui, "Centre", &mut centre);
-            if centre != before {
-                vertices.iter_mut().for_each(|vertex| *vertex += centre - before);
+    for ShapeKey { row, value, .. } in target.shape.keys() {
+        match value {
+            ShapeValue::Point(at) => point(ui, row.0, at),
+            ShapeValue::Vertices(vertices) => {
+                let before = vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64;
+                let mut centre = before;
+                point(ui, row.0, &mut centre);
+                if centre != before {
+                    vertices.iter_mut().for_each(|vertex| *vertex += centre - before);
+                }
             }
-            caption(ui, "Closed");
-            ui.checkbox(closed, "")
-                .on_hover_text("The last vertex joins the first")
-                .accessible_name("Closed");
-            ui.end_row();
-        }
-        Shape::Text { text, at, height } => {
-            letters(ui, text);
-            point(ui, "Centre", at);
-            number(ui, ("Letter height", "Of a capital letter"), height, MM, LENGTH);
-        }
-        Shape::Picture { file, at, width, pixels: _ } => {
-            caption(ui, "Picture");
-            ui.label(file.as_str()).on_hover_text("Brightness is target pressure squared");
-            ui.end_row();
-            point(ui, "Centre", at);
-            number(ui, ("Width", "Of the picture"), width, MM, LENGTH);
+            ShapeValue::Length(length) => drop(number(ui, row, length, MM, LENGTH)),
+            ShapeValue::Sides(sides) => drop(count(ui, row, sides, 3..=64)),
+            ShapeValue::Closed(closed) => {
+                caption(ui, row.0);
+                ui.checkbox(closed, "").on_hover_text(row.1).accessible_name(row.0);
+                ui.end_row();
+            }
+            ShapeValue::Letters(text) => letters(ui, text),
+            ShapeValue::File(file) => {
+                caption(ui, row.0);
+                ui.label(file.as_str()).on_hover_text(row.1);
+                ui.end_row();
+            }
+            // A point has them too, to become a trap.
+            ShapeValue::Trap(_) | ShapeValue::Charge(_) => {}
         }
     }
 }
 
 /// A point's trap.
 fn holding(target: &mut Target, ui: &mut Ui) {
-    let (at, mut kind, mut charge) = match target.shape {
-        Shape::Point { at } => (at, None, 1),
-        Shape::Trap { at, trap, charge } => (at, Some(trap), charge),
-        Shape::Line { .. }
-        | Shape::Circle { .. }
-        | Shape::Rectangle { .. }
-        | Shape::Triangle { .. }
-        | Shape::Polygon { .. }
-        | Shape::Path { .. }
-        | Shape::Text { .. }
-        | Shape::Picture { .. } => return,
-    };
+    if !(target.shape.is_point() || target.shape.is_trap()) {
+        return;
+    }
+    let (mut kind, mut charge) = target.shape.trap().map_or((None, 1), |(kind, charge)| (Some(kind), charge));
     let traps = variants(Trap::title).into_iter().map(|(trap, title)| (Some(trap), title));
     let choices: Vec<_> = std::iter::once((None, "focus only")).chain(traps).collect();
     choice(ui, ("Trap", "The kind of trap that holds a bead"), &mut kind, &choices);
@@ -146,6 +115,7 @@ fn holding(target: &mut Target, ui: &mut Ui) {
         let turns = turns.round() as i32;
         charge = if turns == 0 { -charge.signum() } else { turns };
     }
+    let at = target.shape.centre();
     target.shape = match kind {
         None => Shape::Point { at },
         Some(trap) => Shape::Trap { at, trap, charge },
@@ -209,19 +179,6 @@ const AREAS: [Choice; 2] = [
     ("Broad", "A stroke of finite width", Sampling::Stroke(WIDTH)),
     ("Filled", "The area inside the outline", Sampling::Fill),
 ];
-
-/// The areas that a shape may be.
-fn areas(shape: &Shape) -> &'static [Choice] {
-    match shape {
-        Shape::Circle { .. }
-        | Shape::Rectangle { .. }
-        | Shape::Triangle { .. }
-        | Shape::Polygon { .. }
-        | Shape::Path { closed: true, .. } => &AREAS,
-        Shape::Line { .. } | Shape::Path { closed: false, .. } | Shape::Text { .. } => &AREAS[..1],
-        Shape::Point { .. } | Shape::Trap { .. } | Shape::Picture { .. } => &[],
-    }
-}
 
 /// Selects strokes, separate focal points with their number, or one of these areas.
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {

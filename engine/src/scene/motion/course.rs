@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::scene::motion::track::Track;
 use crate::scene::range::KeyError;
 use crate::scene::run::Vertex;
-use crate::scene::{Focus, Shape, Target, outline};
+use crate::scene::{Focus, Target, outline};
 
 /// Strokes traversed in sequence at constant speed, with instantaneous jumps between them.
 #[derive(Debug, Default)]
@@ -63,13 +63,13 @@ impl Course {
 
 /// The strokes of a target as drawn, with the target pressures along them.
 fn tracks(target: &Target) -> Result<Vec<Track>, KeyError> {
-    if matches!(target.shape, Shape::Picture { .. }) {
+    if target.shape.is_picture() {
         return Ok(Vec::new());
     }
-    if let Shape::Circle { at, radius } = target.shape {
+    if let Some(radius) = target.shape.circle() {
         // The polygon that is drawn for it is not the circle.
-        let (x, y) = outline::axes(target);
-        let centre = Vertex { at, pressure: target.pressure };
+        let [x, y] = [DVec3::X, DVec3::Y].map(|axis| target.turn() * axis);
+        let centre = Vertex { at: target.shape.centre(), pressure: target.pressure };
         return Ok(vec![Track::Circle { centre, x: x * radius, y: y * radius }]);
     }
     let loud = |vertex: Vertex| Vertex { pressure: vertex.pressure * target.pressure, ..vertex };
@@ -82,7 +82,7 @@ mod tests {
     use glam::DQuat;
 
     use super::*;
-    use crate::scene::{Motion, MotionPath, Scene, Tempo, motion};
+    use crate::scene::{Motion, MotionPath, Scene, Shape, Tempo, motion};
 
     const AT: DVec3 = DVec3::new(0.01, 0.02, 0.1);
 

@@ -12,7 +12,7 @@ use crate::scene::motion::limits::{
 use crate::scene::range::KeyError;
 use crate::scene::run::Vertex;
 use crate::scene::space::Front;
-use crate::scene::{Focus, MotionPath, Scene, Shape, Target, outline};
+use crate::scene::{Focus, MotionPath, Scene, Target, outline};
 
 /// Frames of a cycle, or the one that a scene without motion has.
 pub fn count(scene: &Scene) -> usize {
@@ -120,7 +120,7 @@ impl<'a> Score<'a> {
         let way = self.ways.iter().position(|(group, _)| group.target == own)?;
         // Foci do not run along pictures.
         let runs = matches!(self.ways[way].1, Way::Run(_));
-        let stands = runs && matches!(target.shape, Shape::Picture { .. });
+        let stands = runs && target.shape.is_picture();
         (!stands).then_some(way)
     }
 

@@ -17,6 +17,7 @@ use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::range::{Key, KeyError};
 use crate::scene::run::Vertex;
+use crate::scene::solver::is_zero;
 
 pub use cycle::{Cycle, Group, cycle, has_dynamics, moves, runs};
 pub use frames::{check, count, frames};
@@ -52,10 +53,6 @@ pub struct Motion {
 
 fn is_one(foci: &u32) -> bool {
     *foci == 1
-}
-
-fn is_zero(angle: &f64) -> bool {
-    *angle == 0.0
 }
 
 impl Default for Motion {

@@ -5,7 +5,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Air, Aperture, Emitters};
 use crate::force::{Sphere, modes};
-use crate::scene::{Focus, Part, Scene, Shape, Trap};
+use crate::scene::{Focus, Part, Scene, Trap};
 
 /// The traps of a scene, and the bead.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ impl Traps {
                 continue;
             };
             let target = &scene.targets[index];
-            let Shape::Trap { trap, charge, .. } = target.shape else {
+            let Some((trap, charge)) = target.shape.trap() else {
                 start += 1;
                 continue;
             };

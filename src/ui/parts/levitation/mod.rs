@@ -8,7 +8,7 @@ use glam::DVec3;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::force::{self, Forces, Hold};
-use crate::scene::{Scene, Shape};
+use crate::scene::Scene;
 use crate::ui::layout::Panel;
 use crate::ui::part::{Now, Part};
 
@@ -90,8 +90,6 @@ impl Part for Levitation {
 
 /// Position of the first played trap; beads do not sit at its lobes.
 fn trap(scene: &Scene) -> Option<DVec3> {
-    scene.targets.iter().filter(|target| target.visible).find_map(|target| {
-        let Shape::Trap { at, .. } = target.shape else { return None };
-        Some(at)
-    })
+    let mut targets = scene.targets.iter().filter(|target| target.visible);
+    targets.find(|target| target.shape.is_trap()).map(|target| target.shape.centre())
 }
