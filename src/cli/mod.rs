@@ -24,8 +24,11 @@ use clap::{CommandFactory, Parser, Subcommand};
 use crate::bench::{self, BenchArgs};
 pub use crate::cli::arguments::BadArguments;
 use crate::cli::batch::BatchArgs;
+use crate::cli::boards::arguments::BoardArgs;
+use crate::cli::boards::check::{self, CheckArgs};
+use crate::cli::boards::send::{self, SendArgs};
 use crate::cli::boards::serve::{self, ServeArgs};
-use crate::cli::boards::{BoardArgs, CheckArgs, SendArgs};
+use crate::cli::boards::{board, ports};
 use crate::cli::elements::ElementsArgs;
 use crate::cli::levitate::LevitateArgs;
 use crate::cli::manual::{CompletionsArgs, ManualArgs};
@@ -226,11 +229,11 @@ pub fn run() -> anyhow::Result<Next> {
         Command::Elements(args) => elements::run(&args),
         Command::Levitate(args) => levitate::run(&args),
         Command::Devices => devices::run(),
-        Command::Ports => boards::ports(),
-        Command::Send(args) => boards::send(&args),
+        Command::Ports => ports::run(),
+        Command::Send(args) => send::run(&args),
         Command::Serve(args) => serve::run(&args),
-        Command::Check(args) => boards::check(&args),
-        Command::Board(args) => boards::board(&args),
+        Command::Check(args) => check::run(&args),
+        Command::Board(args) => board(&args),
         Command::Completions(args) => manual::completions(&args, Cli::command()),
         Command::Manual(args) => manual::run(&args, Cli::command()),
     };

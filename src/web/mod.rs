@@ -8,7 +8,7 @@
 //! |---|---|
 //! | `app::desktop`: a winit window, drawn by wgpu or OpenGL | `app::page`: a canvas, drawn by WebGL 2 (`no_screen`) |
 //! | files on disk (`source`, `output::disk`) | `shelf`: in memory; written files are downloads; small files and persistent data are in local storage, with a recovery file per open page |
-//! | a thread (`app::beside`) | after the frame; solving (`app::job`) in a web worker that receives scenes and returns drives as bytes (`app::worker`, `web/worker.js`) |
+//! | a thread (`studio::later`) | after the frame; solving (`app::job`) in a web worker that receives scenes and returns drives as bytes (`app::worker`, `web/worker.js`) |
 //! | AVX and NEON, selected at run time (`simd`) | SIMD128, selected at build time |
 //! | a GPU that draws the window, with blocking reads for files | WebGPU: requested before the first frame (`gpu::adapter::open`), its values awaited between frames (`app::mapping`) and coloured by the CPU; software GPUs are slower than SIMD128 and used with `?gpu=any` only |
 //! | a scene link `sonoglyph:#…` | the page's address with the same text; a changed address opens its scene |

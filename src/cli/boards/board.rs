@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
 
-use crate::cli::boards::BoardArgs;
+use crate::cli::boards::arguments::BoardArgs;
 use crate::cli::interrupt;
 use crate::cli::scene::read_scene;
 use crate::device::board::{Board, Report, Setup};

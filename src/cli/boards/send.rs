@@ -1,20 +1,24 @@
 //! `sonoglyph send`: solves a scene and plays it on a board.
 
 use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, bail};
+use clap::Args;
 
-use crate::cli::boards::{SendArgs, calibration};
+use crate::cli::arguments::seconds;
+use crate::cli::boards::arguments::{calibration, parse_profile};
 use crate::cli::scene::read_scene;
-use crate::cli::{interrupt, progress};
+use crate::cli::{interrupt, names, progress};
 use crate::device::envelope;
 use crate::device::health::{Found, Health, State};
 use crate::device::levels;
 use crate::device::link::{Event, Settings};
+use crate::device::profile::Profile;
 use crate::rounding;
-use crate::scene::{Scene, motion};
+use crate::scene::{Method, Scene, motion};
 use crate::studio::felt::Offer;
 use crate::studio::output::{Files, mention, note, say, warn};
 use crate::studio::performance::Performance;
@@ -28,6 +32,36 @@ const LOST_TIMEOUT: Duration = Duration::from_secs(10);
 const START_TIMEOUT: Duration = Duration::from_millis(300);
 /// Interval of status lines.
 const REPORT: Duration = Duration::from_secs(1);
+
+#[derive(Debug, Args)]
+pub struct SendArgs {
+    /// Scene file
+    scene: PathBuf,
+    /// Serial port of the board; `sonoglyph ports` lists them
+    #[arg(long)]
+    port: PathBuf,
+    /// Kind of board; `sonoglyph ports` lists them
+    #[arg(long, value_parser = parse_profile)]
+    profile: Profile,
+    /// Bits per second, instead of the board's default
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
+    baud: Option<u32>,
+    /// Solver method, instead of the scene's
+    #[arg(long, value_parser = names::method())]
+    method: Option<Method>,
+    /// Play until Ctrl-C
+    #[arg(long = "loop")]
+    repeat: bool,
+    /// Playing time (s)
+    #[arg(long, value_name = "S", value_parser = seconds(1e9))]
+    seconds: Option<f64>,
+    /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), and a row per element
+    #[arg(long, value_name = "FILE.csv")]
+    calibration: Option<PathBuf>,
+    /// Play a single board of the scene, counted from 1, for boards with their own ports
+    #[arg(long, value_name = "NUMBER")]
+    board: Option<usize>,
+}
 
 pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let mut scene = read_scene(&args.scene, args.method, &mut Files::new())?;

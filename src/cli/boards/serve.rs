@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use clap::Args;
 
-use crate::cli::boards::parse_profile;
+use crate::cli::boards::arguments::parse_profile;
 use crate::cli::interrupt::{self, Interrupted};
 use crate::cli::scene::read_scene;
 use crate::control::board::Board;
@@ -112,7 +112,7 @@ fn settings(args: &ServeArgs) -> Settings {
 fn board(args: &ServeArgs, scene: &Scene, interrupted: &Interrupted) -> anyhow::Result<Option<Board>> {
     use anyhow::Context;
 
-    use crate::cli::boards::calibration;
+    use crate::cli::boards::arguments::calibration;
     use crate::device::link;
 
     let (Some(port), Some(profile)) = (args.port.clone(), args.profile) else { return Ok(None) };

@@ -2,13 +2,14 @@
 
 mod answers;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::bail;
+use clap::Args;
 
+use crate::cli::boards::arguments::{calibration, parse_profile};
 use crate::cli::boards::check::answers::{Answer, Answers};
-use crate::cli::boards::{CheckArgs, calibration};
 use crate::cli::interrupt::{self, Interrupted};
 use crate::device::calibration::Calibration;
 use crate::device::health::{Found, Health, State};
@@ -30,6 +31,28 @@ const FOCUS: Duration = Duration::from_secs(2);
 const TIMEOUT: Duration = Duration::from_secs(5);
 /// Interval of polling.
 const POLL: Duration = Duration::from_millis(5);
+
+#[derive(Debug, Args)]
+pub struct CheckArgs {
+    /// Serial port of the board; `sonoglyph ports` lists them
+    #[arg(long)]
+    port: PathBuf,
+    /// Kind of board; `sonoglyph ports` lists them
+    #[arg(long, value_parser = parse_profile, default_value = "native")]
+    profile: Profile,
+    /// Bits per second, instead of the fastest rate without loss
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
+    baud: Option<u32>,
+    /// Ask after each element whether it is audible; answers are read from standard input
+    #[arg(long)]
+    listen: bool,
+    /// Calibration: read if it exists, and written with the silent elements
+    #[arg(long, value_name = "FILE.csv")]
+    calibration: Option<PathBuf>,
+    /// Also write the report
+    #[arg(short, long, value_name = "REPORT.txt")]
+    output: Option<PathBuf>,
+}
 
 pub fn run(args: &CheckArgs) -> anyhow::Result<()> {
     let mut files = Files::new();
