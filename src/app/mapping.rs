@@ -7,10 +7,10 @@ use egui::{Color32, ColorImage, Context, TextureId, TextureOptions};
 
 use crate::app::screen::Screen;
 use crate::drive::Drive;
+use crate::field::Picture as Painted;
 use crate::field::contour::Line;
 use crate::field::gpu::Texture as OnGpu;
-use crate::field::quantity::PRESSURE;
-use crate::field::stages::Picture as Painted;
+use crate::field::sound::PRESSURE;
 use crate::field::{
     Colouring, Evaluator, FieldError, Gpu, GpuError, Map as Values, Quantity, Request, Stages, Work,
 };
@@ -18,8 +18,8 @@ use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
 use crate::studio::map::remark;
-use crate::ui::theme;
 use crate::ui::view::{Axes, Cut, Lens, View};
+use crate::ui::theme;
 use crate::ui::{Map, Sound, Texture};
 
 /// Pixels of a map, at most.

@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::device::profile::Profile;
 use crate::echo;
-use crate::field::Scale;
-use crate::field::colouring::FLOOR;
+use crate::field::{FLOOR, Scale};
 use crate::picture::ColourMap;
 use crate::scene::strict::Strict;
 use crate::source;

@@ -9,8 +9,8 @@ use crate::drive::Drive;
 use crate::field::{Evaluator, Quantity, Request, Stages, side_lobe};
 use crate::scene::{Focus, Plane, Scene};
 use crate::studio::width::{self, Widths};
-use crate::ui::section;
 use crate::ui::view::Lens;
+use crate::ui::section;
 use crate::ui::{Editor, Extremes, Shown};
 
 /// Resolution of the search for the maximum, in pixels of the map's wider side.
@@ -80,7 +80,7 @@ fn measure(surveyed: &Surveyed) -> (Option<Extremes>, Option<Widths>) {
 fn extremes(surveyed: &Surveyed) -> Extremes {
     let Surveyed { scene, aperture, drives, foci, plane, .. } = surveyed;
     let mut stages = Stages::new(Evaluator::Cpu);
-    let lobe = side_lobe::loudest(&mut stages, aperture, plane, drives, foci).ok();
+    let lobe = side_lobe(&mut stages, aperture, plane, drives, foci).ok();
     Extremes {
         peak: peak(scene, drives, &mut stages),
         side_lobe: lobe.map(|lobe| (lobe.position, lobe.pressure)),

@@ -2,26 +2,36 @@
 //! files to target values.
 
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod animation;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod chart;
+#[doc(hidden)]
 pub mod colour;
 pub mod export;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod figure;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod grey;
 #[cfg(feature = "studio")]
 mod lettering;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod numbers;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod relief;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod sheet;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod space;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod vti;
 
 pub use colour::ColourMap;

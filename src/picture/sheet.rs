@@ -5,7 +5,7 @@ use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::acoustics::Aperture;
-use crate::field::colouring::phase_index;
+use crate::field::phase_index;
 use crate::picture::lettering::Lettered;
 use crate::picture::{ColourMap, Picture, PictureError};
 use crate::rounding::{pascals, percent_at_least};

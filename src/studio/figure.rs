@@ -6,10 +6,9 @@ use anyhow::{Context, bail};
 use glam::{DVec2, DVec3};
 
 use crate::echo;
-use crate::field::colouring::{FLOOR, Scale};
-use crate::field::quantity::Range;
-use crate::field::stages::MOST_PIXELS;
-use crate::field::{Colouring, FieldError, Map, Quantity, Request, Stages, contour};
+use crate::field::{
+    Colouring, FLOOR, FieldError, MOST_PIXELS, Map, Quantity, Range, Request, Scale, Stages, contour,
+};
 use crate::memory;
 use crate::picture::figure::surface::{self, Measure, Surface};
 use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper, round_step};

@@ -6,8 +6,7 @@ use anyhow::{Context, bail};
 
 use crate::drive::Drive;
 use crate::echo;
-use crate::field::stages::MOST_PIXELS;
-use crate::field::{Quantity, Request, Stages, missed};
+use crate::field::{MOST_PIXELS, Quantity, Request, Stages, missed};
 use crate::gauge::Gauge;
 use crate::memory;
 use crate::picture::{ColourMap, Picture, export, numbers, relief, sheet};
@@ -15,10 +14,10 @@ use crate::rounding::milliseconds;
 use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
-use crate::studio::map;
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say, warn};
+use crate::studio::map;
 use crate::studio::{EXAMPLE, liquid, opening};
 
 /// Default file name of a sheet.

@@ -6,15 +6,14 @@ use egui::{
 };
 use glam::{DVec2, DVec3};
 
-use crate::field::Quantity;
-use crate::field::quantity::Range;
+use crate::field::{Quantity, Range};
 use crate::picture::figure::axes;
 use crate::scene::outline;
 use crate::studio::convention::Convention;
 use crate::studio::width::Widths;
 use crate::ui::measure::{self, ProfileLine};
-use crate::ui::ticks;
 use crate::ui::view::{Cut, Lens};
+use crate::ui::ticks;
 use crate::ui::{Dialog, Editor, Export, Map, Purpose, Shown, Sound, marks, theme};
 
 const POINTS: usize = 400;

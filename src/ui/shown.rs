@@ -11,16 +11,15 @@ use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::{self, Quantity};
 use crate::force::{Forces, Hold};
-use crate::scene::{Bead, Focus, Method};
+use crate::scene::{Bead, Focus, Method, SpectralLine};
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
-use crate::studio::time_course::Line;
 use crate::studio::width::Widths;
-use crate::ui::beside;
 use crate::ui::board::BoardShown;
 use crate::ui::map::{Map, Texture};
 use crate::ui::space::SpaceShown;
+use crate::ui::beside;
 use crate::ui::{Editor, Folder, Preview};
 
 /// The results for display.
@@ -170,7 +169,7 @@ pub struct Course {
     /// Time (s) and |p| (Pa, peak).
     pub moduli: Vec<[f64; 2]>,
     /// Of |p|² (Pa²).
-    pub lines: Vec<Line>,
+    pub lines: Vec<SpectralLine>,
 }
 
 impl Course {
@@ -180,7 +179,7 @@ impl Course {
     }
 
     /// The strongest line besides the mean.
-    pub fn strongest(&self) -> Option<&Line> {
+    pub fn strongest(&self) -> Option<&SpectralLine> {
         self.lines.iter().skip(1).max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
     }
 }

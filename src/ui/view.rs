@@ -6,9 +6,7 @@ use egui::{Pos2, Rect, Vec2, vec2};
 use glam::{DQuat, DVec2, DVec3};
 use strum::{IntoStaticStr, VariantArray};
 
-use crate::field::colouring::FLOOR;
-use crate::field::quantity::Range;
-use crate::field::{Colouring, Quantity, Scale};
+use crate::field::{Colouring, FLOOR, Quantity, Range, Scale};
 use crate::picture::{ColourMap, colour};
 use crate::scene::{Array, Plane, Scene, outline};
 use crate::studio::convention::Convention;
