@@ -184,6 +184,10 @@ mod tests {
     use std::sync::atomic::{AtomicBool, Ordering};
 
     use super::*;
+    use crate::device::levels::Levels;
+    use crate::device::link::shared::Figures;
+    use crate::device::profile::Profile;
+    use crate::device::task;
 
     fn motion(frames: usize, rate: f64) -> Content {
         let one = |element| Levels::one(Profile::UltrainoMega64, element);

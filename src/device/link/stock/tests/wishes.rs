@@ -1,7 +1,7 @@
 //! What becomes of wishes: repetitions, motions beyond the line, random wishes, damaged lines.
 
 use super::*;
-use crate::device::link::shared::Link;
+use crate::device::link::Link;
 use crate::device::link::shared::Sounding;
 use crate::device::link::stock::{run, watch};
 use crate::device::port::{Port, virtual_board};
