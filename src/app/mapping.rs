@@ -18,8 +18,8 @@ use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
 use crate::studio::map::remark;
-use crate::ui::view::{Axes, Cut, Lens, View};
 use crate::ui::theme;
+use crate::ui::view::{Axes, Cut, Lens, View};
 use crate::ui::{Map, Sound, Texture};
 
 /// Pixels of a map, at most.

@@ -9,8 +9,8 @@ use crate::drive::Drive;
 use crate::field::{Evaluator, Quantity, Request, Stages, side_lobe};
 use crate::scene::{Focus, Plane, Scene};
 use crate::studio::width::{self, Widths};
-use crate::ui::view::Lens;
 use crate::ui::section;
+use crate::ui::view::Lens;
 use crate::ui::{Editor, Extremes, Shown};
 
 /// Resolution of the search for the maximum, in pixels of the map's wider side.

@@ -14,10 +14,10 @@ use crate::rounding::milliseconds;
 use crate::scene::{Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
+use crate::studio::map;
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say, warn};
-use crate::studio::map;
 use crate::studio::{EXAMPLE, liquid, opening};
 
 /// Default file name of a sheet.

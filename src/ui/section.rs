@@ -12,8 +12,8 @@ use crate::scene::outline;
 use crate::studio::convention::Convention;
 use crate::studio::width::Widths;
 use crate::ui::measure::{self, ProfileLine};
-use crate::ui::view::{Cut, Lens};
 use crate::ui::ticks;
+use crate::ui::view::{Cut, Lens};
 use crate::ui::{Dialog, Editor, Export, Map, Purpose, Shown, Sound, marks, theme};
 
 const POINTS: usize = 400;

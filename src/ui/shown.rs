@@ -16,10 +16,10 @@ use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
 use crate::studio::width::Widths;
+use crate::ui::beside;
 use crate::ui::board::BoardShown;
 use crate::ui::map::{Map, Texture};
 use crate::ui::space::SpaceShown;
-use crate::ui::beside;
 use crate::ui::{Editor, Folder, Preview};
 
 /// The results for display.

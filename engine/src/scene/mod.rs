@@ -63,7 +63,7 @@ pub use solver::{Aim, Amplitudes, Method, Pressures, Solver};
 #[doc(hidden)]
 pub use target::TargetTable;
 pub use target::{Sampling, Shape, Target};
-pub use trap::{Lobe, Trap};
+pub use trap::Trap;
 pub use turns::Turns;
 pub use wave::{Wave, Waveform};
 pub use zone::{Area, Zone};

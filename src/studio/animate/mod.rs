@@ -18,12 +18,12 @@ use crate::picture::relief::{self, Relief};
 use crate::scene::{Scene, motion};
 use crate::studio::evaluator::or_by_cpu;
 use crate::studio::liquid::{self, Moment};
+use crate::studio::map;
 #[cfg(feature = "window")]
 use crate::studio::opening::stem;
+use crate::studio::output;
 use crate::studio::swell::{Schedule, Swell};
 use crate::studio::video::Video;
-use crate::studio::map;
-use crate::studio::output;
 use target::Encoding;
 pub use target::{Kind, RATES, Target};
 

@@ -18,7 +18,8 @@ use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 use crate::scene::range::{Key, KeyError};
 use crate::scene::run::Vertex;
 
-pub use cycle::{Cycle, Group, cycle, has_dynamics, moves, runs};
+pub(crate) use cycle::has_dynamics;
+pub use cycle::{Cycle, Group, cycle, moves, runs};
 pub use frames::{check, count, frames};
 pub use keyframes::{Easing, Keyframe, insert};
 use track::Track;
