@@ -7,8 +7,7 @@ pub mod animation;
 #[cfg(feature = "cli")]
 #[doc(hidden)]
 pub mod chart;
-#[doc(hidden)]
-pub mod colour;
+mod colour;
 pub mod export;
 #[cfg(feature = "studio")]
 #[doc(hidden)]
@@ -35,6 +34,8 @@ pub mod space;
 pub mod vti;
 
 pub use colour::ColourMap;
+#[doc(hidden)]
+pub use colour::veil;
 
 /// Why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -67,7 +68,7 @@ impl Picture {
         Self { width, height, rgba }
     }
 
-    /// Blends a veil of the same size over it: [`colour::veil`].
+    /// Blends a veil of the same size over it: [`veil()`].
     pub fn veil(&mut self, veil: &Self) {
         let pixels = self.rgba.as_chunks_mut::<4>().0.iter_mut();
         for (pixel, over) in pixels.zip(veil.rgba.as_chunks::<4>().0) {

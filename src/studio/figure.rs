@@ -13,7 +13,7 @@ use crate::memory;
 use crate::picture::figure::surface::{self, Measure, Surface};
 use crate::picture::figure::{Axis, Bar, Content, Figure, Format, Paper, round_step};
 use crate::picture::relief::Relief;
-use crate::picture::{ColourMap, Picture, colour, sheet};
+use crate::picture::{ColourMap, Picture, sheet, veil};
 use crate::rounding::millimetres;
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
@@ -155,7 +155,7 @@ pub fn draw(
     let mut picture = Picture::from_field_order(width, height, &colours);
     if wish.fades && has_phases {
         let request = Request { quantity: Quantity::Rms, ..request };
-        let colouring = Colouring::new(Quantity::Rms, colour::veil(wish.is_light));
+        let colouring = Colouring::new(Quantity::Rms, veil(wish.is_light));
         let veil = or_by_cpu(stages, gpu_is_asked_for, |stages| {
             stages.colours(&request, &colouring).map(<[_]>::to_vec)
         })?;

@@ -8,7 +8,7 @@ use sonoglyph::acoustics::Aperture;
 use sonoglyph::scene::{
     Envelope, Law, Method, Modulation, Motion, MotionPath, Scene, Shape, Target, Tempo, Tone,
 };
-use sonoglyph::scene::{Wave, Waveform};
+use sonoglyph::scene::{SpectralLine, Wave, Waveform};
 use sonoglyph::solver::frames;
 use sonoglyph::studio::time_course::Course;
 
