@@ -50,6 +50,7 @@ pub mod cli;
 #[doc(hidden)]
 pub mod control;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod device;
 #[cfg(feature = "window")]
 #[doc(hidden)]

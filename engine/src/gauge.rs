@@ -68,7 +68,7 @@ pub fn is_cancelled() -> bool {
 
 /// Iterations of this thread's step, up to a number: fewer if it is cancelled, or if their time is over; the first one
 /// always has time.
-pub fn iterations(most: u32) -> impl Iterator<Item = u32> {
+pub(crate) fn iterations(most: u32) -> impl Iterator<Item = u32> {
     let gauge = Gauge::current();
     (0..most).take_while(move |&i| !gauge.is_cancelled() && (i == 0 || !gauge.is_late()))
 }
@@ -79,7 +79,7 @@ impl Gauge {
     }
 
     /// The gauge set by an enclosing [`Self::lead`], for deeply nested functions.
-    pub fn current() -> Self {
+    pub(crate) fn current() -> Self {
         CURRENT.with_borrow(Self::clone)
     }
 
@@ -105,7 +105,7 @@ impl Gauge {
     }
 
     /// The gauge of one of `of` equal steps that begins now: without observer, and with its share of the time.
-    pub fn share(&self, of: usize) -> Self {
+    pub(crate) fn share(&self, of: usize) -> Self {
         let time = self.iterating.map(|(time, _)| time.div_f64(of.max(1) as f64));
         let own = Self { told: None, iterating: None, ..self.clone() };
         time.map_or(own.clone(), |time| own.iterating_for(time))

@@ -15,10 +15,10 @@ use web_time::Instant;
 
 use crate::app::screen::Screen;
 use crate::drive::Drive;
+use crate::field::Picture as Painted;
 use crate::field::contour::Line;
 use crate::field::gpu::Texture as OnGpu;
-use crate::field::quantity::PRESSURE;
-use crate::field::stages::Picture as Painted;
+use crate::field::sound::PRESSURE;
 use crate::field::{
     Colouring, Evaluator, FieldError, Gpu, GpuError, Map as Values, Quantity, Request, Stages, Work,
 };

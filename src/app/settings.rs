@@ -315,7 +315,7 @@ impl Drop for Memory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::colouring::FLOOR;
+    use crate::field::FLOOR;
     use crate::ui::Panel;
 
     fn blank() -> Editor {

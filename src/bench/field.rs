@@ -11,8 +11,9 @@ use crate::bench::Report;
 use crate::bench::time::{ROUNDS, Spent, Spread, Times, median};
 use crate::drive::Drive;
 use crate::field::gpu::adapter;
-use crate::field::stages::Picture;
-use crate::field::{self, Colouring, Evaluator, FieldError, Map, Quantity, Request, Samples, Stages};
+use crate::field::{
+    self, Colouring, Evaluator, FieldError, Map, Picture, Quantity, Request, Samples, Stages,
+};
 use crate::picture::ColourMap;
 use crate::picture::chart::{Chart, Level, Series};
 use crate::scene::{Plane, Scene};

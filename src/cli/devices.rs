@@ -1,7 +1,7 @@
 //! `sonoglyph devices`: the field evaluators of this machine, and the automatic choice.
 
+use crate::field::gpu::Kind;
 use crate::field::gpu::adapter;
-use crate::field::gpu::tuning::Kind;
 use crate::simd::Isa;
 use crate::studio::output::say;
 

@@ -9,8 +9,7 @@ use crate::control::refusal::EditError;
 use crate::echo;
 use crate::scene::motion::MotionTable;
 use crate::scene::strict::Strict;
-use crate::scene::target::TargetTable;
-use crate::scene::{Scene, Target};
+use crate::scene::{Scene, Target, TargetTable};
 
 /// Tables with keys that other programs may set. Array and boards change only with the whole scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]

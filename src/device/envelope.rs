@@ -92,7 +92,7 @@ fn fits(modulation: &Modulation) -> Result<(), String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::wave::Samples;
+    use crate::scene::Waveform;
     use crate::scene::{Law, Tone, Wave};
 
     fn tones(frequencies: &[f64]) -> Modulation {
@@ -103,7 +103,7 @@ mod tests {
 
     fn file(count: usize, rate: f64) -> Modulation {
         let values = (0..count).map(|i| (i as f32 * 0.1).sin()).collect();
-        let wave = Wave::new(Samples { file: "a.wav".into(), rate, values });
+        let wave = Wave::new(Waveform { file: "a.wav".into(), rate, values });
         Modulation { shape: Envelope::File, file: "a.wav".to_owned(), wave, ..Modulation::default() }
     }
 

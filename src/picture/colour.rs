@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use strum::IntoStaticStr;
 
-use crate::field::quantity::Range;
+use crate::field::Range;
 
 /// A table of colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoStaticStr)]

@@ -2,27 +2,37 @@
 //! files to target values.
 
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod animation;
 #[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod chart;
-pub mod colour;
+mod colour;
 pub mod export;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod figure;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod grey;
 #[cfg(feature = "studio")]
 pub mod numbers;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod relief;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod sheet;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod space;
 #[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod vti;
 
 pub use colour::ColourMap;
+#[doc(hidden)]
+pub use colour::veil;
 
 /// Why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -48,7 +58,7 @@ impl Picture {
         Self { width, height, rgba }
     }
 
-    /// Blends a veil of the same size over it: [`colour::veil`].
+    /// Blends a veil of the same size over it: [`veil()`].
     pub fn veil(&mut self, veil: &Self) {
         let pixels = self.rgba.as_chunks_mut::<4>().0.iter_mut();
         for (pixel, over) in pixels.zip(veil.rgba.as_chunks::<4>().0) {

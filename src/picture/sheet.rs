@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
 use crate::acoustics::Aperture;
-use crate::field::colouring::phase_index;
+use crate::field::phase_index;
 use crate::picture::figure::layout::{Frame, TITLE, clipped};
 use crate::picture::figure::mark::{Anchor, BLACK, Ink, Mark};
 use crate::picture::figure::{Axis, Bar, Content, Figure};

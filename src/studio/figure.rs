@@ -6,15 +6,14 @@ use anyhow::{Context, bail};
 use glam::{DVec2, DVec3};
 
 use crate::echo;
-use crate::field::colouring::{FLOOR, Scale};
-use crate::field::quantity::Range;
-use crate::field::stages::MOST_PIXELS;
-use crate::field::{Colouring, FieldError, Map, Quantity, Request, Stages, contour};
+use crate::field::{
+    Colouring, FLOOR, FieldError, MOST_PIXELS, Map, Quantity, Range, Request, Scale, Stages, contour,
+};
 use crate::memory;
 use crate::picture::figure::surface::{self, Measure, Surface};
 use crate::picture::figure::{Bar, Content, Figure, Format, Paper, round_step};
 use crate::picture::relief::Relief;
-use crate::picture::{ColourMap, Picture, colour, sheet};
+use crate::picture::{ColourMap, Picture, sheet, veil};
 use crate::rounding::millimetres;
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
@@ -156,7 +155,7 @@ pub fn draw(
     let mut picture = Picture::from_field_order(width, height, &colours);
     if wish.fades && has_phases {
         let request = Request { quantity: Quantity::Rms, ..request };
-        let colouring = Colouring::new(Quantity::Rms, colour::veil(wish.is_light));
+        let colouring = Colouring::new(Quantity::Rms, veil(wish.is_light));
         let veil = or_by_cpu(stages, gpu_is_asked_for, |stages| {
             stages.colours(&request, &colouring).map(<[_]>::to_vec)
         })?;

@@ -43,7 +43,7 @@ impl Findings {
             }
             Some(_) | None => {
                 let plane = shape::judged_plane(scene, &solution.foci);
-                side_lobe::loudest(stages, aperture, &plane, &solution.drives(), &solution.foci)
+                side_lobe(stages, aperture, &plane, &solution.drives(), &solution.foci)
             }
         };
         let heard =

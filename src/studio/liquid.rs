@@ -10,8 +10,7 @@ use crate::rounding::{at_most, digits, milliseconds, percent_at_least};
 use crate::scene::{self, Envelope, Law, Liquid, Modulation, Plane, Scene};
 use crate::studio::map::{DrawnMap, SILENT, extent, summary};
 use crate::studio::output::warn;
-use crate::surface::Light;
-use crate::surface::dent::{STEEPEST, largest_drive};
+use crate::surface::{Light, STEEPEST, largest_drive};
 
 /// Columns of the shaded surface.
 const COLUMNS: usize = 1200;

@@ -2,8 +2,7 @@
 
 use web_time::Instant;
 
-use crate::field::quantity::Norm;
-use crate::field::{By, Colouring, FieldError, Map, Pressed, Quantity, Request, Stages};
+use crate::field::{By, Colouring, FieldError, Map, Norm, Pressed, Quantity, Request, Stages};
 use crate::picture::{ColourMap, Picture};
 use crate::rounding::milliseconds;
 use crate::simd::Isa;

@@ -5,7 +5,7 @@ use crate::gauge::Gauge;
 use crate::rounding::pascals;
 use crate::scene::{Pressures, Scene, motion};
 use crate::solver::frames::{self, Frame, Sequence};
-use crate::solver::warning;
+use crate::solver::warnings_of_foci;
 use crate::studio::output::{note, warn};
 
 /// Name of the solving step in progress messages.
@@ -21,7 +21,7 @@ pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Seq
     if !motion::moves(scene) && sequence.frames.len() == 1 {
         note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
     }
-    for warning in warning::of_foci(&Aperture::new(scene), &sequence.frames[0].foci) {
+    for warning in warnings_of_foci(&Aperture::new(scene), &sequence.frames[0].foci) {
         warn(&format!("in the first frame, {warning}"));
     }
     if scene.solver.pressures == Pressures::Pascal {

@@ -9,8 +9,8 @@ use rayon::prelude::*;
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::Quantity;
-use crate::field::quantity::Constants;
 use crate::field::slope::SoundTransfer;
+use crate::field::sound::Constants;
 use crate::force::Levitation;
 use crate::scene::Bead;
 

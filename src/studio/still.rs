@@ -6,8 +6,7 @@ use anyhow::{Context, bail};
 
 use crate::drive::Drive;
 use crate::echo;
-use crate::field::stages::MOST_PIXELS;
-use crate::field::{Quantity, Request, Stages, missed};
+use crate::field::{MOST_PIXELS, Quantity, Request, Stages, missed};
 use crate::gauge::Gauge;
 use crate::memory;
 use crate::picture::{ColourMap, Picture, export, numbers, relief, sheet};

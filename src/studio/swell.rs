@@ -7,8 +7,7 @@ use crate::field::{FieldError, Request, Stages};
 use crate::gauge::Gauge;
 use crate::scene::{Envelope, Law, Modulation, Scene, motion};
 use crate::studio::time_course::{Course, low_square, square_lines};
-use crate::surface::waves::Stretch;
-use crate::surface::{Rest, Tank, Waves};
+use crate::surface::{Rest, Stretch, Tank, Waves};
 
 /// Pictures per second of real time, and their limit.
 const PICTURES_PER_SECOND: f64 = 400.0;
@@ -189,8 +188,8 @@ mod tests {
 
     use super::*;
     use crate::field::{Evaluator, Quantity};
-    use crate::scene::wave::{Samples, Wave};
     use crate::scene::{LiquidName, Motion, MotionPath, Plane, Shape, Target, Tempo, Tone};
+    use crate::scene::{Wave, Waveform};
     use crate::solver::frames;
 
     fn scene(motion: Motion, modulation: Modulation) -> Scene {
@@ -236,7 +235,7 @@ mod tests {
         let tone = |frequency, depth| Tone { frequency, depth, phase: 0.3 };
         let tones = vec![tone(23.0, 0.5), tone(61.7, 0.4)];
         let values = (0..37).map(|i| (f64::from(i * i) * 0.37).sin() as f32).collect();
-        let wave = Wave::new(Samples { file: "a.wav".into(), rate: 1333.0, values });
+        let wave = Wave::new(Waveform { file: "a.wav".into(), rate: 1333.0, values });
         [
             Modulation::default(),
             of(Envelope::Sine, 47.0),

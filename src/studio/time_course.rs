@@ -10,8 +10,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 use sonoglyph_fourier::coefficients;
 
-pub use crate::scene::modulation::Line;
-use crate::scene::{Envelope, Law, Modulation, Scene, motion};
+use crate::scene::{Envelope, Law, Modulation, Scene, SpectralLine, motion};
 
 /// Drives in turn per second for a scene at rest.
 const TURNS: f64 = 1000.0;
@@ -130,7 +129,7 @@ impl Course {
                     writeln!(table, "{x:?},{y:?},{z:?},{time:?},{:?},{:?},{:?}", p.re, p.im, p.norm_sqr());
             }
             let lines = band.map_or(Ok(Vec::new()), |band| self.spectrum(&of_frames, band));
-            for Line { frequency, amplitude, phase } in lines.map_err(anyhow::Error::msg)? {
+            for SpectralLine { frequency, amplitude, phase } in lines.map_err(anyhow::Error::msg)? {
                 let _ = writeln!(spectrum, "{x:?},{y:?},{z:?},{frequency:?},{amplitude:?},{phase:?}");
             }
         }
@@ -142,7 +141,7 @@ impl Course {
     ///
     /// # Errors
     /// Too many lines.
-    pub fn spectrum(&self, of_frames: &[Complex64], band: f64) -> Result<Vec<Line>, String> {
+    pub fn spectrum(&self, of_frames: &[Complex64], band: f64) -> Result<Vec<SpectralLine>, String> {
         let squares: Vec<_> = of_frames.iter().map(Complex64::norm_sqr).collect();
         let cycle = self.cycles_per_second();
         let period = self.period().filter(|_| cycle > 0.0 && self.modulation.shape == Envelope::Square);
@@ -228,7 +227,7 @@ fn sinc(x: f64) -> f64 {
 }
 
 /// The lines of the square of an envelope of sines or tones, which are few; the mean is first.
-pub fn square_lines(modulation: &Modulation) -> Vec<Line> {
+pub fn square_lines(modulation: &Modulation) -> Vec<SpectralLine> {
     let mut terms = square_terms(modulation, 0.0);
     terms.retain(|(frequency, _)| *frequency > -ONE_LINE);
     lines(terms)
@@ -323,7 +322,7 @@ fn arch(h: f64) -> f64 {
 }
 
 /// Terms at non-negative frequencies as lines; equal frequencies are summed.
-fn lines(mut terms: Vec<Term>) -> Vec<Line> {
+fn lines(mut terms: Vec<Term>) -> Vec<SpectralLine> {
     terms.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let sums = terms.chunk_by(|a, b| b.0 - a.0 < ONE_LINE).map(|same| {
         let sum: Complex64 = same.iter().map(|(_, coefficient)| coefficient).sum();
@@ -332,7 +331,7 @@ fn lines(mut terms: Vec<Term>) -> Vec<Line> {
     let line = |(frequency, sum): Term| {
         // Its twin at the negative frequency has the other half.
         let amplitude = if frequency == 0.0 { sum.re } else { 2.0 * sum.norm() };
-        Line { frequency, amplitude, phase: if frequency == 0.0 { 0.0 } else { sum.arg() } }
+        SpectralLine { frequency, amplitude, phase: if frequency == 0.0 { 0.0 } else { sum.arg() } }
     };
     let lines: Vec<_> = sums.map(line).collect();
     let mean = lines.first().filter(|line| line.frequency == 0.0).map_or(0.0, |line| line.amplitude);

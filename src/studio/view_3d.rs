@@ -8,9 +8,8 @@ use glam::DVec2;
 
 use crate::field::gpu::SpacePainting;
 use crate::field::volume::camera::Standard;
-use crate::field::volume::sampling::Fineness;
 use crate::field::volume::scenery::{Body, Shot};
-use crate::field::volume::{Block, Camera, Scenery, Volume, march};
+use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
 use crate::field::{Evaluator, Quantity, Request};
 use crate::memory;
 use crate::picture::Picture;

@@ -6,8 +6,7 @@ use std::path::Path;
 use hound::{SampleFormat, WavReader};
 
 use crate::echo;
-use crate::scene::Wave;
-use crate::scene::wave::Samples;
+use crate::scene::{Wave, Waveform};
 use crate::source;
 
 /// Bytes of a file, at most.
@@ -25,7 +24,7 @@ pub fn read(path: &Path) -> Result<Wave, String> {
     let named = |error: String| format!("{}: {error}", path.display());
     let bytes = source::read(path, MOST_BYTES).map_err(|error| named(error.to_string()))?;
     let (rate, values) = decode(&bytes).map_err(named)?;
-    Ok(Wave::new(Samples { file: path.to_owned(), rate, values }))
+    Ok(Wave::new(Waveform { file: path.to_owned(), rate, values }))
 }
 
 /// Samples per second, and the samples, of the bytes of a file.

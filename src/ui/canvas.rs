@@ -5,8 +5,7 @@ use egui::{
 };
 use glam::{DVec2, DVec3};
 
-use crate::field::Quantity;
-use crate::field::quantity::Range;
+use crate::field::{Quantity, Range};
 use crate::picture::figure::axes;
 use crate::studio::probe;
 use crate::ui::parts::levitation::arrows;

@@ -361,7 +361,7 @@ fn balance(difference: &Difference, is_light: bool, ui: &Ui, plot: Rect) {
         let at = pos2(bar.right(), y(0.5 + 0.5 * part));
         painter.line_segment([at, at + vec2(4.0, 0.0)], edge);
         let value = f64::from(part) * difference.largest * factor;
-        let text = crate::field::quantity::figures(value.abs());
+        let text = crate::field::figures(value.abs());
         let text = if part < 0.0 { format!("-{text}") } else { text };
         painter.text(at + vec2(7.0, 0.0), Align2::LEFT_CENTER, text, font.clone(), ink);
     }

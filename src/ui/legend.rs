@@ -7,8 +7,7 @@ use egui::{
     Sense, Stroke, StrokeKind, Ui, WidgetInfo, pos2, vec2,
 };
 
-use crate::field::quantity::{Range, figures};
-use crate::field::{Quantity, Scale};
+use crate::field::{Quantity, Range, Scale, figures};
 use crate::picture::ColourMap;
 use crate::picture::figure::axes::round_step;
 use crate::studio::convention::Convention;

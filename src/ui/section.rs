@@ -6,8 +6,7 @@ use egui::{
 };
 use glam::{DVec2, DVec3};
 
-use crate::field::Quantity;
-use crate::field::quantity::Range;
+use crate::field::{Quantity, Range};
 use crate::picture::figure::axes;
 use crate::studio::convention::Convention;
 use crate::studio::width::Widths;

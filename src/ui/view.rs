@@ -6,10 +6,8 @@ use egui::{Pos2, Rect, Vec2, vec2};
 use glam::{DQuat, DVec2, DVec3};
 use strum::{IntoStaticStr, VariantArray};
 
-use crate::field::colouring::FLOOR;
-use crate::field::quantity::Range;
-use crate::field::{Colouring, Quantity, Scale};
-use crate::picture::{ColourMap, colour};
+use crate::field::{Colouring, FLOOR, Quantity, Range, Scale};
+use crate::picture::{ColourMap, veil};
 use crate::scene::{Array, Plane, Scene, outline};
 use crate::studio::convention::Convention;
 use crate::studio::map;
@@ -362,7 +360,7 @@ impl View {
     /// Colouring of the RMS pressure as a veil over a phase map, if brightness follows it.
     pub fn veil(&self) -> Option<Colouring> {
         let is_wanted = self.fades && self.quantity.declaration().range == Range::Cyclic;
-        is_wanted.then(|| Colouring::new(Quantity::Rms, colour::veil(self.is_light)))
+        is_wanted.then(|| Colouring::new(Quantity::Rms, veil(self.is_light)))
     }
 
     /// Follows the theme unless the ground is chosen.

@@ -10,8 +10,7 @@ use sonoglyph::control::edit::{Edit, Wish};
 use sonoglyph::control::live::Live;
 use sonoglyph::control::report::Report;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
-use sonoglyph::scene::wave::{Samples, Wave};
-use sonoglyph::scene::{Envelope, Modulation, Scene};
+use sonoglyph::scene::{Envelope, Modulation, Scene, Wave, Waveform};
 use sonoglyph::solver::{self, Solution};
 use tungstenite::Message;
 
@@ -86,7 +85,7 @@ fn a_pad_moves_targets_at_their_height() {
 #[test]
 fn a_waveform_stays_when_its_depth_changes() {
     let serving = Serving::local(TWO);
-    let samples = Samples { file: "a.wav".into(), rate: 8000.0, values: vec![0.0, 1.0] };
+    let samples = Waveform { file: "a.wav".into(), rate: 8000.0, values: vec![0.0, 1.0] };
     let (shape, file, wave) = (Envelope::File, "a.wav".to_owned(), Wave::new(samples));
     let modulation = Modulation { shape, file, wave, ..Modulation::default() };
     let scene = Scene { modulation: modulation.clone(), ..scene(TWO) };

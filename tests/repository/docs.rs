@@ -8,8 +8,7 @@ use std::process::Command;
 
 use sonoglyph::device::declaration::Strength;
 use sonoglyph::device::profile::Profile;
-use sonoglyph::field::Quantity;
-use sonoglyph::field::quantity::Unit;
+use sonoglyph::field::{Quantity, Unit};
 
 fn text(path: &str) -> String {
     std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join(path)).unwrap()

@@ -75,7 +75,7 @@ impl Aperture {
     }
 
     /// The same elements at other positions in z = 0 (m), all driven, without reflectors.
-    pub fn with_elements(&self, positions: Vec<DVec3>) -> Self {
+    pub(crate) fn with_elements(&self, positions: Vec<DVec3>) -> Self {
         let layout = Layout { positions: positions.clone(), normals: Vec::new(), columns: None };
         Self {
             normals: vec![DVec3::Z; positions.len()],
@@ -110,7 +110,7 @@ impl Aperture {
 
     /// The incident sound on a reflector, half of the total pressure there: sources on its sound side, without its
     /// own images, scaled by (1 + coefficient)/2.
-    pub fn incident_on(&self, mirror: &Reflector) -> Self {
+    pub(crate) fn incident_on(&self, mirror: &Reflector) -> Self {
         let heard = self.faces.iter().filter(|face| mirror.height(face.pose.world(DVec3::ZERO)) > 0.0);
         let gain = f64::midpoint(1.0, mirror.coefficient);
         let faces = heard.map(|face| Face { gain: gain * face.gain, ..face.clone() }).collect();
@@ -127,7 +127,7 @@ impl Aperture {
     }
 
     /// The planes behind which some elements are silent: a point and the direction of radiation of each.
-    pub fn walls(&self) -> Vec<(DVec3, DVec3)> {
+    pub(crate) fn walls(&self) -> Vec<(DVec3, DVec3)> {
         let of_face = |face: &Face| {
             let elements = if face.layout.is_flat() { 0..1 } else { 0..face.layout.positions.len() };
             let wall = |n: usize| {

@@ -74,7 +74,7 @@ impl Derivatives {
     }
 
     /// Derivatives along a direction.
-    pub fn along(&self, v: [f64; 3]) -> Along {
+    pub(crate) fn along(&self, v: [f64; 3]) -> Along {
         let sum = |of: &dyn Fn(usize) -> Complex64| (0..3).map(|j| of(j) * v[j]).sum::<Complex64>();
         let slopes = [0, 1, 2].map(|i| sum(&|j| self.second(i, j)));
         let seconds = [0, 1, 2].map(|i| sum(&|j| sum(&|k| self.third(i, j, k))));

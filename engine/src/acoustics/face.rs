@@ -149,13 +149,13 @@ impl Face {
     }
 
     /// Its elements among some of the array's, in ascending order, and their indices there.
-    pub fn among(&self, elements: &[usize]) -> Range<usize> {
+    pub(crate) fn among(&self, elements: &[usize]) -> Range<usize> {
         let Range { start, end } = self.elements();
         elements.partition_point(|&n| n < start)..elements.partition_point(|&n| n < end)
     }
 
     /// Whether it is the board itself rather than an image.
-    pub fn is_direct(&self) -> bool {
+    pub(crate) fn is_direct(&self) -> bool {
         self.rest == f64::INFINITY
     }
 

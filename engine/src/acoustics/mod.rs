@@ -11,13 +11,13 @@
 //! assert!(loudest > 4000.0 && transfer.elements == 256);
 //! ```
 
-pub mod air;
+mod air;
 mod aperture;
 mod bessel;
 mod clearance;
 mod derivatives;
 mod disk;
-pub mod element;
+pub(crate) mod element;
 mod emitters;
 mod face;
 mod jacobian;
@@ -25,12 +25,17 @@ mod row;
 mod slopes;
 mod transfer;
 
-pub use air::{Air, viscosity};
+pub use air::{Air, absorption, viscosity};
 pub use aperture::Aperture;
 pub use clearance::Clearance;
-pub use derivatives::{Along, Derivatives};
+pub(crate) use derivatives::Along;
+pub use derivatives::Derivatives;
 pub use element::Element;
+#[doc(hidden)]
+pub use element::{directivity, piston_nodes};
 pub use emitters::Emitters;
-pub use face::{Face, Layout, Pose};
-pub use jacobian::PhaseJacobian;
-pub use transfer::{Phasors, Sums, Transfer};
+pub use face::Face;
+pub(crate) use face::{Layout, Pose};
+pub(crate) use jacobian::PhaseJacobian;
+pub use transfer::Transfer;
+pub(crate) use transfer::{Phasors, Sums};

@@ -19,7 +19,7 @@ const HAIR: f64 = 3e-4;
 impl Aperture {
     /// The rows of [`Aperture::transfer`] and of its slopes along `directions` (unit vectors), Pa/m, in sequence for
     /// every point. Slopes in an element's plane are those just above.
-    pub fn transfer_with_slopes(&self, points: &[DVec3], directions: &[DVec3]) -> Transfer {
+    pub(crate) fn transfer_with_slopes(&self, points: &[DVec3], directions: &[DVec3]) -> Transfer {
         let rows = 1 + directions.len();
         let mut transfer = Transfer::zeros(points.len() * rows, self.driven.len());
         let mut waves = Waves::default();

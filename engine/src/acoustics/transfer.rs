@@ -111,7 +111,7 @@ impl Transfer {
     }
 
     /// Room for one value per element, for [`Transfer::drive_by`].
-    pub fn excitation(&self) -> Phasors {
+    pub(crate) fn excitation(&self) -> Phasors {
         Phasors::zeros(self.stride)
     }
 
@@ -122,12 +122,12 @@ impl Transfer {
 
     /// |p| (peak) at every point: the root mean square of |H u| over drives that take turns, given one after the other
     /// with a value per element.
-    pub fn moduli(&self, drives: &[Complex64]) -> Vec<f64> {
+    pub(crate) fn moduli(&self, drives: &[Complex64]) -> Vec<f64> {
         self.in_turn(drives).into_iter().map(Complex64::norm).collect()
     }
 
     /// H u; of several drives as in [`Self::moduli`], their modulus with the phase of the first.
-    pub fn in_turn(&self, drives: &[Complex64]) -> Vec<Complex64> {
+    pub(crate) fn in_turn(&self, drives: &[Complex64]) -> Vec<Complex64> {
         let played: Vec<_> = drives.chunks(self.elements.max(1)).map(|drive| self.played(drive)).collect();
         self.taking_turns(&played)
     }
@@ -172,7 +172,7 @@ impl Transfer {
     ///
     /// `excitation` is [`Transfer::excitation`]; `pressure` goes in as p, a value per point, and comes out as H u.
     /// With several channels, the values of an element have a common norm of 1: the relaxed drive of the bounds.
-    pub fn drive_by<const CHANNELS: usize>(
+    pub(crate) fn drive_by<const CHANNELS: usize>(
         &self,
         keep: f64,
         excitation: &mut [Phasors; CHANNELS],

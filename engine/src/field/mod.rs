@@ -7,40 +7,59 @@
 //! The two f32 evaluators do the same sums with the same polynomials from the same [`Sources`]; tests compare them
 //! with the reference.
 
+#[doc(hidden)]
 pub mod cells;
-pub mod colouring;
+pub(crate) mod colouring;
 pub mod contour;
+#[doc(hidden)]
 pub mod cpu;
 mod evaluator;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 pub mod gpu;
 mod gpu_report;
+#[doc(hidden)]
 pub mod interpolation;
+#[doc(hidden)]
 pub mod plan;
+#[doc(hidden)]
 pub mod polynomial;
-pub mod quantity;
+pub(crate) mod quantity;
+#[doc(hidden)]
 pub mod raster;
 pub mod reference;
 mod samples;
-pub mod side_lobe;
+mod side_lobe;
+#[doc(hidden)]
 pub mod slope;
+#[doc(hidden)]
 pub mod sound;
+#[doc(hidden)]
 pub mod sources;
-pub mod stages;
-pub mod summit;
+pub(crate) mod stages;
+mod summit;
+#[doc(hidden)]
 pub mod transfer;
 mod unit;
 mod vicinity;
 pub mod volume;
 
 pub use colouring::{Colouring, Scale};
+#[doc(hidden)]
+pub use colouring::{FLOOR, phase_index};
 pub use evaluator::{Evaluator, peak};
 pub use gpu::Gpu;
 pub use gpu_report::{GpuError, Traffic};
+#[doc(hidden)]
 pub use plan::{Plan, missed, promised};
-pub use quantity::Quantity;
+#[doc(hidden)]
+pub use quantity::figures;
+pub use quantity::{Declaration, Norm, Quantity, Range, Unit};
+#[doc(hidden)]
 pub use raster::Raster;
 pub use samples::Samples;
-pub use side_lobe::{NoSideLobe, SideLobe};
+pub use side_lobe::{NoSideLobe, SideLobe, side_lobe};
+#[doc(hidden)]
 pub use sources::{Sources, Wave};
-pub use stages::{By, Depression, FieldError, Map, Pressed, Request, Stages, Work};
+#[doc(hidden)]
+pub use stages::Picture;
+pub use stages::{By, Depression, FieldError, MOST_PIXELS, Map, Pressed, Request, Stages, Work};

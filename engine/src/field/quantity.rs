@@ -59,14 +59,17 @@ pub struct Declaration {
     pub range: Range,
     pub norm: Norm,
     /// Bits of the [`Part`]s that the formula reads.
+    #[doc(hidden)]
     pub parts: u8,
     /// The formula in Rust, for a run of points.
-    pub formula: fn(Sounds<'_>, &Constants, &mut [f32]),
+    pub(crate) formula: fn(Sounds<'_>, &Constants, &mut [f32]),
     /// The formula in f64, at one point.
+    #[doc(hidden)]
     pub exact: fn(Sound<f64>, &Constants<f64>) -> f64,
     /// WGSL expression in `s` (a sound) and `c` (the constants).
-    pub wgsl: &'static str,
+    pub(crate) wgsl: &'static str,
     /// The vector whose length the formula is.
+    #[doc(hidden)]
     pub flow: Option<Flow>,
     /// Quadratic in the sound: twice the bandwidth, and linear from there on, so that it may be formed at cells.
     pub is_square: bool,
@@ -376,7 +379,7 @@ impl Declaration {
 
 impl Quantity {
     /// The quantity with the formula and response of this one: itself, except for light.
-    pub fn pressed_by(self) -> Self {
+    pub(crate) fn pressed_by(self) -> Self {
         if self.declaration().of_light { Self::Depression } else { self }
     }
 

@@ -90,7 +90,7 @@ impl Samples {
     }
 
     /// The same in the coordinates of a board.
-    pub fn seen_from(&self, pose: &Pose) -> Cow<'_, Self> {
+    pub(crate) fn seen_from(&self, pose: &Pose) -> Cow<'_, Self> {
         if *pose == Pose::HOME {
             return Cow::Borrowed(self);
         }

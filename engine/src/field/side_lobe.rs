@@ -79,7 +79,7 @@ pub enum NoSideLobe {
 ///
 /// # Errors
 /// [`NoSideLobe`]: no side lobe, or a failure of the field.
-pub fn loudest(
+pub fn side_lobe(
     stages: &mut Stages,
     aperture: &Aperture,
     plane: &Plane,
@@ -342,7 +342,7 @@ mod tests {
         let at_foci = aperture.pressures(&foci, &played);
         let plane = Plane { centre: foci[0], size: DVec2::splat(0.1), ..Plane::default() };
         let found = |foci: &[DVec3]| {
-            loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &plane, &drives, &points(foci))
+            side_lobe(&mut Stages::new(Evaluator::Cpu), &aperture, &plane, &drives, &points(foci))
         };
         assert_eq!(found(&foci[1..]), Err(NoSideLobe::NoFocus));
         let found = found(&foci).unwrap();

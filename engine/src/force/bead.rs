@@ -69,7 +69,7 @@ impl Sphere {
     }
 
     /// Coefficients A and B of the force, Re{A p ∂p* + B Σᵢ ∂ᵢp (∂ᵢ∂p)*}: in m³/Pa and m⁵/Pa.
-    pub fn coupling(&self) -> [Complex64; 2] {
+    pub(crate) fn coupling(&self) -> [Complex64; 2] {
         self.coupling
     }
 
@@ -113,7 +113,7 @@ impl Sphere {
     }
 
     /// The stiffness along a direction, N/m, and its gradient: Re Σ conj(g) δ over all derivatives of the sound.
-    pub fn stiffness_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
+    pub(crate) fn stiffness_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
         let v = direction.to_array();
         let [a, b] = self.coupling;
         let along = sound.along(v);
@@ -133,7 +133,7 @@ impl Sphere {
     }
 
     /// A component of the force, N, and its gradient, likewise.
-    pub fn force_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
+    pub(crate) fn force_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
         let v = direction.to_array();
         let [a, b] = self.coupling;
         let along = sound.along(v);

@@ -99,7 +99,7 @@ impl Elements {
 
 impl Reflector {
     /// Whether the plane contains a point (m) and has this unit normal.
-    pub fn lies_in(&self, point: DVec3, normal: DVec3) -> bool {
+    pub(crate) fn lies_in(&self, point: DVec3, normal: DVec3) -> bool {
         let is_parallel = self.normal.normalize_or_zero().cross(normal).length() < PARALLEL;
         is_parallel && self.height(point).abs() < PARALLEL
     }

@@ -121,7 +121,7 @@ impl Liquid {
     }
 
     /// The liquid with only the properties that determine its surface.
-    pub fn in_the_dark(&self) -> Self {
+    pub(crate) fn in_the_dark(&self) -> Self {
         let Self { refractive_index, light, screen, .. } = Self::default();
         Self { refractive_index, light, screen, ..self.clone() }
     }

@@ -74,7 +74,7 @@ impl Default for Tone {
 
 /// A spectral line: amplitude · cos(2π frequency t + phase).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct SpectralLine {
     /// Hz
     pub frequency: f64,
     /// Of the spectrum's quantity; at 0 Hz its mean.
@@ -221,12 +221,12 @@ pub enum Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::wave::Samples;
+    use crate::scene::Waveform;
 
     fn modulations() -> Vec<Modulation> {
         let tone = |frequency, depth, phase| Tone { frequency, depth, phase };
         let values = (0..50).map(|i| (f64::from(i * i) * 0.37).sin() as f32).collect();
-        let wave = Wave::new(Samples { file: "a.wav".into(), rate: 10_000.0, values });
+        let wave = Wave::new(Waveform { file: "a.wav".into(), rate: 10_000.0, values });
         let mut all = Vec::new();
         for &shape in <Envelope as VariantArray>::VARIANTS {
             for (depth, law) in

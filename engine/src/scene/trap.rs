@@ -70,7 +70,7 @@ impl Trap {
     }
 
     /// The lobes of the trap.
-    pub fn lobes(self, charge: i32, wavelength: f64) -> Vec<Lobe> {
+    pub(crate) fn lobes(self, charge: i32, wavelength: f64) -> Vec<Lobe> {
         /// Distance from the centre in wavelengths.
         const BESIDE: f64 = 0.5;
         const ALONG: f64 = 0.25;

@@ -6,7 +6,7 @@ use crate::scene::loaded::Loaded;
 
 /// A repeated waveform, interpolated linearly, also from the last sample to the first.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Samples {
+pub struct Waveform {
     /// The file of origin.
     pub file: PathBuf,
     /// Samples per second.
@@ -15,7 +15,7 @@ pub struct Samples {
     pub values: Vec<f32>,
 }
 
-impl Samples {
+impl Waveform {
     /// s, of a repetition.
     pub fn period(&self) -> f64 {
         self.values.len() as f64 / self.rate
@@ -38,7 +38,7 @@ pub struct Wave(Loaded<Measured>);
 
 #[derive(Debug, PartialEq)]
 struct Measured {
-    samples: Samples,
+    samples: Waveform,
     mean: f64,
     mean_square: f64,
 }
@@ -46,7 +46,7 @@ struct Measured {
 impl Wave {
     /// # Panics
     /// No samples.
-    pub fn new(samples: Samples) -> Self {
+    pub fn new(samples: Waveform) -> Self {
         let count = samples.values.len();
         assert!(count > 0 && samples.rate > 0.0, "a waveform has samples and a rate");
         let next = samples.values.iter().cycle().skip(1);
@@ -59,7 +59,7 @@ impl Wave {
         Self(Loaded::new(Measured { samples, mean, mean_square }))
     }
 
-    pub fn get(&self) -> Option<&Samples> {
+    pub fn get(&self) -> Option<&Waveform> {
         self.0.get().map(|loaded| &loaded.samples)
     }
 
@@ -80,14 +80,14 @@ mod tests {
 
     #[test]
     fn a_waveform_runs_straight_from_sample_to_sample_and_closes() {
-        let samples = Samples { file: PathBuf::new(), rate: 4.0, values: vec![0.0, 1.0, 0.0, -1.0] };
+        let samples = Waveform { file: PathBuf::new(), rate: 4.0, values: vec![0.0, 1.0, 0.0, -1.0] };
         let wave = Wave::new(samples);
         for (time, value) in
             [(0.0, 0.0), (0.125, 0.5), (0.25, 1.0), (0.875, -0.5), (1.125, 0.5), (-0.125, -0.5)]
         {
             assert!((wave.at(time) - value).abs() < 1e-12, "{time} s: {}", wave.at(time));
         }
-        assert_eq!(wave.get().map(Samples::period), Some(1.0));
+        assert_eq!(wave.get().map(Waveform::period), Some(1.0));
         let [mean, mean_square] = wave.means();
         assert!(mean.abs() < 1e-12 && (mean_square - 1.0 / 3.0).abs() < 1e-12, "{mean} {mean_square}");
     }

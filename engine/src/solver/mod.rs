@@ -26,28 +26,39 @@ mod descent;
 pub mod frames;
 mod inverse;
 mod iteration;
+#[doc(hidden)]
 pub mod levels;
 mod matrix;
 mod method;
 mod problem;
 mod quality;
+#[doc(hidden)]
 pub mod room;
 mod run;
+#[doc(hidden)]
 pub mod shape;
+mod shape_figures;
 mod singular;
 mod solution;
 mod starts;
 mod statistics;
-pub mod steps;
+mod steps;
+#[doc(hidden)]
 pub mod trap;
-pub mod warning;
+mod warning;
 
 pub use inverse::rank_and_condition;
 pub use method::{excite, excite_from, search};
 pub use problem::{Excitation, Problem};
 pub use quality::{Limits, Quality, bound};
 pub use run::{solve, solve_on, solve_with};
-pub use shape::{AreaFigures, Figures, Search, Stage, Surroundings};
+#[doc(hidden)]
+pub use shape::{Search, Stage, Surroundings};
+pub use shape_figures::{AreaFigures, Figures};
 pub use solution::{Solution, SolveError};
+pub use steps::PhaseSteps;
+#[doc(hidden)]
 pub use trap::Traps;
 pub use warning::Warning;
+#[doc(hidden)]
+pub use warning::of_foci as warnings_of_foci;

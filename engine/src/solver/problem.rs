@@ -17,8 +17,10 @@ pub struct Problem<'a> {
     /// Foci x driven elements.
     pub transfer: Transfer,
     /// The quiet region and areas, if the foci are samples of a shape.
+    #[doc(hidden)]
     pub surroundings: Option<Surroundings>,
     /// The traps whose lobes are among the foci: traps have one solution for all methods.
+    #[doc(hidden)]
     pub traps: Option<Traps>,
     /// Numbers of drives in turn of a drag's frame and of a whole search; more than 1 for shapes only.
     pub drives: RangeInclusive<usize>,
@@ -61,6 +63,7 @@ impl<'a> Problem<'a> {
     }
 
     /// Adds surroundings to foci of shapes and separate foci: `best` is then [`crate::solver::shape::best`].
+    #[doc(hidden)]
     pub fn with_surroundings(self, surroundings: Surroundings) -> Self {
         Self { surroundings: Some(surroundings), ..self }
     }

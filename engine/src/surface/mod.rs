@@ -13,12 +13,16 @@
 //! assert!((dent.depth[0] - 1.0 / (998.2 * 9.80665)).abs() < 1e-9);
 //! ```
 
-pub mod caustic;
+pub(crate) mod caustic;
 mod coverage;
-pub mod dent;
-pub mod dispersion;
-pub mod waves;
+pub(crate) mod dent;
+mod dispersion;
+mod waves;
 
-pub use caustic::{Light, Rays};
+pub use caustic::Light;
+#[doc(hidden)]
+pub use caustic::{Rays, light};
 pub use dent::{Dent, Tank};
-pub use waves::{Rest, Waves};
+#[doc(hidden)]
+pub use dent::{STEEPEST, largest_drive};
+pub use waves::{Rest, Stretch, Waves};

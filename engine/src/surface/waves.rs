@@ -8,8 +8,7 @@ use std::ops::Range;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::scene::Liquid;
-use crate::scene::modulation::Line;
+use crate::scene::{Liquid, SpectralLine};
 use crate::surface::Tank;
 use crate::surface::dispersion::Mode;
 
@@ -38,7 +37,7 @@ pub struct Waves {
     /// s, since the level surface.
     time: f64,
     /// The part of the steady pressure that swings, for all time.
-    lines: Vec<Line>,
+    lines: Vec<SpectralLine>,
     steps: Steps,
 }
 
@@ -74,7 +73,7 @@ pub struct Stretch {
 
 impl Waves {
     /// A level surface at the time 0, to be moved by parts of steady pressures; `lines` are added to all parts.
-    pub fn new(tank: &Tank, liquid: &Liquid, lines: Vec<Line>) -> Self {
+    pub fn new(tank: &Tank, liquid: &Liquid, lines: Vec<SpectralLine>) -> Self {
         let mode = |square: f64| Mode::new(liquid, square.sqrt()).with_losses();
         let modes: Vec<_> = tank.squares().map(mode).collect();
         let (depth, speed) = (vec![0.0; modes.len()], vec![0.0; modes.len()]);
@@ -113,7 +112,7 @@ impl Waves {
         let duration = Duration::new(to - from);
         self.steps.meet(duration, &self.modes);
         let turning = |time: f64| -> Vec<_> {
-            let turned = |line: &Line| {
+            let turned = |line: &SpectralLine| {
                 Complex64::from_polar(line.amplitude, TAU * (line.frequency * time).fract() + line.phase)
             };
             self.lines.iter().map(turned).collect()
@@ -145,7 +144,14 @@ struct Chunk<'a> {
 }
 
 impl Chunk<'_> {
-    fn pass(&mut self, passage: &Passage, rest: &[f64], lines: &[Line], known: &Steps, range: &Range<usize>) {
+    fn pass(
+        &mut self,
+        passage: &Passage,
+        rest: &[f64],
+        lines: &[SpectralLine],
+        known: &Steps,
+        range: &Range<usize>,
+    ) {
         let Passage { stretch, duration, turned } = passage;
         let steps = match known.of(*duration) {
             Some(steps) => &steps[range.clone()],
@@ -397,8 +403,8 @@ mod tests {
         [named(LiquidName::Water), named(LiquidName::Glycerol), thick_oil(), tar, inviscid]
     }
 
-    fn lines() -> Vec<Line> {
-        let line = |frequency, amplitude, phase| Line { frequency, amplitude, phase };
+    fn lines() -> Vec<SpectralLine> {
+        let line = |frequency, amplitude, phase| SpectralLine { frequency, amplitude, phase };
         vec![line(31.0, 0.4, 0.7), line(170.0, 0.3, -1.0)]
     }
 
@@ -442,7 +448,8 @@ mod tests {
             let piece = JUMPS.iter().position(|jump| !before(jump)).unwrap_or(2);
             let (from, (until, part, rise)) =
                 (if piece == 0 { 0.0 } else { JUMPS[piece - 1].0 }, JUMPS[piece]);
-            let swing = |line: &Line| line.amplitude * (TAU * line.frequency * time + line.phase).cos();
+            let swing =
+                |line: &SpectralLine| line.amplitude * (TAU * line.frequency * time + line.phase).cos();
             part + rise * ((time - from) / (until - from) - 0.5) + lines().iter().map(swing).sum::<f64>()
         };
         for liquid in liquids() {

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, dvec3};
 use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::gpu::{adapter, tuning};
+use sonoglyph::field::gpu::{Kind, adapter};
 use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, reference};
 use sonoglyph::scene::{ElementModel, Plane, Scene, file};
 use sonoglyph::simd::Isa;
@@ -182,7 +182,7 @@ fn the_field_behind_the_array_is_zero() {
 
 #[test]
 fn an_absent_adapter_is_an_error() {
-    let wanted = adapter::adapters().into_iter().all(|info| info.kind == tuning::Kind::Software);
+    let wanted = adapter::adapters().into_iter().all(|info| info.kind == Kind::Software);
     if wanted {
         assert!(matches!(adapter::open_best(false), Err(GpuError::NoAdapter(_))));
     }

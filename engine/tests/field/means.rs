@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use sonoglyph::acoustics::{Aperture, Emitters};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::plan::promised;
-use sonoglyph::field::quantity::{Constants, PRESSURE, Sound};
+use sonoglyph::field::sound::{Constants, PRESSURE, Sound};
 use sonoglyph::field::{By, Evaluator, Quantity, Request, Samples, Stages, reference};
 use sonoglyph::scene::{Array, Board, ElementModel, Plane, Reflector, Scene};
 

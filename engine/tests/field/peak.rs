@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::quantity::Norm;
-use sonoglyph::field::{By, Colouring, Evaluator, Map, Quantity, Request, Samples, Stages, reference};
+use sonoglyph::field::{By, Colouring, Evaluator, Map, Norm, Quantity, Request, Samples, Stages, reference};
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{Array, Board, Plane, Scene};
 

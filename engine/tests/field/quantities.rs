@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use glam::{DVec2, DVec3, dvec3};
 use num_complex::{Complex32, Complex64};
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::field::quantity::{ALONG, Constants, NORMAL, Norm, PRESSURE, Sound};
-use sonoglyph::field::{By, Evaluator, Map, Quantity, Request, Samples, Stages};
+use sonoglyph::field::sound::{ALONG, Constants, NORMAL, PRESSURE, Sound};
+use sonoglyph::field::{By, Evaluator, Map, Norm, Quantity, Request, Samples, Stages};
 use sonoglyph::scene::{Board, Plane, Scene};
 
 use crate::model;

@@ -6,7 +6,7 @@ use std::path::Path;
 use glam::DVec3;
 use num_complex::Complex64;
 use serde_json::Value;
-use sonoglyph::acoustics::{Aperture, Element, air};
+use sonoglyph::acoustics::{Aperture, Element, absorption};
 use sonoglyph::scene::{Array, ElementModel, Medium, Method, Scene, Shape, Solver, Target};
 use sonoglyph::solver::{self, Problem};
 
@@ -121,7 +121,7 @@ fn absorption_agrees_to_1e_10() {
     for case in reference["cases"].as_array().unwrap() {
         let expected = number(&case["db_per_m"]);
         let (frequency, temperature) = (number(&case["frequency"]), number(&case["temperature_c"]));
-        let got = air::absorption(frequency, temperature, number(&case["humidity_percent"]), 101_325.0);
+        let got = absorption(frequency, temperature, number(&case["humidity_percent"]), 101_325.0);
         assert!((got / expected - 1.0).abs() < 1e-10, "{case}: {got}");
     }
 }

@@ -17,7 +17,7 @@ fn solved(points: &[DVec3], method: Method) -> (Scene, Solution) {
 fn side_lobe_of(scene: &Scene, solution: &Solution) -> Result<SideLobe, NoSideLobe> {
     let aperture = Aperture::new(scene);
     let (mut stages, foci) = (Stages::new(Evaluator::Cpu), &solution.foci);
-    side_lobe::loudest(&mut stages, &aperture, &scene.plane, &solution.drives(), foci)
+    side_lobe(&mut stages, &aperture, &scene.plane, &solution.drives(), foci)
 }
 
 /// All local maxima of |p| (Pa) on the plane, on a grid of λ/20, in f64; the loudest first.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use glam::{DVec3, dvec2, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::quantity::{NORMAL, PRESSURE};
+use sonoglyph::field::sound::{NORMAL, PRESSURE};
 use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Samples, Stages, Work, reference};
 use sonoglyph::gauge::Gauge;
 use sonoglyph::picture::ColourMap;

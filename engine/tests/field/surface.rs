@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde_json::Value;
 use sonoglyph::scene::Liquid;
-use sonoglyph::surface::{Light, Rays, Tank, caustic};
+use sonoglyph::surface::{Light, Rays, Tank, light};
 
 /// The pressure on every cell as a function of its position (m) from the centre.
 fn load(tank: &Tank, at: impl Fn(f64, f64) -> f64) -> Vec<f64> {
@@ -112,7 +112,7 @@ impl Gaussian {
             slopes: slopes.each_ref().map(|slopes| &slopes[..]),
             throw: [self.throw / self.pixel(); 2],
         };
-        let light = caustic::light(&[rays], self.pixels, &mut values);
+        let light = light(&[rays], self.pixels, &mut values);
         (values, light)
     }
 }
@@ -134,7 +134,7 @@ fn a_patch_that_lands_at_a_point_lights_its_pixel() {
         throw: [1.0; 2],
     };
     let mut values = vec![0.0; 5 * 4];
-    let light = caustic::light(&[rays], 5, &mut values);
+    let light = light(&[rays], 5, &mut values);
     let lit: Vec<_> = (0..values.len()).filter(|&pixel| values[pixel] != 0.0).collect();
     assert_eq!(lit, [5 + 2]);
     assert_eq!((values[lit[0]], light.sent, light.landed), (1.0, 1.0, 1.0));
@@ -185,7 +185,7 @@ fn rays_that_cross_beside_the_screen_are_no_caustic_there() {
             slopes: slopes.each_ref().map(|slopes| &slopes[..]),
             throw: [1.0; 2],
         };
-        let light = caustic::light(&[rays], 2, &mut vec![0.0; 2 * rows]);
+        let light = light(&[rays], 2, &mut vec![0.0; 2 * rows]);
         assert_eq!(light.crosses, crosses, "from {first:?}, {rows} rows: {light:?}");
         assert_eq!(light.landed > 0.0, first == [0.0; 2], "from {first:?}, {rows} rows: {light:?}");
     }

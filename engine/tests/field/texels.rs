@@ -1,8 +1,7 @@
 //! Pictures on the GPU have the colours of the CPU.
 
 use sonoglyph::field::gpu::Texture;
-use sonoglyph::field::stages::Picture;
-use sonoglyph::field::{Colouring, Evaluator, Gpu, Quantity, Request, Scale, Stages};
+use sonoglyph::field::{Colouring, Evaluator, Gpu, Picture, Quantity, Request, Scale, Stages};
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{Plane, Scene};
 

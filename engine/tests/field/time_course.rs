@@ -5,12 +5,12 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::scene::wave::{Samples, Wave};
 use sonoglyph::scene::{
     Envelope, Law, Method, Modulation, Motion, MotionPath, Scene, Shape, Target, Tempo, Tone,
 };
+use sonoglyph::scene::{SpectralLine, Wave, Waveform};
 use sonoglyph::solver::frames;
-use sonoglyph::studio::time_course::{Course, Line};
+use sonoglyph::studio::time_course::Course;
 
 const BAND: f64 = 1000.0;
 
@@ -32,12 +32,12 @@ fn tone(frequency: f64, depth: f64, phase: f64) -> Tone {
     Tone { frequency, depth, phase }
 }
 
-fn spectrum(scene: &Scene, of_frames: &[Complex64]) -> Vec<Line> {
+fn spectrum(scene: &Scene, of_frames: &[Complex64]) -> Vec<SpectralLine> {
     Course::new(scene, of_frames.len()).spectrum(of_frames, BAND).unwrap()
 }
 
 /// The complex amplitude of the line at a frequency, or 0.
-fn at(lines: &[Line], frequency: f64) -> Complex64 {
+fn at(lines: &[SpectralLine], frequency: f64) -> Complex64 {
     let mut same = lines.iter().filter(|line| (line.frequency - frequency).abs() < 1e-3);
     let found = same.next().map_or(Complex64::ZERO, |line| Complex64::from_polar(line.amplitude, line.phase));
     assert!(same.next().is_none(), "one line at {frequency} Hz");
@@ -139,7 +139,7 @@ fn integrated(
 #[test]
 fn lines_are_the_integrals_over_a_common_period() {
     let values: Vec<f32> = (0..40).map(|i| (f64::from(i * i) * 0.37).sin() as f32).collect();
-    let wave = Wave::new(Samples { file: "a.wav".into(), rate: 2000.0, values });
+    let wave = Wave::new(Waveform { file: "a.wav".into(), rate: 2000.0, values });
     let frames: Vec<_> =
         (0..16).map(|i| Complex64::from_polar(1.0 + (f64::from(i * i) * 0.9).sin(), f64::from(i))).collect();
     let tones = vec![tone(150.0, 0.4, 0.3), tone(230.0, 0.35, -1.0), tone(150.0, 0.25, 2.0)];
@@ -192,7 +192,7 @@ fn motions_and_tones_without_a_common_period_intermodulate() {
 }
 
 /// The lines of a moving focus at a point, relative to their mean.
-fn passing(path: MotionPath, rate: f64, at: DVec3) -> Vec<Line> {
+fn passing(path: MotionPath, rate: f64, at: DVec3) -> Vec<SpectralLine> {
     let target = Target::new(Shape::Point { at: DVec3::new(0.0, 0.0, 0.1) });
     let mut scene = Scene {
         targets: vec![target],
@@ -251,7 +251,7 @@ fn the_course_is_the_frame_that_plays_times_the_envelope() {
 #[test]
 fn spectra_with_too_many_lines_are_refused() {
     let values = vec![0.5; 1_000_000];
-    let wave = Wave::new(Samples { file: "a.wav".into(), rate: 48_000.0, values });
+    let wave = Wave::new(Waveform { file: "a.wav".into(), rate: 48_000.0, values });
     let modulation = Modulation { shape: Envelope::File, wave, ..Modulation::default() };
     let scene = moving(0.01, 64, modulation);
     let error = Course::new(&scene, 64).spectrum(&[Complex64::ONE; 64], BAND).unwrap_err();

@@ -2,8 +2,8 @@
 
 use glam::{DVec2, DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
-use sonoglyph::field::gpu::tuning::{MOST_GROUPS, Tuning};
-use sonoglyph::field::quantity::narrow;
+use sonoglyph::field::gpu::{MOST_GROUPS, Tuning};
+use sonoglyph::field::sound::narrow;
 use sonoglyph::field::{
     By, Colouring, Evaluator, Map, Quantity, Request, Samples, Sources, Stages, reference,
 };

@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::scene::{Focus, Method, Motion, MotionPath, Pressures, Scene, Shape, Target};
 use sonoglyph::solver::levels::Reached;
-use sonoglyph::solver::{self, Limits, Problem, Warning, frames, warning};
+use sonoglyph::solver::{self, Limits, Problem, Warning, frames, warnings_of_foci};
 
 const PLACES: [DVec3; 4] =
     [dvec3(-0.02, 0.004, 0.1), dvec3(-0.013, 0.004, 0.11), dvec3(0.02, 0.01, 0.12), dvec3(0.024, 0.008, 0.1)];
@@ -341,7 +341,7 @@ fn warnings_count_pairs_and_name_the_closest() {
     let at = |millimetres: f64| Focus::new(dvec3(1e-3 * millimetres, 0.0, 0.1), 1.0);
     let warnings = |places: &[f64]| {
         let foci: Vec<_> = places.iter().map(|&place| at(place)).collect();
-        warning::of_foci(&aperture, &foci).iter().map(ToString::to_string).collect::<Vec<_>>()
+        warnings_of_foci(&aperture, &foci).iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     assert_eq!(warnings(&[-30.0, 0.0, 30.0]), Vec::<String>::new());
     let close = warnings(&[0.0, 2.5, 1.0, 40.0]);

@@ -9,8 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use crate::echo;
-use crate::field::quantity::Range;
-use crate::field::{Colouring, Request, Stages};
+use crate::field::{Colouring, Range, Request, Stages};
 use crate::gauge::Gauge;
 use crate::picture::Picture;
 use crate::picture::animation::{Animation, Colours, Format, Pace};

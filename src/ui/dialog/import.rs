@@ -5,7 +5,7 @@ use egui::{Color32, Rect, RichText, Sense, Shape, Stroke, Ui, pos2, vec2};
 use crate::acoustics::Aperture;
 use crate::import::{Drawing, Placement};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
-use crate::solver::warning::{self, Warning};
+use crate::solver::{Warning, warnings_of_foci};
 use crate::ui::dialog::answer::answer;
 use crate::ui::panels::form::{MM, form, number};
 use crate::ui::panels::target::{point, sampling};
@@ -97,7 +97,7 @@ impl Import {
             let all = outline::foci(&with_them).map_err(|error| error.message)?;
             let alone = Scene { targets: targets.clone(), ..scene.clone() };
             foci = outline::foci(&alone).map_err(|error| error.message)?;
-            warnings = warning::of_foci(&Aperture::new(scene), &all);
+            warnings = warnings_of_foci(&Aperture::new(scene), &all);
             Ok(targets)
         });
         self.made = Some(Made { of, targets, foci, warnings });

@@ -2,7 +2,7 @@
 
 use egui::{Color32, Sense, Ui};
 
-use crate::field::colouring::phase_index;
+use crate::field::phase_index;
 use crate::picture::ColourMap;
 use crate::studio::probe::Reading;
 use crate::ui::panels::form::{choice, heading};

@@ -3,8 +3,7 @@
 use egui::Ui;
 
 use crate::echo;
-use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
-use crate::scene::{Envelope, Law, Modulation, Tone};
+use crate::scene::{Envelope, FREQUENCIES, Law, MOST_TONES, Modulation, Tone};
 use crate::ui::panels::form::{choice, heading, variants};
 use crate::ui::panels::{DEGREES, Unit, bare_number, caption, fact, form, number, value};
 use crate::ui::{Dialog, Editor, Purpose};

@@ -75,7 +75,7 @@ fn measure(input: &Input) -> (Option<Extremes>, Option<Widths>) {
 fn extremes(input: &Input) -> Extremes {
     let Input { scene, aperture, drives, foci, plane, .. } = input;
     let mut stages = Stages::new(Evaluator::Cpu);
-    let lobe = side_lobe::loudest(&mut stages, aperture, plane, drives, foci).ok();
+    let lobe = side_lobe(&mut stages, aperture, plane, drives, foci).ok();
     Extremes {
         peak: peak(scene, drives, &mut stages),
         side_lobe: lobe.map(|lobe| (lobe.position, lobe.pressure)),

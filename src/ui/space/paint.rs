@@ -3,8 +3,7 @@
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
 use glam::DVec3;
 
-use crate::field::Quantity;
-use crate::field::quantity::figures;
+use crate::field::{Quantity, figures};
 use crate::studio::space as labels;
 use crate::ui::space::act::chosen;
 use crate::ui::space::handle::{self, ARROW, AXES};

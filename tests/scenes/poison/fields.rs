@@ -7,10 +7,10 @@ use sonoglyph::drive::Drive;
 use sonoglyph::field::cells::Cells;
 use sonoglyph::field::interpolation::Resampling;
 use sonoglyph::field::plan::Costs;
-use sonoglyph::field::quantity::{Constants, Part, Sound};
+use sonoglyph::field::sound::{Constants, Part, Sound};
 use sonoglyph::field::{
     self, Colouring, Evaluator, FieldError, NoSideLobe, Plan, Quantity, Request, Samples, Scale, Stages,
-    colouring, contour, polynomial, side_lobe,
+    contour, phase_index, polynomial, side_lobe,
 };
 use sonoglyph::scene::{Bead, Focus, Plane, Scene};
 use sonoglyph::studio::probe;
@@ -153,8 +153,7 @@ fn invalid_planes_have_no_plan_samples_or_cells() {
             }
             Cells::new(&aperture, &plane, 0.01, 1e-3);
             let (foci, drive) = (vec![Focus::new(DVec3::Z * 0.1, 1.0)], drive());
-            let found =
-                side_lobe::loudest(&mut stages, &aperture, &plane, std::slice::from_ref(&drive), &foci);
+            let found = side_lobe(&mut stages, &aperture, &plane, std::slice::from_ref(&drive), &foci);
             assert!(
                 found.is_err() || found.is_ok_and(|found| found.pressure.is_finite()),
                 "{index}: {poison}"
@@ -174,7 +173,7 @@ fn invalid_planes_have_no_plan_samples_or_cells() {
     scene.plane = Plane { size: DVec2::splat(100.0), tolerance: 1e-3, ..scene.plane };
     let plan = Plan::new(&Aperture::new(&scene), &scene.plane, Costs::CPU).unwrap();
     assert!(plan.grid.is_none(), "{}", plan.reason);
-    let none = side_lobe::loudest(&mut Stages::new(Evaluator::Cpu), &aperture, &plane(), &[drive()], &[]);
+    let none = side_lobe(&mut Stages::new(Evaluator::Cpu), &aperture, &plane(), &[drive()], &[]);
     assert_eq!(none, Err(NoSideLobe::NoFocus));
 }
 
@@ -226,7 +225,7 @@ fn colours_and_contours_of_any_numbers_are_in_range() {
         }
     }
     for number in POISON {
-        assert!(colouring::phase_index(number) < 256);
+        assert!(phase_index(number) < 256);
         for width in [0, 1, 12, 1000, usize::MAX] {
             let lines = contour::lines(&poison, width, number as f32, |&x| x);
             assert!(lines.iter().flatten().flatten().all(|place| place.is_finite() || number.is_finite()));

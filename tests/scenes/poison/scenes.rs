@@ -5,7 +5,7 @@ use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
 use sonoglyph::scene::check::check;
 use sonoglyph::scene::{
     Area, ElementModel, Envelope, Keyframe, Law, Listener, Motion, MotionPath, Pressures, Sampling, Scene,
-    Shape, Target, Tempo, Tone, Wave, Zone, font, motion, outline, wave::Samples,
+    Shape, Target, Tempo, Tone, Wave, Waveform, Zone, font, motion, outline,
 };
 use sonoglyph::solver::{self, SolveError};
 use strum::VariantArray;
@@ -228,7 +228,7 @@ fn outlines_of_unchecked_targets_are_refused_or_finite() {
 #[test]
 fn envelopes_and_paths_are_in_range() {
     let mut scene = small();
-    let samples = Samples { file: "a.wav".into(), rate: 3.0, values: vec![-1.0, 0.3, 1.0] };
+    let samples = Waveform { file: "a.wav".into(), rate: 3.0, values: vec![-1.0, 0.3, 1.0] };
     scene.modulation.wave = Wave::new(samples);
     scene.modulation.tones =
         vec![Tone { depth: 0.5, ..Tone::default() }, Tone { depth: 0.5, frequency: 1.5, phase: 9.0 }];

@@ -4,12 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use num_complex::Complex64;
-use sonoglyph::acoustics::{Air, Aperture, Transfer, air, element};
+use sonoglyph::acoustics::{Air, Aperture, Transfer, absorption, directivity, piston_nodes};
 use sonoglyph::drive::{Drive, delay_level};
 use sonoglyph::scene::{ElementModel, Focus, Liquid, Medium, Method, Scene};
 use sonoglyph::solver::{self, Limits, Problem, levels};
-use sonoglyph::surface::waves::Stretch;
-use sonoglyph::surface::{Rest, Tank, Waves, dent};
+use sonoglyph::surface::{Rest, Stretch, Tank, Waves, largest_drive};
 use strum::VariantArray;
 
 use crate::poison::{POISON, numbers, panics};
@@ -42,20 +41,20 @@ fn transfers_are_finite_within_a_thousand_kilometres() {
     }
     for a in POISON {
         for b in POISON {
-            assert!(element::piston_nodes(a, b, a, b) >= 2);
-            assert!(element::piston_nodes(3.7, a, b, 1e-9) >= 2);
+            assert!(piston_nodes(a, b, a, b) >= 2);
+            assert!(piston_nodes(3.7, a, b, 1e-9) >= 2);
         }
-        element::directivity(a);
-        assert!(element::directivity(a).abs() <= 1.0 || !a.is_finite(), "{a}");
+        directivity(a);
+        assert!(directivity(a).abs() <= 1.0 || !a.is_finite(), "{a}");
     }
 }
 
 #[test]
 fn air_of_any_weather_does_not_panic() {
     for poison in POISON {
-        air::absorption(poison, 20.0, 50.0, 101_325.0);
-        air::absorption(40e3, poison, 50.0, 101_325.0);
-        air::absorption(40e3, 20.0, poison, poison);
+        absorption(poison, 20.0, 50.0, 101_325.0);
+        absorption(40e3, poison, 50.0, 101_325.0);
+        absorption(40e3, 20.0, poison, poison);
         Air::new(&Medium { temperature: poison, pressure: poison, ..Medium::default() }, poison);
     }
 }
@@ -185,6 +184,6 @@ fn surfaces_are_finite_if_pressures_are() {
             (1..=3).for_each(|i| waves.advance(&rest, &[stretch(f64::from(i) * step)]));
             assert!(waves.surface(&tank).iter().all(|depth| depth.is_finite()), "{step} s");
         }
-        assert!(dent::largest_drive(step) >= 0.0, "{step}");
+        assert!(largest_drive(step) >= 0.0, "{step}");
     }
 }

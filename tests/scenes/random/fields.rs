@@ -4,8 +4,7 @@ use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
 
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
-use sonoglyph::acoustics::Aperture;
-use sonoglyph::acoustics::element::Element;
+use sonoglyph::acoustics::{Aperture, Element};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::plan::Costs;
 use sonoglyph::field::{

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
-use sonoglyph::acoustics::air;
+use sonoglyph::acoustics::absorption;
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{Array, ElementModel, Liquid, LiquidName, Placed, Reflector, Scene};
 
@@ -66,7 +66,7 @@ impl Oracle {
         let kelvin = 273.15 + medium.temperature;
         let sound_speed = medium.sound_speed.unwrap_or(331.3 * (kelvin / 273.15).sqrt());
         let decibels = medium.absorption.unwrap_or_else(|| {
-            air::absorption(array.frequency, medium.temperature, medium.humidity, medium.pressure)
+            absorption(array.frequency, medium.temperature, medium.humidity, medium.pressure)
         });
         let places = array.placed.get().map_or_else(|| grid(array), <[_]>::to_vec);
         let (mut sources, mut faces) = (Vec::new(), Vec::new());

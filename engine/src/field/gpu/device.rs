@@ -123,16 +123,19 @@ impl Gpu {
     }
 
     /// The same device with buffers of at most `bytes`, as if it had no room for larger ones.
+    #[doc(hidden)]
     pub fn with_small_buffers(self, bytes: u64) -> Self {
         Self { buffer_limit: self.buffer_limit.min(bytes), ..self }
     }
 
     /// The same device with work cut as for another kind of adapter.
+    #[doc(hidden)]
     pub fn with_tuning(self, tuning: Tuning) -> Self {
         Self { tuning, pipelines: RefCell::default(), ..self }
     }
 
     /// Loses the device, as a driver may at any time: every later call fails.
+    #[doc(hidden)]
     pub fn lose(&self) {
         self.device.destroy();
     }

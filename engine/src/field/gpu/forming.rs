@@ -111,6 +111,7 @@ impl Gpu {
     ///
     /// # Errors
     /// The device was lost or has not enough memory.
+    #[doc(hidden)]
     pub fn form(
         &self,
         quantity: Quantity,

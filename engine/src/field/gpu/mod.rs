@@ -12,22 +12,27 @@
 //! The GPU forms quantities of one drive at pixels; cells (being few), means and liquids are computed on the CPU.
 
 pub mod adapter;
-pub mod chain;
+pub(crate) mod chain;
 mod device;
 mod forming;
 mod gathering;
 mod painting;
-pub mod program;
+mod program;
 mod reading;
 mod resampling;
 mod space;
 mod superposition;
-pub mod tuning;
+pub(crate) mod tuning;
 
-pub use chain::{Chain, Shape};
+pub(crate) use chain::{Chain, Shape};
+#[doc(hidden)]
 pub use device::{Gpu, device_descriptor};
-pub use gathering::Gathered;
+pub(crate) use gathering::Gathered;
+#[doc(hidden)]
 pub use painting::Texture;
-pub use reading::Reading;
+pub(crate) use reading::Reading;
+#[doc(hidden)]
 pub use space::SpacePainting;
-pub use tuning::AdapterInfo;
+pub use tuning::{AdapterInfo, Kind};
+#[doc(hidden)]
+pub use tuning::{MOST_GROUPS, Tuning};

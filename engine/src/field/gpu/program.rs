@@ -177,7 +177,7 @@ pub struct FieldProgram {
 }
 
 impl FieldProgram {
-    /// All of them.
+    #[cfg(test)]
     pub fn all() -> impl Iterator<Item = Self> {
         let of_form =
             |form: u32, waves| Self { waves, many_elements: form & 1 != 0, many_terms: form & 2 != 0 };
@@ -218,7 +218,7 @@ impl FieldProgram {
 }
 
 impl Program {
-    /// All of them.
+    #[cfg(test)]
     pub fn all() -> Vec<Self> {
         let mut all = vec![Self::Across, Self::Gather];
         all.extend(FieldProgram::all().map(Self::Field));

@@ -306,6 +306,7 @@ impl Stages {
     ///
     /// # Errors
     /// The errors of [`Stages::map`].
+    #[doc(hidden)]
     pub fn picture(&mut self, request: &Request, colouring: &Colouring) -> Result<Picture<'_>, FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();
@@ -381,6 +382,7 @@ impl Stages {
     }
 
     /// Whether the GPU has declined this map, leaving it to the CPU.
+    #[doc(hidden)]
     pub fn has_declined(&self, request: &Request) -> bool {
         self.declined
             .as_ref()

@@ -18,7 +18,7 @@ pub struct Volume {
     pub peak: f32,
     pub loudest: f32,
     /// The largest value of every brick of [`BRICK`]³ cells.
-    pub bricks: Vec<f32>,
+    pub(crate) bricks: Vec<f32>,
 }
 
 impl Volume {
@@ -30,7 +30,7 @@ impl Volume {
     }
 
     /// Bricks along the axes.
-    pub fn brick_counts(&self) -> UVec3 {
+    pub(crate) fn brick_counts(&self) -> UVec3 {
         brick_counts(&self.lattice)
     }
 

@@ -12,14 +12,20 @@
 //! renderer and the reference for `shaders/volume.wgsl`, which has the same formulae line by line. On software
 //! adapters the CPU draws (`Tuning::draws_space`).
 
-pub mod bricks;
+pub(crate) mod bricks;
+#[doc(hidden)]
 pub mod camera;
 mod lattice;
+#[doc(hidden)]
 pub mod march;
-pub mod sampling;
+mod sampling;
+#[doc(hidden)]
 pub mod scenery;
 
 pub use bricks::Volume;
+#[doc(hidden)]
 pub use camera::Camera;
 pub use lattice::{Block, Lattice, MOST_POINTS, MOST_POINTS_ALONG};
+pub use sampling::Fineness;
+#[doc(hidden)]
 pub use scenery::Scenery;

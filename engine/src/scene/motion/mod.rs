@@ -19,7 +19,8 @@ use crate::scene::range::{Key, KeyError};
 use crate::scene::run::Vertex;
 use crate::scene::solver::is_zero;
 
-pub use cycle::{Cycle, Group, cycle, has_dynamics, moves, runs};
+pub(crate) use cycle::has_dynamics;
+pub use cycle::{Cycle, Group, cycle, moves, runs};
 pub use frames::{check, count, frames};
 pub use keyframes::{Easing, Keyframe, insert};
 use track::Track;

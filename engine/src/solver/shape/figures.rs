@@ -2,7 +2,6 @@
 
 use glam::DVec3;
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
@@ -11,34 +10,7 @@ use crate::scene::Focus;
 use crate::solver::shape::real::Waves;
 use crate::solver::shape::wanted::Fineness;
 use crate::solver::shape::{Surroundings, strongest, wanted};
-use crate::solver::{Problem, statistics};
-
-/// Figures of a drive, independent of its scale.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Figures {
-    /// Least over mean of |p|/target along the strokes and at the foci, 0 to 1.
-    pub evenness: f64,
-    /// Loudest over least of |p|/target there, dB.
-    pub ripple_db: f64,
-    /// |p| of the side lobe on the plane over the mean at the foci, see [`side_lobe`]; 0 without one.
-    pub side_lobe: f64,
-    /// m
-    pub side_lobe_position: DVec3,
-    /// Mean |p|/target relative to that of the strongest known drive: of `quiet` = 0, or this one. 0 to 1.
-    pub strength: f64,
-    /// Figures of areas, or of a depression.
-    pub areas: Option<AreaFigures>,
-}
-
-/// Figures of areas, over them and the 3.7 wavelengths around them: of |p|², or of a liquid's depression if
-/// prescribed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AreaFigures {
-    /// Mean inside over mean around.
-    pub contrast: f64,
-    /// Σ (s I - T)² / Σ T² with I the actual and T the target value and s the best scale: 0 to 1.
-    pub error: f64,
-}
+use crate::solver::{AreaFigures, Figures, Problem, statistics};
 
 /// The figures of drives in turn, u of the driven elements to any scale, drive after drive, over the radiated part of
 /// the plane. |p| is the root mean square over all drives.
@@ -59,7 +31,7 @@ pub fn figures(problem: &Problem<'_>, surroundings: &Surroundings, u: &[Complex6
     let mean = statistics::mean(relative.iter().copied()).max(f64::MIN_POSITIVE);
     let mut stages = Stages::new(Evaluator::Cpu);
     let drives = drives(aperture, u);
-    let lobe = side_lobe::loudest(&mut stages, aperture, &surroundings.plane, &drives, &problem.foci).ok();
+    let lobe = side_lobe(&mut stages, aperture, &surroundings.plane, &drives, &problem.foci).ok();
     let strength = |u: &[Complex64]| {
         let played = u.iter().map(|u| u.norm()).fold(f64::MIN_POSITIVE, f64::max);
         let relative: Vec<_> =

@@ -47,7 +47,7 @@ use start::Start;
 use table::Table;
 use wanted::Fineness;
 
-pub use figures::{AreaFigures, Figures, figures};
+pub use figures::figures;
 pub use further::best_within;
 pub use surroundings::{Surroundings, Zone, judged_plane};
 

@@ -6,9 +6,9 @@ use glam::DVec3;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::scene::{Scene, motion};
+use crate::scene::{Scene, SpectralLine, motion};
 use crate::studio::performance::Performance;
-use crate::studio::time_course::{self, Line};
+use crate::studio::time_course;
 use crate::ui::layout::Panel;
 use crate::ui::part::{Now, Part};
 
@@ -53,7 +53,7 @@ pub struct Course {
     /// Time (s) and |p| (Pa, peak).
     pub moduli: Vec<[f64; 2]>,
     /// Lines of |p|² (Pa²).
-    pub lines: Vec<Line>,
+    pub lines: Vec<SpectralLine>,
 }
 
 impl Course {
@@ -63,7 +63,7 @@ impl Course {
     }
 
     /// The strongest line besides the mean.
-    pub fn strongest(&self) -> Option<&Line> {
+    pub fn strongest(&self) -> Option<&SpectralLine> {
         self.lines.iter().skip(1).max_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
     }
 }

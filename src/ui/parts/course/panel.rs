@@ -3,7 +3,7 @@
 use egui::Ui;
 use egui_plot::{Line, PlotPoints};
 
-use crate::studio::time_course;
+use crate::scene::SpectralLine;
 use crate::ui::panels::form::{choice, heading, still_plot};
 use crate::ui::panels::{fact, form};
 use crate::ui::parts::course::{BAND, Course, Place};
@@ -64,7 +64,7 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
     ui.label(format!("|p| / {name} ({}) against time / ms", convention.into_str()));
     plot("course of time", ui, vec![times]);
     ui.label("Lines of |p|² / % of its mean against frequency / Hz");
-    let stem = |line: &time_course::Line| {
+    let stem = |line: &SpectralLine| {
         let part = 100.0 * line.amplitude / course.mean().max(f64::MIN_POSITIVE);
         vec![[line.frequency, 0.0], [line.frequency, part]]
     };

@@ -1,7 +1,6 @@
 //! Waveforms of modulations (WAV): their length is bounded, and the envelope stays between 0 and 1.
 
-use sonoglyph::scene::wave::{Samples, Wave};
-use sonoglyph::scene::{Envelope, Modulation};
+use sonoglyph::scene::{Envelope, Modulation, Wave, Waveform};
 use sonoglyph::studio::waveform::{self, MOST_SAMPLES};
 
 use super::is_one_line;
@@ -15,7 +14,7 @@ pub fn run(bytes: &[u8]) {
                 values.len()
             );
             assert!(values.iter().all(|value| (-1.0..=1.0).contains(value)));
-            let wave = Wave::new(Samples { file: "a.wav".into(), rate, values });
+            let wave = Wave::new(Waveform { file: "a.wav".into(), rate, values });
             let modulation = Modulation { shape: Envelope::File, wave, ..Modulation::default() };
             assert!((0.0..=1.0).contains(&modulation.mean_square()));
             assert!((0..100).all(|n| (0.0..=1.0).contains(&modulation.envelope(f64::from(n) * 1e-3))));
