@@ -48,7 +48,7 @@ impl fmt::Debug for Told {
 }
 
 thread_local! {
-    /// Of the step that this thread is in.
+    /// Gauge of the step that this thread is in.
     static CURRENT: RefCell<Gauge> = RefCell::default();
 }
 

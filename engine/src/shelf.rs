@@ -29,7 +29,7 @@ pub fn lay(path: &Path, bytes: Vec<u8>) {
 /// Writes a file.
 ///
 /// # Errors
-/// Those of the keeper.
+/// The errors of the keeper.
 pub fn write(path: &Path, bytes: Vec<u8>) -> io::Result<()> {
     KEEPER.get().map_or(Ok(()), |keeper| keeper(path, Some(&bytes)))?;
     lay(path, bytes);

@@ -59,7 +59,7 @@ pub fn remove(path: &Path) {
 /// The content of a file, up to `most` bytes.
 ///
 /// # Errors
-/// As [`open`], and a file that has more.
+/// The errors of [`open`], and a file that has more.
 pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     open(path)?.take(most + 1).read_to_end(&mut bytes)?;
@@ -72,10 +72,10 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// As [`read`], for text.
+/// The text that [`read`] finds.
 ///
 /// # Errors
-/// As [`read`], and bytes that are no UTF-8.
+/// The errors of [`read`], and bytes that are no UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let no_text = |_| io::Error::new(ErrorKind::InvalidData, "this is no UTF-8 text");
     String::from_utf8(read(path, most)?).map_err(no_text)

@@ -21,7 +21,7 @@ pub struct TableError {
 pub struct Table<R, const N: usize, const M: usize> {
     reader: csv::Reader<Chain<R, &'static [u8]>>,
     record: StringRecord,
-    /// Of the record.
+    /// Line of the record.
     line: u64,
     columns: usize,
     /// Name and index.

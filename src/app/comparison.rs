@@ -23,7 +23,7 @@ use crate::ui::{Editor, Map, Shown};
 #[derive(Debug)]
 pub struct Comparison {
     mapping: Mapping,
-    /// Of a scene, at rest or in motion.
+    /// The performance of a scene, at rest or in motion.
     solving: Later<(Scene, bool), Result<Performance, String>>,
     /// The requests of the displayed difference, and whether it is on a light ground.
     subtracted: Option<(Request, Request, bool)>,

@@ -80,7 +80,7 @@ impl<T: Send + 'static> Errand<T> {
     /// Waits for an external operation.
     ///
     /// # Errors
-    /// As [`Self::start`].
+    /// The errors of [`Self::start`].
     #[cfg(not(target_arch = "wasm32"))]
     pub fn wait(ctx: &Context, work: impl Future<Output = T> + Send + 'static) -> std::io::Result<Self> {
         Self::start(ctx, move |_| pollster::block_on(work))

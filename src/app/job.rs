@@ -23,9 +23,9 @@ pub trait Job {
 
 /// The full solution of the scene at rest.
 pub struct Solve;
-/// Those of all frames of its motion.
+/// The solutions of all frames of its motion.
 pub struct Follow;
-/// Those of all methods.
+/// The solutions of all methods.
 pub struct CompareMethods;
 
 impl Job for Solve {

@@ -98,7 +98,7 @@ pub struct Settings {
 }
 
 impl Default for Settings {
-    /// Those of a new editor.
+    /// The settings of a new editor.
     fn default() -> Self {
         let editor = Editor::new(Document::new(Scene::default(), "untitled"));
         Self { hints: true, ..Self::of_editor(&editor) }
@@ -106,7 +106,7 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// As things are now.
+    /// The current settings.
     pub fn of(editor: &Editor, recent: &[PathBuf], ctx: &Context) -> Self {
         let window = ctx.input(|input| input.viewport().clone());
         let content = ctx.content_rect();
@@ -246,7 +246,7 @@ pub fn remember(recent: &mut Vec<PathBuf>, path: &Path) {
 #[derive(Debug)]
 pub struct Memory {
     path: PathBuf,
-    /// As in the file.
+    /// The settings in the file.
     kept: Settings,
     pending: Option<Settings>,
     /// s on the window's clock.

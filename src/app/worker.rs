@@ -30,7 +30,7 @@ thread_local! {
 #[derive(Serialize, Deserialize)]
 struct Parcel {
     text: String,
-    /// Of pictures, in their order.
+    /// Pixels of pictures, in their order.
     pixels: Vec<Option<Grey>>,
     elements: Option<Vec<Placed>>,
 }

@@ -65,7 +65,7 @@ pub fn for_maps(backend: Backend, is_verbose: bool) -> Result<Evaluator, GpuErro
 /// The evaluator for a list of points, short enough for f64.
 ///
 /// # Errors
-/// As [`for_maps`].
+/// The errors of [`for_maps`].
 #[cfg(not(target_arch = "wasm32"))]
 pub fn for_points(backend: Backend) -> Result<Evaluator, GpuError> {
     match backend {
@@ -77,7 +77,7 @@ pub fn for_points(backend: Backend) -> Result<Evaluator, GpuError> {
 /// Runs work on the stages; a failing GPU is replaced by the CPU, once and with a warning, unless requested by name.
 ///
 /// # Errors
-/// Those of the work.
+/// The errors of the work.
 pub fn or_by_cpu<T>(
     stages: &mut Stages,
     gpu_is_asked_for: bool,

@@ -47,7 +47,7 @@ impl Offer {
         Modulation { shape: Envelope::Sine, frequency: self.frequency, depth: 1.0, ..modulation.clone() }
     }
 
-    /// What keeps the board from more, as text.
+    /// Reason for the board's limit, as text.
     pub fn limit(self) -> Option<String> {
         let baud = self.slow?;
         let (name, frequency) = (self.profile.name(), self.frequency);

@@ -56,7 +56,7 @@ pub struct Wish {
     /// dB below the map's largest value.
     pub contours: Vec<f64>,
     pub convention: Convention,
-    /// Of a shaded surface: a bar of a round depth.
+    /// Whether there is a colour bar; beside a shaded surface, a bar of a round depth.
     pub has_colour_bar: bool,
     pub has_scale_bar: bool,
     pub has_targets: bool,

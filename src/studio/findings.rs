@@ -22,7 +22,7 @@ pub struct Findings {
     pub heard: Option<Reading>,
     /// The bead in every trap.
     pub traps: Vec<Held>,
-    /// What the user should know of all that, a sentence each.
+    /// Warnings about all of it, a sentence each.
     pub warnings: Vec<String>,
 }
 
@@ -94,7 +94,7 @@ impl Findings {
     }
 }
 
-/// What a board with few phase levels makes of a drive.
+/// A drive on a board with few phase levels.
 #[derive(Debug)]
 pub struct Played {
     pub levels: u32,

@@ -145,7 +145,7 @@ pub fn words(scene: &Scene, flight: &Flight, from: DVec3) -> String {
     text
 }
 
-/// What [`Course::fastest`] found, in words; `round`: rounds per second as the scene has them.
+/// Result of [`Course::fastest`] in words; `round`: cycles per second of the scene.
 pub fn limit(fastest: Option<[f64; 2]>, round: f64) -> String {
     match fastest {
         None => "the bead is lost at any speed that was tried".to_owned(),

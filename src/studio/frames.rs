@@ -141,7 +141,7 @@ pub fn write_csv(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std
     Ok(())
 }
 
-/// What could play so many frames per second.
+/// Boards that could play so many frames per second.
 pub fn playable(rate: f64, carrier: f64) -> String {
     if rate > carrier {
         return "by no array".to_owned();

@@ -74,7 +74,7 @@ pub fn summary(quantity: Quantity, map: &Map) -> String {
 /// by name.
 ///
 /// # Errors
-/// As [`Stages::map`].
+/// The errors of [`Stages::map`].
 pub fn draw(
     request: &Request,
     of_amounts: ColourMap,

@@ -27,7 +27,7 @@ pub fn stem(path: &Path) -> String {
 /// The scene of a file, with its pictures, its waveform and its table of elements.
 ///
 /// # Errors
-/// Those of [`file::read`], and a picture, a waveform or a table that cannot be read.
+/// The errors of [`file::read`], and a picture, a waveform or a table that cannot be read.
 pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
@@ -35,7 +35,7 @@ pub fn open(path: &Path) -> Result<Scene, FileError> {
 /// Like [`open`], from text; named files are relative to `path`.
 ///
 /// # Errors
-/// As [`open`].
+/// The errors of [`open`].
 pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     let mut scene = file::parse(text, path)?;
     load(&mut scene, path.parent().unwrap_or(Path::new("")))
@@ -88,7 +88,7 @@ fn placed(name: &str, folder: &Path) -> Result<Elements, String> {
 /// Loads the waveform of a modulation, if named and not loaded.
 ///
 /// # Errors
-/// Those of [`waveform::read`].
+/// The errors of [`waveform::read`].
 pub fn load_wave(modulation: &mut Modulation, folder: &Path) -> Result<(), KeyError> {
     if modulation.lacks_wave() {
         let read = waveform::read(&folder.join(&modulation.file));

@@ -72,7 +72,7 @@ pub fn values(
     means.into_iter().map(|mean| quantity.exact_value(mean)).collect()
 }
 
-/// As loud as the mean square of all, with the phase of the first.
+/// The sound of the mean square of all, with the phase of the first.
 pub fn mean(drives: &[Vec<Complex64>]) -> Vec<Complex64> {
     if let [one] = drives {
         return one.clone();

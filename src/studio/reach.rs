@@ -14,11 +14,11 @@ use num_complex::Complex64;
 use crate::acoustics::{Aperture, Face};
 use crate::scene::{Scene, Target, outline};
 
-/// Of the pressure that a single focus at the best distance has.
+/// Limit relative to the pressure of a single focus at the best distance.
 const WEAK: f64 = 0.1;
-/// Of an element's pressure on axis.
+/// Limit relative to an element's pressure on axis.
 const SIDEWAYS: f64 = 0.5;
-/// Of the pressure at the focus.
+/// Limit relative to the pressure at the focus.
 const LOUD_LOBE: f64 = 0.7;
 /// Number of distances searched for the best, and their range in units of the array's wider side.
 const DISTANCES: u32 = 40;
@@ -96,7 +96,7 @@ fn turned_away(aperture: &Aperture, places: &[DVec3]) -> Vec<Warning> {
 
 /// The warning about a series of reflections truncated too early.
 pub fn cut_short(aperture: &Aperture) -> Option<Warning> {
-    /// Of the boards' own sound.
+    /// Limit relative to the boards' own sound.
     const LOUD: f64 = 1e-9;
     let rest = aperture.remainder;
     (rest > LOUD).then_some(Warning::CutShort { faces: aperture.faces.len(), rest })

@@ -51,7 +51,7 @@ impl Default for Look {
 /// The default box of a scene: its targets, its plane and most of the distance to the boards, extended by a quarter
 /// on sides without boards.
 pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
-    /// Of its longest side, the least that a side is.
+    /// Least side relative to the longest.
     const FLATTEST: f64 = 0.5;
     /// Component of a mirror's normal along an axis beyond which it counts as perpendicular.
     const UPRIGHT: f64 = 0.999;

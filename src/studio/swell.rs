@@ -98,7 +98,7 @@ impl Swell {
     /// A level surface before the onset of a depression request's drives, played in sequence.
     ///
     /// # Errors
-    /// As [`Stages::surface`], or frames that exceed the memory.
+    /// The errors of [`Stages::surface`], or frames that exceed the memory.
     pub fn new(
         scene: &Scene,
         schedule: Schedule,

@@ -95,7 +95,7 @@ impl Course {
 
     /// The frame at a time (s); at a boundary, the later one.
     pub fn frame(&self, time: f64) -> usize {
-        /// Of a frame: times are rounded.
+        /// Part of a frame: times are rounded.
         const ROUNDING: f64 = 1e-9;
         (time * self.rate + ROUNDING).floor().rem_euclid(self.frames as f64) as usize % self.frames
     }

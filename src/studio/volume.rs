@@ -84,7 +84,7 @@ pub struct Written {
 /// Computes a volume, layer by layer, and writes it.
 ///
 /// # Errors
-/// As [`Wish::check`], a field that cannot be computed, or a file that cannot be written.
+/// The errors of [`Wish::check`], a field that cannot be computed, or a file that cannot be written.
 pub fn write(solved: &Solved, stages: &mut Stages, look: &Look, wish: &Wish<'_>) -> anyhow::Result<Written> {
     wish.check()?;
     let Solved { scene, solution, .. } = solved;

@@ -30,7 +30,7 @@ pub fn read(path: &Path) -> Result<Wave, String> {
 /// Samples per second, and the samples, of the bytes of a file.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub fn decode(bytes: &[u8]) -> Result<(f64, Vec<f32>), String> {
     let broken = |error: hound::Error| {
         format!("this is no WAV file that is read here: {}", echo::value(&error.to_string()))

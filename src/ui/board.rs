@@ -9,9 +9,9 @@ use crate::ui::bring_up::{BringUp, Surveyed};
 /// The settings on the Device page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoardForm {
-    /// As typed.
+    /// The port as typed.
     pub port: String,
-    /// Of the program's own virtual board, instead.
+    /// The port of the program's own virtual board, instead.
     pub virtual_port: Option<String>,
     pub profile: Profile,
     /// 0: the default baud rate.
@@ -144,7 +144,7 @@ pub struct PortShown {
     pub name: String,
     /// Including the system's description.
     pub label: String,
-    /// Of a virtual board.
+    /// Profile of a virtual board.
     pub profile: Option<Profile>,
 }
 

@@ -99,7 +99,7 @@ pub enum Purpose {
     Import,
     /// A table of elements that becomes the array.
     Elements,
-    /// Of the modulation.
+    /// Waveform of the modulation.
     Waveform,
     Export(Export),
 }

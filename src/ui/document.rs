@@ -18,7 +18,7 @@ pub struct Document {
     settled: Scene,
     undo: Vec<Scene>,
     redo: Vec<Scene>,
-    /// As in the file.
+    /// The scene in the file.
     saved: Scene,
     path: Option<PathBuf>,
     /// Its name while it has no file.
@@ -48,7 +48,7 @@ impl Document {
     /// The scene of a text, keeping its comments.
     ///
     /// # Errors
-    /// Those of [`opening::parse`].
+    /// The errors of [`opening::parse`].
     pub fn parse(text: String, name: &str) -> Result<Self, FileError> {
         let scene = opening::parse(&text, Path::new(name))?;
         Ok(Self { text, ..Self::new(scene, name) })
@@ -57,7 +57,7 @@ impl Document {
     /// The scene of a file.
     ///
     /// # Errors
-    /// Those of [`opening::open`].
+    /// The errors of [`opening::open`].
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let text = file::read_text(path)?;
         let scene = opening::parse(&text, path)?;

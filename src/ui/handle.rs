@@ -64,7 +64,7 @@ mod tests {
         ]
     }
 
-    /// Of every kind, turned and tilted.
+    /// Targets of every kind, turned and tilted.
     fn targets() -> Vec<Target> {
         let target = |shape: Shape| {
             let is_free = matches!(shape, Shape::Line { .. } | Shape::Path { .. });

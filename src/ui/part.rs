@@ -58,7 +58,7 @@ pub trait Part: Default {
     type Input: Clone + PartialEq + Send + 'static;
     type Output: Send + 'static;
 
-    /// What the value depends on; `None` while it is not displayed.
+    /// The input of the value; `None` while it is not displayed.
     fn input(&self, now: &Now<'_>) -> Option<Self::Input>;
 
     /// Whether a computation may begin now.

@@ -8,7 +8,7 @@ pub struct Playback {
     pub playing: bool,
     /// Slowdown of the playback.
     pub slowness: f64,
-    /// Of a cycle, in [0, 1).
+    /// Part of a cycle, in [0, 1).
     pub part: f64,
     /// Whether playback repeats.
     pub loops: bool,
@@ -24,6 +24,6 @@ impl Default for Playback {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Oscillation {
     pub playing: bool,
-    /// Of a period, in [0, 1).
+    /// Part of a period, in [0, 1).
     pub part: f64,
 }

@@ -288,9 +288,9 @@ struct Plot<'a> {
     map: &'a Map,
     profile: &'a Profile,
     rect: Rect,
-    /// Of the axis to the right, m.
+    /// Range of the axis to the right, m.
     places: [f64; 2],
-    /// Of the axis upwards, in the unit shown.
+    /// Range of the axis upwards, in the unit shown.
     values: [f64; 2],
     factor: f64,
     unit: String,

@@ -27,7 +27,7 @@ pub enum Cut {
     Xy,
     Xz,
     Yz,
-    /// As in [`FreePlane`].
+    /// The plane of [`FreePlane`].
     #[strum(serialize = "Oblique plane")]
     Free,
     /// The scene plane, at any tilt.

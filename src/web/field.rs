@@ -91,7 +91,7 @@ impl Field {
     /// The same during a drag: solved within a frame, continuing from the previous scene.
     ///
     /// # Errors
-    /// As [`Field::map`].
+    /// The errors of [`Field::map`].
     pub async fn drag(
         &mut self,
         scene: String,
@@ -109,7 +109,7 @@ impl Field {
     /// The same for given phases (rad) and amplitudes, one per element.
     ///
     /// # Errors
-    /// As [`Field::map`], and a drive of another array.
+    /// The errors of [`Field::map`], and a drive of another array.
     pub async fn of_drive(
         &mut self,
         scene: String,

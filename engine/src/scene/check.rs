@@ -32,7 +32,7 @@ const MOST_PRESSURE: f64 = 1e9;
 pub(crate) const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e5;
 /// Factors of keyframes on target pressures.
 pub const FACTORS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
-/// Of one motion.
+/// Limit of keyframes of one motion.
 const MOST_KEYFRAMES: usize = 1024;
 /// Limit of iterations: a thousand times the need of any method.
 const MOST_ITERATIONS: u64 = 100_000;

@@ -318,7 +318,7 @@ impl Scene {
     /// Numbers of drives in turn of a drag's frame and of a whole search. Without a number in the scene, areas at rest
     /// have as many as pay, since their |p|² counts in the mean.
     pub fn drives_in_turn(&self) -> RangeInclusive<usize> {
-        /// Of a portrait two more lower the error by 1 % and the side lobe by 4 %, for a third more time.
+        /// Frames that pay: two more lower the error of a portrait by 1 % and the side lobe by 4 %, for a third more time.
         const PAY: usize = 6;
         match self.solver.frames {
             Turns::Count(count) => count as usize..=count as usize,

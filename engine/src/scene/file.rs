@@ -44,7 +44,7 @@ pub fn read_text(path: &Path) -> Result<String, FileError> {
 /// Like [`read`], from text; `path` only names it.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     let table = parse_tables(text).map_err(|error| misread(&error, text, path))?;
     table.into_scene().and_then(checked).map_err(|error| located(&error, text, path))
@@ -57,7 +57,7 @@ fn parse_tables(text: &str) -> Result<SceneTable, toml::de::Error> {
 /// Like [`read`], from the same tables and keys in any format that serde reads.
 ///
 /// # Errors
-/// As [`read`], except file errors; the message names the key.
+/// The errors of [`read`], except file errors; the message names the key.
 pub fn from_tables<'de, D: Deserializer<'de>>(tables: D) -> Result<Scene, D::Error> {
     SceneTable::deserialize(Strict(tables))?.into_scene().and_then(checked).map_err(D::Error::custom)
 }
@@ -95,7 +95,7 @@ fn checked(scene: Scene) -> Result<Scene, KeyError> {
 /// Checks targets and motion together, if any target is visible; pictures only once they are loaded.
 ///
 /// # Errors
-/// Those of [`motion::check`].
+/// The errors of [`motion::check`].
 pub fn targets_in_motion(scene: &Scene) -> Result<(), KeyError> {
     if scene.targets.iter().any(|target| target.visible) { motion::check(scene) } else { Ok(()) }
 }

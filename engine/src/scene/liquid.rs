@@ -26,7 +26,7 @@ pub struct Liquid {
     /// Whether the surface reflects sound.
     #[serde(skip_serializing_if = "is_false")]
     pub reflects: bool,
-    /// Of light.
+    /// Refractive index for light.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refractive_index: Option<f64>,
     #[serde(skip_serializing_if = "Light::is_through")]

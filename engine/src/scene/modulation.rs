@@ -77,7 +77,7 @@ impl Default for Tone {
 pub struct SpectralLine {
     /// Hz
     pub frequency: f64,
-    /// Of the spectrum's quantity; at 0 Hz its mean.
+    /// Amplitude in the unit of the spectrum's quantity; at 0 Hz its mean.
     pub amplitude: f64,
     /// rad, in (-π, π].
     pub phase: f64,
@@ -149,7 +149,7 @@ impl Modulation {
         }
     }
 
-    /// Of every frequency the squared modulus of the sum of depth · e^{j phase} over its tones.
+    /// For every frequency, the squared modulus of the sum of depth · e^{j phase} over its tones.
     fn squares_by_frequency(&self) -> impl Iterator<Item = f64> {
         let mut tones = self.tones.clone();
         tones.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));

@@ -47,7 +47,7 @@ pub fn foci(scene: &Scene) -> Result<Vec<Focus>, KeyError> {
 /// The focal points of one step of the motion.
 ///
 /// # Errors
-/// As [`foci`].
+/// The errors of [`foci`].
 pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
     if scene.targets.is_empty() {
         return Err(KeyError::new([Key::from("target")], "the scene has no target: nothing to focus on"));
@@ -180,7 +180,7 @@ pub fn count(targets: &[Target]) -> Result<usize, KeyError> {
 struct Division<'a> {
     target: &'a Target,
     runs: Vec<Run>,
-    /// Of each run.
+    /// Pieces of each run.
     pieces: Vec<usize>,
 }
 
@@ -245,7 +245,7 @@ fn divisions<'a>(shown: &[(usize, &'a Target)]) -> Result<Vec<Division<'a>>, Key
 /// The areas among targets, with their indices in the scene.
 ///
 /// # Errors
-/// Those of [`Cover::new`].
+/// The errors of [`Cover::new`].
 pub fn covers(shown: &[(usize, &Target)], wavelength: f64) -> Result<Vec<(usize, Cover)>, KeyError> {
     let cover = |&(index, target): &(usize, &Target)| {
         let cover = Cover::new(target, wavelength).map_err(|e| e.under(&["target".into(), index.into()]));

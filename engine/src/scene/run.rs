@@ -149,7 +149,7 @@ pub(crate) fn points_of(runs: &[Run], pieces: &[usize]) -> usize {
     corners(runs).saturating_add(interior(runs, pieces))
 }
 
-/// Those besides the corners.
+/// The number of points besides the corners.
 fn interior(runs: &[Run], pieces: &[usize]) -> usize {
     runs.iter().zip(pieces).fold(0, |sum, (run, &pieces)| sum.saturating_add(run.interior(pieces)))
 }

@@ -36,7 +36,7 @@ impl Front {
         self.0.iter().map(|(_, normal)| *normal).filter_map(lowest).collect()
     }
 
-    /// As [`Front::outside`], for a moved object with known lowest points.
+    /// The answer of [`Front::outside`] for a moved object with known lowest points.
     pub fn outside_moved(&self, lowest: &[DVec3], by: DVec3) -> Option<DVec3> {
         let is_in_front =
             |((at, normal), place): (&(DVec3, DVec3), &DVec3)| is_before(normal.dot(*place + by - at));

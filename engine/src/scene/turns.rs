@@ -10,7 +10,7 @@ const AUTO: &str = "auto";
 /// Number of drives in turn.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Turns {
-    /// As many as pay for areas at rest, and one for everything else.
+    /// The number that pays for areas at rest, and one for everything else.
     #[default]
     Auto,
     Count(u32),

@@ -230,7 +230,7 @@ impl<'a> Film<'a> {
         Ok(Shot { frames: count, pace, is_chosen, range: self.in_words(&extent), what })
     }
 
-    /// Of the motion; a scene at rest shows its single frame for a second.
+    /// Frame rate of the motion; a scene at rest shows its single frame for a second.
     fn frames_per_second(&self) -> f64 {
         motion::cycle(self.scene).map_or(1.0, |cycle| cycle.frames_per_second())
     }

@@ -30,7 +30,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// Those that can be written here.
+    /// The kinds that can be written here.
     pub fn writable() -> impl Iterator<Item = Self> {
         Self::VARIANTS
             .iter()
@@ -38,7 +38,7 @@ impl Kind {
             .filter(|kind| video::IS_WRITTEN || matches!(kind, Self::Gif | Self::Apng))
     }
 
-    /// Of a file's name, the usual one first.
+    /// Endings of a file's name, the usual one first.
     pub fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Gif => &["gif"],
@@ -110,7 +110,7 @@ impl Target {
         }
     }
 
-    /// As [`Kind::pixels`].
+    /// The pixels of [`Kind::pixels`].
     pub fn pixels(&self, size: (usize, usize)) -> (usize, usize) {
         match self {
             Self::File(_, kind) => kind.pixels(size),

@@ -19,7 +19,7 @@ pub fn write_by(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result
 /// Writes irreplaceable content: after return, a power cut loses neither it nor the old file.
 ///
 /// # Errors
-/// As [`write_by`].
+/// The errors of [`write_by`].
 pub fn save(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     of_file(path, write_whole(path, |file| Ok(file.write_all(bytes)?), File::sync_all))?;
     // Synchronises the folder, too, where supported; the file itself is already safe.
@@ -30,7 +30,7 @@ pub fn save(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 /// Fails early if [`write_by`] would fail after the work.
 ///
 /// # Errors
-/// As [`write_by`].
+/// The errors of [`write_by`].
 pub fn check_writable(path: &Path) -> anyhow::Result<()> {
     of_file(path, check(path).map_err(Into::into))
 }
@@ -157,7 +157,7 @@ pub fn outlive_file_limits() -> io::Result<()> {
     signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false))).map(drop)
 }
 
-/// As elsewhere, but files have no limits here.
+/// Files have no limits here.
 ///
 /// # Errors
 /// None.

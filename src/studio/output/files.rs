@@ -89,7 +89,7 @@ impl Files {
     /// Notes the pictures and the waveform that a scene has been read with.
     ///
     /// # Errors
-    /// As [`Self::reads`].
+    /// The errors of [`Self::reads`].
     pub fn reads_files_of(&mut self, scene: &Scene) -> anyhow::Result<()> {
         if let Some(samples) = scene.modulation.wave.get() {
             self.reads(&samples.file)?;
@@ -134,7 +134,7 @@ impl Files {
         }
     }
 
-    /// As [`Self::keeps`], and fails early if writing would fail after the work.
+    /// Does the same as [`Self::keeps`], and fails early if writing would fail after the work.
     ///
     /// # Errors
     /// Errors of [`Self::keeps`] and [`check_writable`].

@@ -41,7 +41,7 @@ pub(crate) use say;
 /// The implementation of `say!`.
 ///
 /// # Errors
-/// As [`print()`].
+/// The errors of [`print()`].
 pub fn say_line(line: &str) -> anyhow::Result<()> {
     print(format_args!("{}\n", echo::lines(line)))
 }

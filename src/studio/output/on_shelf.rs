@@ -10,7 +10,7 @@ use crate::shelf;
 /// Writes generated content, atomically.
 ///
 /// # Errors
-/// Those of the shelf's keeper and of `fill`.
+/// The errors of the shelf's keeper and of `fill`.
 pub fn write_by(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result<()>) -> anyhow::Result<()> {
     let mut bytes = Vec::new();
     fill(&mut bytes).with_context(|| path.display().to_string())?;
@@ -18,7 +18,7 @@ pub fn write_by(path: &Path, fill: impl FnOnce(&mut dyn Write) -> anyhow::Result
 }
 
 /// # Errors
-/// As [`write_by`].
+/// The errors of [`write_by`].
 pub fn save(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_by(path, |file| Ok(file.write_all(bytes)?))
 }

@@ -77,7 +77,7 @@ impl FigureForm {
 #[derive(Clone)]
 pub struct Preview {
     pub texture: TextureHandle,
-    /// Of the figure, mm.
+    /// Size of the figure, mm.
     pub size: [f64; 2],
 }
 

@@ -12,7 +12,7 @@ use crate::ui::document::Document;
 /// A modal dialog or message.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Dialog {
-    /// Which file?
+    /// Choice of a file.
     Path {
         purpose: Purpose,
         text: String,

@@ -11,7 +11,7 @@ use crate::scene::{Easing, Keyframe, Motion, MotionPath, Scene, Tempo, motion};
 use crate::ui::panels::form::{choice, coordinates, count, heading, variants};
 use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_number, fact, form, number};
 
-/// Of a cycle, between two keyframes.
+/// Time between two keyframes, in cycles.
 const APART: f64 = 1e-4;
 /// Initial points of a path, m.
 const FIRST_POINTS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.02, 0.02, 0.0)];

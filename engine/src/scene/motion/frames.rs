@@ -22,7 +22,7 @@ pub fn count(scene: &Scene) -> usize {
 /// The focal points of every frame of a cycle: of each target in the order of the file, and then those that run along outlines.
 ///
 /// # Errors
-/// Those of [`outline::foci`] and [`check`].
+/// The errors of [`outline::foci`] and [`check`].
 pub fn frames(scene: &Scene) -> Result<Vec<Vec<Focus>>, KeyError> {
     let score = Score::new(scene)?;
     Ok((0..score.frames).map(|frame| score.foci(frame)).collect())

@@ -12,7 +12,7 @@ use crate::scene::run::Vertex;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Keyframe {
-    /// Of a repetition, in [0, 1).
+    /// Part of a repetition, in [0, 1).
     pub time: f64,
     /// Offset from the target's position, m.
     #[serde(default)]

@@ -27,7 +27,7 @@ pub struct TimeCourse {
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Place {
-    /// Of the selected target, or the first.
+    /// The selected target, or the first.
     #[default]
     Focus,
     Pointer,

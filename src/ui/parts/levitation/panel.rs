@@ -13,7 +13,7 @@ use crate::ui::{Editor, measure, theme};
 
 /// Points of the screen.
 const HEIGHT: f32 = 120.0;
-/// Of the curves along x, y and z.
+/// Colours of the curves along x, y and z.
 const COLOURS: [Color32; 3] =
     [Color32::from_rgb(226, 98, 84), Color32::from_rgb(98, 176, 84), Color32::from_rgb(84, 148, 226)];
 
