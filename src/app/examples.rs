@@ -64,23 +64,6 @@ pub const EXAMPLES: &[Example] = &[
     example!("water-triangle", "Water: a triangle"),
 ];
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::file;
-
-    #[test]
-    fn every_scene_of_the_assets_is_there_and_can_be_read() {
-        let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes")).unwrap();
-        assert_eq!(folder.count(), EXAMPLES.len());
-        let mut titles = std::collections::BTreeSet::new();
-        for example in EXAMPLES {
-            file::parse(example.text, example.name.as_ref()).unwrap();
-            assert!(titles.insert(example.title), "{} is called as another", example.name);
-        }
-    }
-}
-
 /// An example scene as a document without a file.
 pub fn example(index: usize) -> anyhow::Result<Document> {
     let example = EXAMPLES.get(index).unwrap_or(&EXAMPLES[0]);
@@ -98,4 +81,21 @@ pub fn linked(text: &str) -> anyhow::Result<Document> {
         document.was_never_saved();
     }
     Ok(document)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+
+    #[test]
+    fn every_scene_of_the_assets_is_there_and_can_be_read() {
+        let folder = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/assets/scenes")).unwrap();
+        assert_eq!(folder.count(), EXAMPLES.len());
+        let mut titles = std::collections::BTreeSet::new();
+        for example in EXAMPLES {
+            file::parse(example.text, example.name.as_ref()).unwrap();
+            assert!(titles.insert(example.title), "{} is called as another", example.name);
+        }
+    }
 }
