@@ -67,7 +67,8 @@ pub struct Declaration {
     #[doc(hidden)]
     pub exact: fn(Sound<f64>, &Constants<f64>) -> f64,
     /// WGSL expression in `s` (a sound) and `c` (the constants).
-    pub(crate) wgsl: &'static str,
+    #[doc(hidden)]
+    pub wgsl: &'static str,
     /// The vector whose length the formula is.
     #[doc(hidden)]
     pub flow: Option<Flow>,
