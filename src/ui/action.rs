@@ -8,9 +8,12 @@ use crate::picture::figure::Format;
 use crate::scene::motion;
 use crate::studio::animate::Kind;
 use crate::ui::board::{BoardCommand, Plays};
+use crate::ui::command::{Command, Export, Purpose};
 use crate::ui::tool;
 use crate::ui::tool::Tool;
-use crate::ui::{Command, Dialog, Editor, Export, IN_PAGE, Panel, Purpose, Shown, clipboard, group, way};
+use crate::ui::{
+    IN_PAGE, clipboard, dialog::state::Dialog, editor::Editor, group, layout::Panel, shown::Shown, way,
+};
 
 /// Factor per step of the window's scale, and its limits.
 const SCALE_STEP: f32 = 1.25;

@@ -2,7 +2,9 @@
 
 use egui::{Frame, Margin, Panel as Side, Ui, UiBuilder};
 
-use crate::ui::{Command, Editor, Shown, menu, panels, section, status, theme, timeline, view_bar};
+use crate::ui::{
+    command::Command, editor::Editor, menu, panels, section, shown::Shown, status, theme, timeline, view_bar,
+};
 
 /// Widths of the right panel, beside the map and over it, in points.
 const PANEL: std::ops::Range<f32> = 260.0..520.0;

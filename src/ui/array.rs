@@ -12,7 +12,7 @@ use crate::scene::{Board, Placed, Reflector, Scene};
 use crate::studio::map;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Lens, array_size};
-use crate::ui::{Editor, Shown, Sound};
+use crate::ui::{editor::Editor, shown::Shown, sound::Sound};
 
 /// Thickness of elements seen from the side, in points.
 const THICK: f32 = 5.0;

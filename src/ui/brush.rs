@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use glam::DVec2;
 
 use crate::scene::{Dab, Grey, Pixels, Scene, Target, outline};
-use crate::ui::Editor;
 use crate::ui::edit;
+use crate::ui::editor::Editor;
 use crate::ui::tool::{self, Brush};
 use crate::ui::view::Axes;
 

@@ -12,8 +12,8 @@ use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
-    Editor, Map, Shown, Sound, context, cursor, guides, legend, marks, measure, path_marks, pointer, theme,
-    ticks,
+    context, cursor, editor::Editor, guides, legend, map::Map, marks, measure, path_marks, pointer,
+    shown::Shown, sound::Sound, theme, ticks,
 };
 
 /// Points of the screen around the plot.

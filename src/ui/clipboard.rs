@@ -6,7 +6,7 @@ use std::path::Path;
 use egui::Context;
 
 use crate::studio::opening;
-use crate::ui::{Editor, edit, way};
+use crate::ui::{edit, editor::Editor, way};
 
 pub fn copy(editor: &mut Editor, ctx: &Context) {
     if let Some((text, targets)) = edit::copied(editor.scene(), &editor.selection) {

@@ -15,7 +15,7 @@ use crate::ui::beside::{Compare, Difference, With};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::icon::{self, Icon};
 use crate::ui::view::{Axes, Cut, Lens, View, Window};
-use crate::ui::{Editor, Map, Shown, Sound, edit, legend, marks, measure, theme};
+use crate::ui::{edit, editor::Editor, legend, map::Map, marks, measure, shown::Shown, sound::Sound, theme};
 
 /// Zoom per point of wheel or pinch, as on the canvas.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;

@@ -5,9 +5,9 @@ use glam::DVec2;
 use strum::VariantArray;
 
 use crate::scene::Target;
-use crate::ui::Editor;
 use crate::ui::clipboard;
 use crate::ui::edit::{self, Align};
+use crate::ui::editor::Editor;
 use crate::ui::group;
 use crate::ui::view::Lens;
 

@@ -6,7 +6,7 @@ use glam::DVec2;
 use crate::ui::gesture::Typing;
 use crate::ui::tool::Tool;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, edit, group, theme};
+use crate::ui::{edit, editor::Editor, group, theme};
 
 /// Steps of an arrow key, with Ctrl and with Shift, m.
 const STEP: f64 = 1e-3;

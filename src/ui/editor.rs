@@ -8,6 +8,8 @@ use crate::scene::{Scene, Target};
 use crate::ui::beside;
 use crate::ui::board::BoardForm;
 use crate::ui::command::Command;
+use crate::ui::dialog::options::{FigureForm, FilmForm};
+use crate::ui::dialog::state::{Asking, Dialog};
 use crate::ui::document::Document;
 use crate::ui::fitted::Fitted;
 use crate::ui::gesture::{Gesture, Typing, Vertex};
@@ -15,10 +17,9 @@ use crate::ui::guides::Guide;
 use crate::ui::layout::{Layout, Panel};
 use crate::ui::parts::Parts;
 use crate::ui::playback::{Oscillation, Playback};
-use crate::ui::space::SpaceView;
+use crate::ui::space::view::SpaceView;
 use crate::ui::tool::{Brush, Tool};
 use crate::ui::view::View;
-use crate::ui::{Asking, Dialog, FigureForm, FilmForm};
 
 /// The edited document and the state of its display.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use egui::{Align2, Area, Button, Frame, Id, Image, Order, Rect, RichText, ScrollArea, Ui, vec2};
 
 use crate::ui::tool::Tool;
-use crate::ui::{Command, Editor, Shown};
+use crate::ui::{command::Command, editor::Editor, shown::Shown};
 
 /// Points of the screen: a card's picture, and the gap between cards.
 const PICTURE: egui::Vec2 = vec2(132.0, 88.0);

@@ -7,9 +7,10 @@ use crate::ui::action::{self, Action};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::clipboard;
 use crate::ui::cursor;
+use crate::ui::shown::{Notice, Shown};
 use crate::ui::tool::Tool;
 use crate::ui::typing;
-use crate::ui::{Command, Editor, Notice, Shown};
+use crate::ui::{command::Command, editor::Editor};
 
 /// Steps of an arrow key, and with Shift, m.
 const NUDGE: f64 = 1e-3;

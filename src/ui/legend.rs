@@ -13,7 +13,7 @@ use crate::picture::figure::axes::round_step;
 use crate::studio::convention::Convention;
 use crate::ui::number::{self, Look};
 use crate::ui::view::{Lens, View};
-use crate::ui::{Editor, Map, Shown, panels, segments, theme, ticks};
+use crate::ui::{editor::Editor, map::Map, panels, segments, shown::Shown, theme, ticks};
 
 /// Smallest full-scale value, in the unit of the map.
 const SMALLEST: f64 = 1e-12;

@@ -4,7 +4,7 @@
 
 use egui::Rect;
 
-use crate::ui::Editor;
+use crate::ui::editor::Editor;
 use crate::ui::fitted::Fitted;
 use crate::ui::gesture::Gesture;
 use crate::ui::measure::ProfileLine;

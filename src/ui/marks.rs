@@ -6,10 +6,12 @@ use glam::{DVec2, DVec3};
 use crate::scene::{Sampling, font, outline};
 use crate::ui::gesture::{self, Gesture};
 use crate::ui::measure::{self, ProfileLine};
-use crate::ui::parts::Extremes;
+use crate::ui::parts::survey::Extremes;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, Lens};
-use crate::ui::{Editor, Shown, Sound, array, dimensions, edit, handle, palm, theme, transform};
+use crate::ui::{
+    array, dimensions, edit, editor::Editor, handle, palm, shown::Shown, sound::Sound, theme, transform,
+};
 
 /// m: foci farther than this from the cut are drawn faint.
 const NEAR: f64 = 2e-3;

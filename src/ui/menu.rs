@@ -10,7 +10,7 @@ use crate::device::health::State;
 use crate::ui::action::{self, Action, Group};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::tool::{self, Tool};
-use crate::ui::{Command, Editor, Shown, panels, theme};
+use crate::ui::{command::Command, editor::Editor, panels, shown::Shown, theme};
 
 /// Points of the screen: a tool with the gap below it.
 const TOOL: f32 = 32.0;

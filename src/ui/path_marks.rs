@@ -7,7 +7,7 @@ use crate::scene::{MotionPath, motion, outline};
 use crate::ui::gesture::Vertex;
 use crate::ui::view::{Axes, Lens};
 use crate::ui::way;
-use crate::ui::{Editor, Shown, edit, marks, theme};
+use crate::ui::{edit, editor::Editor, marks, shown::Shown, theme};
 
 /// Points of the screen: half a handle.
 const HALF: f32 = 5.5;

@@ -13,7 +13,7 @@ use crate::ui::tool::{self, Tool};
 use crate::ui::transform;
 use crate::ui::typing;
 use crate::ui::view::{Axes, Lens};
-use crate::ui::{Editor, brush, edit, group, handle, way};
+use crate::ui::{brush, edit, editor::Editor, group, handle, way};
 
 /// Pick distance of an outline in points.
 const REACH: f64 = 9.0;

@@ -10,11 +10,12 @@ use crate::field::{Quantity, Range};
 use crate::picture::figure::axes;
 use crate::studio::convention::Convention;
 use crate::studio::width::Widths;
+use crate::ui::command::{Export, Purpose};
 use crate::ui::measure::{self, ProfileLine};
 use crate::ui::sound;
 use crate::ui::ticks;
 use crate::ui::view::{Cut, Lens};
-use crate::ui::{Dialog, Editor, Export, Map, Purpose, Shown, Sound, marks, theme};
+use crate::ui::{dialog::state::Dialog, editor::Editor, map::Map, marks, shown::Shown, sound::Sound, theme};
 
 const POINTS: usize = 400;
 /// Points of the screen below the plot: ticks and the axis' name.

@@ -13,8 +13,8 @@ use crate::ui::beside;
 use crate::ui::board::BoardShown;
 use crate::ui::map::{Map, Texture};
 use crate::ui::sound::Sound;
-use crate::ui::space::SpaceShown;
-use crate::ui::{Folder, Preview};
+use crate::ui::space::view::SpaceShown;
+use crate::ui::{dialog::options::Preview, dialog::state::Folder};
 
 /// The results for display.
 #[derive(Debug, Default)]

@@ -4,9 +4,9 @@ use egui::{Align, Button, Label, Layout, Popup, PopupCloseBehavior, RichText, Ui
 
 use crate::echo;
 use crate::field::promised;
-use crate::ui::panels::{fact, form};
-use crate::ui::space::SpaceShown;
-use crate::ui::{Editor, Map, Shown, theme};
+use crate::ui::panels::form::{fact, form};
+use crate::ui::space::view::SpaceShown;
+use crate::ui::{editor::Editor, map::Map, shown::Shown, theme};
 
 /// Width of the popup in points.
 const WIDTH: f32 = 420.0;

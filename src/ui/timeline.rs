@@ -12,7 +12,7 @@ use crate::scene::{Easing, Keyframe, MotionPath};
 use crate::ui::board::Plays;
 use crate::ui::gesture::Vertex;
 use crate::ui::way;
-use crate::ui::{Editor, Panel, Shown, path_marks, theme};
+use crate::ui::{editor::Editor, layout::Panel, path_marks, shown::Shown, theme};
 
 /// Points of the screen.
 const RULER: f32 = 20.0;

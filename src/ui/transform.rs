@@ -4,8 +4,8 @@ use egui::{Painter, Pos2, Rect, Stroke, StrokeKind, pos2};
 use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::Target;
-use crate::ui::Editor;
 use crate::ui::edit;
+use crate::ui::editor::Editor;
 use crate::ui::gesture::Grip;
 use crate::ui::handle;
 use crate::ui::theme;

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 use egui::{Event, Key, Ui};
 
 use crate::scene::font;
-use crate::ui::Editor;
 use crate::ui::edit;
+use crate::ui::editor::Editor;
 use crate::ui::tool::{self, Tool};
 use crate::ui::view::Axes;
 

@@ -8,10 +8,10 @@ use crate::studio::convention::Convention;
 use crate::ui::action::Action;
 use crate::ui::icon::{self, Icon};
 use crate::ui::number::{self, Look};
-use crate::ui::panels::{DEGREES, MM, Unit};
+use crate::ui::panels::form::{DEGREES, MM, Unit};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{Editor, compare, panels, segments, space, tool};
+use crate::ui::{compare, editor::Editor, panels, segments, space, tool};
 
 /// Range of the plane slider, m.
 const FARTHEST: f64 = 0.3;

@@ -9,7 +9,7 @@ use crate::scene::motion::{self, Cycle, Group};
 use crate::scene::{Keyframe, Motion, MotionPath, Scene, Target, outline};
 use crate::ui::gesture::{Pull, Vertex};
 use crate::ui::view::{Axes, Lens};
-use crate::ui::{Editor, Panel};
+use crate::ui::{editor::Editor, layout::Panel};
 
 /// m: the sizes that a path can be pulled to.
 const SIZES: std::ops::RangeInclusive<f64> = 1e-3..=1.0;

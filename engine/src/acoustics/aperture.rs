@@ -176,7 +176,7 @@ pub fn flat(placed: &[Placed]) -> Layout {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::acoustics::{Clearance, Emitters, element};
+    use crate::acoustics::{clearance::Clearance, element, emitters::Emitters};
     use crate::scene::{Array, Board, ElementModel, Elements, Placed};
     use num_complex::Complex64;
 

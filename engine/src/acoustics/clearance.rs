@@ -2,7 +2,8 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::acoustics::{Aperture, Face, Pose};
+use crate::acoustics::aperture::Aperture;
+use crate::acoustics::face::{Face, Pose};
 use crate::scene::Reflector;
 
 /// m: points of a reflector are on its sound's side.

@@ -11,7 +11,7 @@ use num_complex::Complex64;
 use crate::acoustics::derivatives::{COUNT, Derivatives, PAIRS, SECOND, TRIPLES};
 use crate::acoustics::element::{NEAREST, Radiator};
 use crate::acoustics::row::{COSINE, LANES, ROUNDER, SINE, horner};
-use crate::acoustics::{Aperture, Element, bessel, disk};
+use crate::acoustics::{aperture::Aperture, bessel, disk, element::Element};
 use crate::simd::{Instructions, Isa, Kernel, lanes, total};
 
 type Lanes = [f64; LANES];

@@ -1,7 +1,7 @@
 //! The Jacobian of the moduli of the pressure at points by the phases of the elements.
 
 use crate::acoustics::transfer::{BLOCK, block};
-use crate::acoustics::{Phasors, Transfer};
+use crate::acoustics::transfer::{Phasors, Transfer};
 use crate::gauge;
 use crate::simd::{Instructions, Isa, Kernel, accumulate, fused64, lanes};
 
@@ -99,7 +99,7 @@ mod tests {
     use num_complex::Complex64;
 
     use super::*;
-    use crate::acoustics::Aperture;
+    use crate::acoustics::aperture::Aperture;
     use crate::scene::Scene;
 
     #[test]

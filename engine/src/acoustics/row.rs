@@ -8,7 +8,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::acoustics::element::{NEAREST, Radiator};
-use crate::acoustics::{Aperture, Element, Face, Transfer};
+use crate::acoustics::{aperture::Aperture, element::Element, face::Face, transfer::Transfer};
 use crate::gauge;
 use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
 

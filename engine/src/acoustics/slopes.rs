@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::element::NEAREST;
 use crate::acoustics::emitters::Waves;
-use crate::acoustics::{Aperture, Emitters, Transfer};
+use crate::acoustics::{aperture::Aperture, emitters::Emitters, transfer::Transfer};
 
 /// Positions (steps) and weights (per step) of differences: relative error (kh)⁴/30.
 const STENCIL: [(f64, f64); 4] =

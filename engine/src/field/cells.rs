@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 
 use crate::acoustics::element::Radiator;
 use crate::acoustics::{Aperture, Face};
-use crate::field::Samples;
 use crate::field::interpolation::Resampling;
+use crate::field::samples::Samples;
 use crate::scene::Plane;
 use crate::surface::Tank;
 

@@ -2,7 +2,8 @@
 
 use num_complex::Complex32;
 
-use crate::field::{GpuError, Sources, Traffic};
+use crate::field::gpu_report::{GpuError, Traffic};
+use crate::field::sources::Sources;
 
 /// An uninhabited type.
 #[derive(Clone, Copy, Debug)]

@@ -24,7 +24,7 @@ use num_complex::Complex32;
 use crate::acoustics::element::{NEAREST, Radiator};
 use crate::acoustics::{Aperture, Face};
 use crate::field::interpolation::Resampling;
-use crate::field::{Samples, Wave};
+use crate::field::{samples::Samples, sources::Wave};
 use crate::scene::Plane;
 
 /// Limit of a table of waves in bytes; above, every superposition evaluates its waves again.

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use glam::DVec3;
 
-use crate::field::{Plan, Samples};
+use crate::field::{plan::Plan, samples::Samples};
 
 /// The pixels of one map on a plan's plane.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::acoustics::{Aperture, Face};
 use crate::drive::Drive;
-use crate::field::Samples;
+use crate::field::samples::Samples;
 use crate::gauge::Gauge;
 
 /// Complex pressure (Pa, peak) at every sample.

@@ -32,8 +32,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::acoustics::{Aperture, Clearance};
 use crate::drive::Drive;
+use crate::field::quantity::Quantity;
+use crate::field::stages::{FieldError, Request, Stages};
 use crate::field::summit::Lattice;
-use crate::field::{FieldError, Quantity, Request, Stages};
 use crate::scene::{Focus, Part, Plane, Scene};
 
 /// Samples in a wavelength at least: a maximum of |p| is half a wavelength wide or more.
@@ -253,7 +254,7 @@ mod tests {
     use num_complex::Complex64;
 
     use super::*;
-    use crate::field::Evaluator;
+    use crate::field::evaluator::Evaluator;
     use crate::scene::Array;
 
     fn points(foci: &[DVec3]) -> Vec<Focus> {

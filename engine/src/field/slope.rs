@@ -11,9 +11,9 @@ use rayon::prelude::*;
 
 use crate::acoustics::{Aperture, Transfer};
 use crate::drive::Drive;
-use crate::field::Samples;
 use crate::field::evaluator::on_cpu;
 use crate::field::quantity::{Constants, Mean, Part, Quantity, Sound, narrow};
+use crate::field::samples::Samples;
 use crate::gauge::Gauge;
 
 /// Positions (steps) and weights (per step) for pressures in f32: relative error (kh)⁴/30.

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use crate::acoustics::element::{self, NEAREST, Radiator};
 use crate::acoustics::{Aperture, Element, Face, Layout};
 use crate::drive::Drive;
-use crate::field::{Samples, polynomial};
+use crate::field::{polynomial, samples::Samples};
 
 /// Coefficients of sin(πf)/f in f², |f| ≤ ½, lowest first; 7e-9 off before rounding.
 pub const SINE: [f32; 5] = [std::f32::consts::PI, -5.167_71, 2.550_077_4, -0.598_290_4, 0.077_655_91];

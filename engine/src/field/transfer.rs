@@ -13,9 +13,9 @@ use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
 use crate::acoustics::{Element, Face};
-use crate::field::Samples;
 use crate::field::cpu::{self, LANES, OVERHANG, Points, Split, Term};
 use crate::field::plan::Shared;
+use crate::field::samples::Samples;
 use crate::field::slope::{shifted, stencil};
 use crate::field::sources::{self, Wave};
 use crate::memory;

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 use crate::acoustics::Aperture;
 use crate::acoustics::element::NEAREST;
-use crate::field::Samples;
+use crate::field::samples::Samples;
 
 /// The half-balls of a wavelength in front of the elements and of their images in reflectors.
 #[derive(Clone, Debug)]

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec2, DVec3};
 
-use crate::scene::{Placed, Scene};
+use crate::scene::{board::Placed, content::Scene};
 
 /// The elements of all boards, seen from the front and side by side, for charts.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +56,7 @@ const FACING: f64 = 0.2;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Board;
+    use crate::scene::board::Board;
 
     #[test]
     fn charts_give_every_element_a_place_of_its_own() {

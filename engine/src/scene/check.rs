@@ -4,14 +4,18 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use crate::scene::array::{Array, ElementModel};
+use crate::scene::content::{Listener, Scene};
+use crate::scene::modulation::{Envelope, Modulation};
 use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
+use crate::scene::motion::{Keyframe, Motion, MotionPath, Tempo};
 use crate::scene::range::{Key, KeyError, count, direction, finite, length, point, refuse, within};
+use crate::scene::shape::{Shape, ShapeKey, ShapeValue};
+use crate::scene::solver::{Pressures, Solver};
 use crate::scene::space::Front;
-use crate::scene::{
-    Area, Array, ElementModel, Envelope, Keyframe, Liquid, Listener, Medium, Modulation, Motion, MotionPath,
-    Plane, Pressures, Sampling, Scene, Shape, ShapeKey, ShapeValue, Solver, Target, Tempo, Trap, Turns, Zone,
-    space,
-};
+use crate::scene::target::{Sampling, Target};
+use crate::scene::zone::{Area, Zone};
+use crate::scene::{liquid::Liquid, medium::Medium, plane::Plane, space, trap::Trap, turns::Turns};
 
 pub use crate::scene::space::MOST_ELEMENTS;
 

@@ -6,8 +6,9 @@ use glam::{DVec2, DVec3};
 
 use crate::scene::range::{KeyError, refuse};
 use crate::scene::stroke;
-use crate::scene::{Grey, Sampling, Target, pixels};
-use crate::scene::{Method, Scene, Turns, motion};
+use crate::scene::target::{Sampling, Target};
+use crate::scene::{content::Scene, motion, solver::Method, turns::Turns};
+use crate::scene::{pixels, pixels::Grey};
 use std::ops::RangeInclusive;
 
 /// Pixels of a raster in a wavelength, of its longer side at least, and of a side at most.
@@ -333,7 +334,7 @@ impl Scene {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Pixels, Shape};
+    use crate::scene::{pixels::Pixels, shape::Shape};
 
     #[test]
     fn a_black_rim_is_left_out_and_moves_nothing() {

@@ -5,8 +5,10 @@ use std::path::Path;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
+use crate::scene::board::{Board, Reflector};
 use crate::scene::check::check;
 use crate::scene::content::FORMAT;
+use crate::scene::content::{Listener, Scene};
 use crate::scene::inline;
 use crate::scene::location::misread;
 pub use crate::scene::location::{FileError, located};
@@ -16,7 +18,8 @@ use crate::scene::strict::Strict;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{
-    Array, Bead, Board, Liquid, Listener, Medium, Modulation, Plane, Reflector, Scene, Solver, Target, motion,
+    array::Array, bead::Bead, liquid::Liquid, medium::Medium, modulation::Modulation, motion, plane::Plane,
+    solver::Solver, target::Target,
 };
 use crate::source;
 

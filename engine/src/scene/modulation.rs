@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
-use crate::scene::Wave;
 use crate::scene::solver::is_zero;
+use crate::scene::wave::Wave;
 
 /// Tones that a modulation may have.
 pub const MOST_TONES: usize = 16;
@@ -221,7 +221,7 @@ pub enum Envelope {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Waveform;
+    use crate::scene::wave::Waveform;
 
     fn modulations() -> Vec<Modulation> {
         let tone = |frequency, depth, phase| Tone { frequency, depth, phase };

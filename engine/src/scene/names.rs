@@ -8,8 +8,9 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use serde::ser::{Serialize, Serializer};
 use strum::VariantNames;
 
+use crate::scene::liquid::{Light, LiquidName};
 use crate::scene::motion::{Easing, MotionPath};
-use crate::scene::{Envelope, Light, LiquidName, Material, Method, Trap, shape, zone};
+use crate::scene::{bead::Material, modulation::Envelope, shape, solver::Method, trap::Trap, zone};
 
 struct Name<T>(PhantomData<T>);
 

@@ -11,10 +11,12 @@ use glam::{DVec2, DVec3};
 
 use crate::scene::check::MOST_FOCI;
 use crate::scene::cover::Patch;
+use crate::scene::focus::{Focus, Part};
 use crate::scene::range::{Key, KeyError};
 use crate::scene::run::{self, Run, Vertex};
 use crate::scene::target::facing;
-use crate::scene::{Cover, Focus, Part, Sampling, Scene, Shape, Target, stroke};
+use crate::scene::target::{Sampling, Target};
+use crate::scene::{content::Scene, cover::Cover, shape::Shape, stroke};
 
 pub use crate::scene::stroke::strokes;
 

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
-use crate::scene::{Elements, Pixels, Scene, Wave, file};
+use crate::scene::{board::Elements, content::Scene, file, pixels::Pixels, wave::Wave};
 
 /// Repeated tables.
 const REPEATED: [&str; 4] = ["board", "reflector", "target", "quiet"];
@@ -211,7 +211,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
-    use crate::scene::{Method, Motion, MotionPath, Sampling, Shape, Target, Tempo};
+    use crate::scene::motion::{Motion, MotionPath, Tempo};
+    use crate::scene::target::{Sampling, Target};
+    use crate::scene::{shape::Shape, solver::Method};
 
     const TEXT: &str = r#"# A scene by hand.
 format = 1   # the only one

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use strum::{EnumDiscriminants, EnumIs, EnumString, IntoStaticStr, VariantArray, VariantNames};
 
-use crate::scene::{Pixels, Trap};
+use crate::scene::{pixels::Pixels, trap::Trap};
 
 /// m; scaling and dragging stop at this size.
 pub(super) const SMALLEST: f64 = 1e-3;

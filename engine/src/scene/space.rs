@@ -2,7 +2,7 @@
 
 use crate::scene::board::{Board, PARALLEL, Placed, Reflector};
 use crate::scene::range::{Key, KeyError, direction, point, refuse, within};
-use crate::scene::{Array, Scene};
+use crate::scene::{array::Array, content::Scene};
 use glam::{DMat3, DVec3};
 
 /// Limit of elements on all boards: 256 x 256.

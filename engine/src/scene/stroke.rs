@@ -7,7 +7,7 @@ use glam::{DQuat, DVec2, DVec3};
 use crate::scene::range::{KeyError, refuse};
 use crate::scene::run::Vertex;
 use crate::scene::shape::SMALLEST;
-use crate::scene::{Shape, Target, font};
+use crate::scene::{font, shape::Shape, target::Target};
 
 /// Vertices of a path that get a handle each; of more, the box around them gets one.
 const FEW: usize = 24;

@@ -8,8 +8,9 @@ use strum::VariantArray;
 use crate::scene::motion::MotionTable;
 use crate::scene::range::{Key, KeyError};
 use crate::scene::shape::Kind;
+use crate::scene::shape::{Shape, ShapeKey, ShapeValue};
 use crate::scene::solver::is_zero;
-use crate::scene::{Motion, Shape, ShapeKey, ShapeValue, Trap};
+use crate::scene::{motion::Motion, trap::Trap};
 
 /// A shape that becomes focal points.
 #[derive(Clone, Debug, PartialEq, Serialize)]

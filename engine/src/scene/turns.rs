@@ -71,7 +71,7 @@ mod tests {
 
     use crate::scene::file::{parse, write};
     use crate::scene::rewrite::rewrite;
-    use crate::scene::{Scene, Turns};
+    use crate::scene::{content::Scene, turns::Turns};
 
     fn read(turns: &str) -> Result<Scene, String> {
         let text = format!("format = 1\n[solver]\nframes = {turns}\n");

@@ -22,7 +22,8 @@ use crate::acoustics::{Phasors, Transfer};
 use crate::scene::Focus;
 use crate::solver::descent::{Descent, Function};
 use crate::solver::iteration::{self, State, phase};
-use crate::solver::{Excitation, Problem, starts, statistics};
+use crate::solver::problem::{Excitation, Problem};
+use crate::solver::{starts, statistics};
 
 /// Scattered starts, beside climbed ones and equal phases.
 const SCATTERED: usize = 24;

@@ -22,9 +22,10 @@ use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::gauge::{Counter, Gauge};
 use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
+use crate::solver::problem::{Excitation, Problem};
 use crate::solver::run::{Played, unless_cancelled};
 use crate::solver::steps::{PhaseSteps, phase_steps};
-use crate::solver::{self, Excitation, Problem, SolveError, room, statistics};
+use crate::solver::{self, room, solution::SolveError, statistics};
 
 /// Limit of a focus' displacement between keyframes, in wavelengths, if there are frames between them.
 const STRIDE: f64 = 0.15;

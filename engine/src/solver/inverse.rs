@@ -5,7 +5,8 @@ use num_complex::Complex64;
 use crate::acoustics::Transfer;
 use crate::gauge;
 use crate::solver::matrix::Matrix;
-use crate::solver::{Excitation, Problem, singular, statistics};
+use crate::solver::problem::{Excitation, Problem};
+use crate::solver::{singular, statistics};
 
 /// Singular values below this fraction of the largest are noise: their directions are not inverted.
 const RANK_TOLERANCE: f64 = 1e-6;

@@ -15,7 +15,8 @@ use num_complex::Complex64;
 use crate::acoustics::{PhaseJacobian, Phasors, Sums, Transfer};
 use crate::gauge::{self, Gauge};
 use crate::solver::cholesky::Factor;
-use crate::solver::{Excitation, Problem, starts, statistics};
+use crate::solver::problem::{Excitation, Problem};
+use crate::solver::{starts, statistics};
 
 /// Phases that the greedy search tries for every element.
 const GREEDY_LEVELS: usize = 16;

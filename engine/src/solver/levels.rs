@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::drive::{Drive, delay_level};
-use crate::solver::{Problem, starts};
+use crate::solver::{problem::Problem, starts};
 
 /// Up to this number of levels, all are tried for an element; beyond, only the neighbours.
 const ALL_TRIED: u32 = 16;

@@ -6,8 +6,8 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Aperture, Transfer};
 use crate::scene::{Focus, Scene};
-use crate::solver::shape::Surroundings;
-use crate::solver::trap::Traps;
+use crate::solver::shape::surroundings::Surroundings;
+use crate::solver::trap::traps::Traps;
 
 /// The input of a method.
 #[derive(Clone, Debug)]

@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Transfer;
 use crate::solver::matrix::Matrix;
+use crate::solver::problem::{Excitation, Problem};
 use crate::solver::statistics::{evenness, mean, spread};
-use crate::solver::{Excitation, Problem, Warning, inverse, iteration, singular};
+use crate::solver::{inverse, iteration, singular, warning::Warning};
 
 /// Figures of a solution. Pressures in Pa (peak), of the played drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -4,7 +4,7 @@ use num_complex::Complex64;
 
 use crate::memory::{self, Room};
 use crate::scene::{Method, Scene};
-use crate::solver::SolveError;
+use crate::solver::solution::SolveError;
 
 /// Numbers of tables of elements x foci and of foci x foci in memory at the same time: measured, and rounded up.
 struct Tables {

@@ -11,7 +11,7 @@ use crate::scene::{Focus, KeyError, Method, Part, Scene};
 use crate::solver::problem::Problem;
 use crate::solver::quality::Quality;
 use crate::solver::shape;
-use crate::solver::shape::Surroundings;
+use crate::solver::shape::surroundings::Surroundings;
 use crate::solver::shape_figures::Figures;
 use crate::solver::warning::Warning;
 

@@ -5,7 +5,8 @@ use strum::VariantArray;
 
 use crate::picture::figure::Format;
 use crate::studio::figure::{DENSITIES, WIDTHS};
-use crate::ui::{Command, Dialog, Editor, Export, Purpose, Shown, theme};
+use crate::ui::command::{Command, Export, Purpose};
+use crate::ui::{dialog::state::Dialog, editor::Editor, shown::Shown, theme};
 
 /// Limit of the preview's size in points.
 const PREVIEW: f32 = 260.0;

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use egui::{Button, Key, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::echo;
+use crate::ui::command::{Command, Purpose};
 use crate::ui::dialog::answer::{answer, is_entered};
-use crate::ui::{Command, Editor, Folder, IN_PAGE, Purpose, Shown, theme};
+use crate::ui::{IN_PAGE, dialog::state::Folder, editor::Editor, shown::Shown, theme};
 
 /// Sizes of the file list and its surroundings in points.
 const LIST: f32 = 260.0;
@@ -153,7 +154,7 @@ mod tests {
     use super::*;
     use crate::scene::Scene;
     use crate::ui::document::Document;
-    use crate::ui::{Dialog, Export};
+    use crate::ui::{command::Export, dialog::state::Dialog};
 
     #[test]
     fn scenes_of_all_endings_are_listed_and_lend_exports_their_names() {

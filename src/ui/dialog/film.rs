@@ -5,8 +5,9 @@ use egui::{ComboBox, DragValue, Ui};
 use crate::picture::animation::Pace;
 use crate::scene::motion;
 use crate::studio::animate::{Kind, RATES};
+use crate::ui::command::{Export, Purpose};
 use crate::ui::dialog::answer::answer;
-use crate::ui::{Dialog, Editor, Export, Purpose, Shown};
+use crate::ui::{dialog::state::Dialog, editor::Editor, shown::Shown};
 
 /// Pixels that a film may be wide.
 const WIDTHS: [usize; 2] = [200, 4096];

@@ -5,9 +5,9 @@ mod figure;
 mod file;
 mod film;
 mod import;
-mod options;
+pub(crate) mod options;
 mod palette;
-mod state;
+pub(crate) mod state;
 
 use std::path::Path;
 
@@ -18,7 +18,8 @@ use crate::echo;
 use crate::scene::{Scene, Target};
 use crate::ui::action::{Action, Group};
 use crate::ui::board::BoardCommand;
-use crate::ui::{Command, Editor, Purpose, Shown, keys};
+use crate::ui::command::{Command, Purpose};
+use crate::ui::{editor::Editor, keys, shown::Shown};
 use answer::{answer, hear_enter};
 
 pub use import::Import;

@@ -3,7 +3,7 @@
 use egui::{Button, Key, ScrollArea, TextEdit, Ui};
 
 use crate::ui::action::Action;
-use crate::ui::{Command, Editor, Shown};
+use crate::ui::{command::Command, editor::Editor, shown::Shown};
 
 /// Draws it, and returns whether it stays open.
 pub(super) fn show(

@@ -9,7 +9,7 @@ use crate::scene::{Board, Elements, Reflector, Scene};
 use crate::studio::presets::KNOWN;
 use crate::ui::panels::form::{choice, coordinates};
 use crate::ui::panels::{PLAIN, caption, form, number};
-use crate::ui::{Dialog, Editor, Purpose};
+use crate::ui::{command::Purpose, dialog::state::Dialog, editor::Editor};
 
 /// Lower limit of positions, mm.
 const LOWEST: f64 = -2000.0;

@@ -8,7 +8,7 @@ use crate::studio::bring_up::{Finding, Verdict};
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
 use crate::ui::bring_up::{BringUp, Step};
 use crate::ui::panels::form::heading;
-use crate::ui::{Editor, theme};
+use crate::ui::{editor::Editor, theme};
 
 /// The steps, or a button that starts them.
 pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {

@@ -10,7 +10,7 @@ use crate::studio::felt::Offer;
 use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
 use crate::ui::panels::form::{choice, count, heading};
 use crate::ui::panels::{bring_up, caption, fact, form, others};
-use crate::ui::{Command, Editor, Shown, theme};
+use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
 /// Bits per second that the most usual adapters have.
 const BAUDS: [(u32, &str); 8] = [

@@ -7,7 +7,7 @@ use crate::picture::ColourMap;
 use crate::studio::probe::Reading;
 use crate::ui::panels::form::{choice, heading};
 use crate::ui::panels::{fact, form};
-use crate::ui::{Editor, Shown, Sound, element_map};
+use crate::ui::{editor::Editor, element_map, shown::Shown, sound::Sound};
 
 /// Numbers of phases per period of boards.
 const LEVELS: [(Option<u32>, &str); 8] = [

@@ -8,9 +8,9 @@ use crate::scene::{Light, LiquidName};
 use crate::studio::liquid;
 use crate::ui::panels::form::{choice, given, heading, variants};
 use crate::ui::panels::{MM, Unit, fact, form, number};
-use crate::ui::parts::RadiationFigures;
+use crate::ui::parts::radiation::RadiationFigures;
 use crate::ui::view::Cut;
-use crate::ui::{Editor, Shown, theme};
+use crate::ui::{editor::Editor, shown::Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let liquid = &mut editor.document.scene.liquid;

@@ -18,7 +18,7 @@ pub mod target;
 use egui::{ScrollArea, Ui};
 use strum::VariantArray;
 
-use crate::ui::{Command, Editor, Panel, Shown};
+use crate::ui::{command::Command, editor::Editor, layout::Panel, shown::Shown};
 
 pub use form::{DEGREES, MM, PLAIN, Unit, bare_number, caption, fact, form, number, value};
 

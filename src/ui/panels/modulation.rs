@@ -6,7 +6,7 @@ use crate::echo;
 use crate::scene::{Envelope, FREQUENCIES, Law, MOST_TONES, Modulation, Tone};
 use crate::ui::panels::form::{choice, heading, variants};
 use crate::ui::panels::{DEGREES, Unit, bare_number, caption, fact, form, number, value};
-use crate::ui::{Dialog, Editor, Purpose};
+use crate::ui::{command::Purpose, dialog::state::Dialog, editor::Editor};
 
 const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 1, speed: 1.0 };
 const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 0, speed: 0.5 };

@@ -9,7 +9,7 @@ use crate::ui::panels::form::heading;
 use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{fact, form, modulation};
 use crate::ui::parts::course;
-use crate::ui::{Editor, Shown};
+use crate::ui::{editor::Editor, shown::Shown};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     modulation::show(editor, ui);

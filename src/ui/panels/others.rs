@@ -4,7 +4,7 @@ use egui::{RichText, Ui};
 
 use crate::ui::panels::form::heading;
 use crate::ui::panels::{fact, form};
-use crate::ui::{Command, IN_PAGE, Shown};
+use crate::ui::{IN_PAGE, command::Command, shown::Shown};
 
 pub fn show(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     // A page has no sockets.

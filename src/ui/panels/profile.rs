@@ -5,7 +5,7 @@ use egui_plot::{HLine, Line, PlotPoints};
 
 use crate::scene::Part;
 use crate::ui::panels::form::{heading, still_plot};
-use crate::ui::{Sound, theme};
+use crate::ui::{sound::Sound, theme};
 
 /// Positions (mm) along all strokes in sequence, with the pressure relative to the target's mean; a curve per stroke.
 pub fn curves(sound: &Sound) -> Vec<Vec<[f64; 2]>> {

@@ -10,7 +10,7 @@ use crate::studio::probe;
 use crate::ui::panels::form::{choice, count, given, heading};
 use crate::ui::panels::{MM, PLAIN, Unit, boards, fact, form, number, target};
 use crate::ui::parts::levitation;
-use crate::ui::{Editor, Shown, clipboard, edit, element_map, group, theme};
+use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     targets(editor, ui);

@@ -7,7 +7,7 @@ use crate::scene::{Aim, Amplitudes, Method, Pressures, Turns};
 use crate::solver::{Figures, Quality, Solution};
 use crate::ui::panels::form::{choice, count, heading, variants};
 use crate::ui::panels::{PLAIN, fact, form, number, profile};
-use crate::ui::{Command, Editor, Shown, theme};
+use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     settings(editor, ui);

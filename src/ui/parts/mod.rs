@@ -3,8 +3,8 @@
 mod bound;
 pub mod course;
 pub mod levitation;
-mod radiation;
-mod survey;
+pub(crate) mod radiation;
+pub(crate) mod survey;
 
 use egui::Context;
 

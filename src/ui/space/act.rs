@@ -12,7 +12,7 @@ use crate::ui::space::handle::{self};
 use crate::ui::space::view::Handle;
 use crate::ui::space::view::Held;
 use crate::ui::tool::Tool;
-use crate::ui::{Editor, Shown, canvas, group};
+use crate::ui::{canvas, editor::Editor, group, shown::Shown};
 
 /// Pick distance of an outline in points.
 const REACH: f32 = 10.0;

@@ -8,7 +8,7 @@ use strum::VariantArray;
 use crate::field::volume::camera::Standard;
 use crate::ui::number::{self, Look};
 use crate::ui::space::{Seen, SpaceView};
-use crate::ui::{Editor, Shown, segments};
+use crate::ui::{editor::Editor, segments, shown::Shown};
 
 /// dB
 pub const LEVELS: RangeInclusive<f64> = -40.0..=-0.5;

@@ -4,7 +4,7 @@ mod act;
 mod bar;
 mod handle;
 mod paint;
-mod view;
+pub(crate) mod view;
 
 pub use act::interact;
 pub use bar::{is_settled, places, show as bar};

@@ -9,7 +9,7 @@ use crate::ui::space::act::chosen;
 use crate::ui::space::handle::{self, ARROW, AXES};
 use crate::ui::space::view::Handle;
 use crate::ui::space::{Seen, SpaceShown, Stage};
-use crate::ui::{Editor, Shown, canvas, marks, measure, theme};
+use crate::ui::{canvas, editor::Editor, marks, measure, shown::Shown, theme};
 
 const COLOURS: [Color32; 3] =
     [Color32::from_rgb(240, 88, 78), Color32::from_rgb(96, 200, 96), Color32::from_rgb(84, 150, 255)];

@@ -74,7 +74,7 @@ mod tests {
     use super::*;
     use crate::acoustics::Aperture;
     use crate::drive::Drive;
-    use crate::field::Samples;
+    use crate::field::samples::Samples;
     use crate::scene::{Array, Elements, Placed, Scene};
 
     /// Elements at several heights, which radiate in as many directions.

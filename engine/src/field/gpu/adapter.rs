@@ -1,8 +1,8 @@
 //! GPU adapters: enumeration and selection.
 
-use crate::field::GpuError;
 use crate::field::gpu::device::Gpu;
 use crate::field::gpu::tuning::{AdapterInfo, Kind};
+use crate::field::gpu_report::GpuError;
 
 /// Interfaces that compute. Without OpenGL, which offers the same adapters with half of their limits; closing it beside
 /// Vulkan devices of other threads deadlocked NVIDIA's driver (580.159).

@@ -22,8 +22,9 @@ use crate::field::gpu::tuning::MOST_GROUPS;
 use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, PRESSURE, Part, Quantity};
 use crate::field::slope::{shifted, stencil};
+use crate::field::sources::{Sources, Wave};
 use crate::field::vicinity::LeftOut;
-use crate::field::{GpuError, Samples, Sources, Wave, sources};
+use crate::field::{gpu_report::GpuError, samples::Samples, sources};
 
 /// Concurrent read-backs of figures: one arrives while the next is produced.
 const ON_THEIR_WAY: usize = 3;

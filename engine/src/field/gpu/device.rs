@@ -8,7 +8,7 @@ use wgpu::BufferUsages;
 
 use crate::field::gpu::program::Program;
 use crate::field::gpu::tuning::{AdapterInfo, Tuning};
-use crate::field::{GpuError, Traffic};
+use crate::field::gpu_report::{GpuError, Traffic};
 
 /// Bytes of a buffer, at most.
 pub const LARGEST_BUFFER: u64 = 1 << 27;
@@ -294,8 +294,8 @@ pub fn pipeline(device: &wgpu::Device, name: &str, source: &str) -> wgpu::Comput
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::field::Quantity;
     use crate::field::gpu::{Reading, adapter};
+    use crate::field::quantity::Quantity;
     use crate::requirement::found;
 
     /// The software adapter is as good as any here. A machine without one fails the test where a GPU is required.

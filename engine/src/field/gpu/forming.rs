@@ -4,12 +4,12 @@ use bytemuck::Zeroable;
 use num_complex::Complex32;
 use wgpu::{BindingResource, BufferUsages};
 
-use crate::field::GpuError;
 use crate::field::gpu::device::Step;
 use crate::field::gpu::program::{DirectParams, FormParams, Program};
 use crate::field::gpu::resampling::{self, Lines};
 use crate::field::gpu::tuning::WORKGROUP;
 use crate::field::gpu::{Gpu, Reading};
+use crate::field::gpu_report::GpuError;
 use crate::field::interpolation::Resampling;
 use crate::field::quantity::{Constants, Part, Quantity, Sound};
 use crate::field::vicinity::LeftOut;

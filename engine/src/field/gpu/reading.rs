@@ -4,8 +4,8 @@ use std::sync::{Arc, OnceLock};
 
 use wgpu::BufferUsages;
 
-use crate::field::GpuError;
 use crate::field::gpu::Gpu;
+use crate::field::gpu_report::GpuError;
 
 /// CPU-readable memory with the latest copy.
 #[derive(Debug)]

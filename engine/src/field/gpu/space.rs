@@ -4,10 +4,10 @@ use std::sync::Arc;
 
 use wgpu::{BindingResource, BufferUsages, TextureUsages};
 
-use crate::field::GpuError;
 use crate::field::gpu::painting::{Texture, texture};
 use crate::field::gpu::program::{Program, Seen};
 use crate::field::gpu::{Gpu, Reading};
+use crate::field::gpu_report::GpuError;
 use crate::field::volume::scenery::{Body, Shot};
 use crate::field::volume::{Scenery, Volume};
 

@@ -14,7 +14,8 @@ use crate::field::gpu::program::{FieldProgram, Params, Program, UNIFORM_ELEMENTS
 use crate::field::gpu::tuning::MOST_GROUPS;
 use crate::field::gpu::{Gpu, Reading};
 use crate::field::sources::MOST_NODES;
-use crate::field::{GpuError, Samples, Sources, Wave};
+use crate::field::sources::{Sources, Wave};
+use crate::field::{gpu_report::GpuError, samples::Samples};
 
 /// The sounding elements of a board in the layout of programs, shared by all superpositions of a map.
 #[derive(Debug)]

@@ -9,10 +9,10 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::field::Samples;
 use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, interpolate};
 use crate::field::plan::{Costs, Plan, promised};
+use crate::field::samples::Samples;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::{MARGIN, corners, farthest, largest_sum, rounding_of_terms, spread};
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};

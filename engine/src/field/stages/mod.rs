@@ -51,7 +51,7 @@ use crate::field::gpu::Texture;
 use crate::field::plan::{Costs, promised};
 use crate::field::quantity::Declaration;
 use crate::field::vicinity::LeftOut;
-use crate::field::{Colouring, Evaluator, Gpu};
+use crate::field::{colouring::Colouring, evaluator::Evaluator, gpu::Gpu};
 use crate::gauge::Gauge;
 use crate::surface::{Dent, Tank};
 use force::OfBead;

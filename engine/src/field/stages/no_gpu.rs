@@ -3,7 +3,7 @@
 use crate::field::gpu::{Gpu, Texture};
 use crate::field::stages::job::Job;
 use crate::field::stages::{Map, Work};
-use crate::field::{Colouring, GpuError};
+use crate::field::{colouring::Colouring, gpu_report::GpuError};
 
 #[derive(Debug)]
 pub(super) struct OnGpu(Gpu);

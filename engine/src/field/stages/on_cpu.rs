@@ -21,7 +21,7 @@ use crate::field::stages::request::Pressed;
 use crate::field::stages::samples::{Samples, Superposition, sampled};
 use crate::field::stages::site::{Filled, Frame, SiteKey, Weights};
 use crate::field::stages::{Work, weakest};
-use crate::field::{self, Raster};
+use crate::field::{self, raster::Raster};
 use crate::gauge::Gauge;
 use crate::scene::Liquid;
 use crate::simd::larger;

@@ -10,7 +10,7 @@ use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::AtProbes;
 use crate::field::stages::site::{Frame, SiteKey};
 use crate::field::stages::{By, Map, Work};
-use crate::field::{Colouring, Gpu, GpuError};
+use crate::field::{colouring::Colouring, gpu::Gpu, gpu_report::GpuError};
 
 #[derive(Debug)]
 pub(super) struct OnGpu {
@@ -186,7 +186,7 @@ mod tests {
     use crate::drive::Drive;
     use crate::field::gpu::adapter;
     use crate::field::stages::{Picture, Request};
-    use crate::field::{Evaluator, Stages};
+    use crate::field::{evaluator::Evaluator, stages::Stages};
     use crate::requirement::found;
     use crate::scene::{Array, Plane, Scene};
 

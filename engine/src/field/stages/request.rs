@@ -7,7 +7,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
-use crate::field::GpuError;
+use crate::field::gpu_report::GpuError;
 use crate::field::quantity::{Constants, Declaration, Quantity};
 use crate::field::stages::depression::Depression;
 use crate::scene::{Bead, Liquid, Plane, Reflector, Scene};

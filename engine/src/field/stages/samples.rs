@@ -7,10 +7,10 @@ use num_complex::Complex32;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::field::Wave;
 use crate::field::plan::{Grid, TABLE_CEILING};
 use crate::field::quantity::Part;
 use crate::field::slope::part_on_cpu;
+use crate::field::sources::Wave;
 use crate::field::stages::Work;
 use crate::field::stages::job::Job;
 use crate::field::stages::kept::Kept;
@@ -153,8 +153,8 @@ pub(super) fn sampled(
 mod tests {
 
     use super::*;
-    use crate::field::Plan;
     use crate::field::plan::Costs;
+    use crate::field::plan::Plan;
     use crate::scene::{Array, Board, Scene};
 
     #[test]

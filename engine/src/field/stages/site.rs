@@ -17,7 +17,7 @@ use crate::field::quantity::{ALONG, NORMAL, Norm, PRESSURE, Part};
 use crate::field::slope::FINEST_IN_F32;
 use crate::field::stages::request::{FieldError, Request, Setting};
 use crate::field::vicinity::{LeftOut, Vicinity};
-use crate::field::{Plan, Raster};
+use crate::field::{plan::Plan, raster::Raster};
 use crate::scene::Plane;
 
 /// Accuracy of a square in f32.

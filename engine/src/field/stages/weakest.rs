@@ -9,9 +9,9 @@ use std::ops::Range;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use crate::field::Samples;
 use crate::field::interpolation::Resampling;
 use crate::field::plan::promised;
+use crate::field::samples::Samples;
 use crate::field::stages::job::Job;
 use crate::field::stages::probes::MARGIN;
 use crate::simd::larger;

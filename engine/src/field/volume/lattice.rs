@@ -90,7 +90,7 @@ mod tests {
     use glam::dvec3;
 
     use super::*;
-    use crate::field::Samples;
+    use crate::field::samples::Samples;
 
     #[test]
     fn cells_fill_the_box_and_layers_hold_their_centres() {

@@ -3,11 +3,12 @@
 use crate::acoustics::{Aperture, Face};
 use crate::drive::Drive;
 use crate::field::plan::Shared;
+use crate::field::sources::{Sources, Wave};
 use crate::field::transfer::{Layout, Transfer};
 use crate::field::vicinity::Vicinity;
 use crate::field::volume::bricks::Volume;
 use crate::field::volume::{Block, Lattice};
-use crate::field::{Evaluator, Samples, Sources, Wave, cpu};
+use crate::field::{cpu, evaluator::Evaluator, samples::Samples};
 use glam::{DVec3, UVec3};
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::scene::motion::track::Track;
 use crate::scene::range::KeyError;
 use crate::scene::run::Vertex;
-use crate::scene::{Focus, Target, outline};
+use crate::scene::{focus::Focus, outline, target::Target};
 
 /// Strokes traversed in sequence at constant speed, with instantaneous jumps between them.
 #[derive(Debug, Default)]
@@ -82,7 +82,8 @@ mod tests {
     use glam::DQuat;
 
     use super::*;
-    use crate::scene::{Motion, MotionPath, Scene, Shape, Tempo, motion};
+    use crate::scene::motion::{Motion, MotionPath, Tempo};
+    use crate::scene::{content::Scene, motion, shape::Shape};
 
     const AT: DVec3 = DVec3::new(0.01, 0.02, 0.1);
 

@@ -1,7 +1,8 @@
 //! The common cycle of all motions of a scene, and the repetitions of each motion in it.
 
 use crate::scene::motion::course::Course;
-use crate::scene::{KeyError, Motion, MotionPath, Scene, Target};
+use crate::scene::motion::{Motion, MotionPath};
+use crate::scene::{content::Scene, range::KeyError, target::Target};
 
 /// The common cycle of all motions.
 #[derive(Clone, Debug)]

@@ -12,7 +12,7 @@ use crate::scene::motion::limits::{
 use crate::scene::range::KeyError;
 use crate::scene::run::Vertex;
 use crate::scene::space::Front;
-use crate::scene::{Focus, MotionPath, Scene, Target, outline};
+use crate::scene::{content::Scene, focus::Focus, motion::MotionPath, outline, target::Target};
 
 /// Frames of a cycle, or the one that a scene without motion has.
 pub fn count(scene: &Scene) -> usize {
@@ -228,7 +228,8 @@ mod tests {
     use glam::DVec2;
 
     use super::*;
-    use crate::scene::{Motion, Shape, Tempo};
+    use crate::scene::motion::{Motion, Tempo};
+    use crate::scene::shape::Shape;
 
     fn motion(path: MotionPath) -> Motion {
         let points = vec![DVec3::ZERO, DVec3::new(0.03, 0.0, 0.01), DVec3::new(0.0, 0.02, -0.01)];

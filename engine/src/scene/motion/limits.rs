@@ -4,9 +4,10 @@ use glam::DVec3;
 
 use crate::scene::check::RATES;
 use crate::scene::motion::cycle::Group;
+use crate::scene::motion::{MotionPath, Tempo};
 use crate::scene::range::{Key, KeyError};
 use crate::scene::space::Front;
-use crate::scene::{Focus, MotionPath, Scene, Tempo};
+use crate::scene::{content::Scene, focus::Focus};
 
 /// Limit of the memory of drives and foci of all frames, in bytes.
 const MOST_BYTES: u64 = 1 << 30;

@@ -10,7 +10,8 @@ use crate::scene::Focus;
 use crate::solver::shape::real::Waves;
 use crate::solver::shape::wanted::Fineness;
 use crate::solver::shape::{Surroundings, strongest, wanted};
-use crate::solver::{AreaFigures, Figures, Problem, statistics};
+use crate::solver::shape_figures::{AreaFigures, Figures};
+use crate::solver::{problem::Problem, statistics};
 
 /// The figures of drives in turn, u of the driven elements to any scale, drive after drive, over the radiated part of
 /// the plane. |p| is the root mean square over all drives.

@@ -4,8 +4,8 @@ use strum::VariantArray;
 use web_time::{Duration, Instant};
 
 use crate::gauge::Gauge;
+use crate::solver::problem::{Excitation, Problem};
 use crate::solver::shape::{FINE, OTHER_STEPS, Search, Start, Surroundings, value};
-use crate::solver::{Excitation, Problem};
 
 /// Calls of [`FINE`] steps from each start.
 const CALLS: usize = 8;

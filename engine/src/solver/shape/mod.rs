@@ -26,7 +26,7 @@ mod region;
 mod response;
 mod samples;
 mod start;
-mod surroundings;
+pub(crate) mod surroundings;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -40,7 +40,8 @@ use strum::VariantArray;
 
 use crate::scene::{Focus, Plane};
 use crate::solver::descent::{Descent, Function};
-use crate::solver::{Excitation, Problem, iteration};
+use crate::solver::iteration;
+use crate::solver::problem::{Excitation, Problem};
 
 use objective::{Loudness, Objective, Weights};
 use start::Start;

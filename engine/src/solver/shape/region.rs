@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3};
 
 use crate::acoustics::{Aperture, Clearance};
 use crate::scene::{Focus, Plane};
-use crate::solver::Problem;
+use crate::solver::problem::Problem;
 use crate::solver::shape::Zone;
 use crate::solver::shape::grid::{Grid, Layout};
 use crate::solver::shape::objective::Quiet;

@@ -6,8 +6,8 @@ use glam::DVec3;
 
 use crate::acoustics::Aperture;
 use crate::scene::{Aim, Focus, Sampling, Scene, Shape, Target, Turns, outline};
-use crate::solver::Problem;
 use crate::solver::descent::Function;
+use crate::solver::problem::Problem;
 use crate::solver::shape::{Search, Stage, Surroundings};
 
 fn scene(fill: bool, quiet: f64, aim: Aim, tilt: f64) -> Scene {

@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3};
 
 use crate::acoustics::{Aperture, Clearance};
 use crate::scene::{Cover, Focus};
-use crate::solver::Problem;
+use crate::solver::problem::Problem;
 use crate::solver::shape::grid::{Grid, Layout};
 use crate::solver::shape::picture::{Picture, Wanted};
 use crate::solver::shape::real::Real;

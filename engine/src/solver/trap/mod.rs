@@ -3,11 +3,12 @@
 
 mod starts;
 mod stiffness;
-mod traps;
+pub(crate) mod traps;
 
 use crate::gauge::Gauge;
 use crate::solver::descent::Descent;
-use crate::solver::{Excitation, Problem, iteration};
+use crate::solver::iteration;
+use crate::solver::problem::{Excitation, Problem};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::cmp::Ordering;

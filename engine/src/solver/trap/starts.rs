@@ -12,7 +12,7 @@ use crate::scene::Trap;
 use crate::solver::starts::scatter;
 use crate::solver::trap::Traps;
 use crate::solver::trap::traps::Wanted;
-use crate::solver::{Problem, iteration};
+use crate::solver::{iteration, problem::Problem};
 
 /// Weighted Gerchberg-Saxton's steps on lobes.
 const ITERATIONS: usize = 60;

@@ -10,9 +10,9 @@ use num_complex::Complex64;
 
 use crate::acoustics::{Derivatives, Emitters, Transfer};
 use crate::force::{Sphere, modes};
-use crate::solver::Problem;
 use crate::solver::cholesky::Factor;
 use crate::solver::descent::{Function, dot};
+use crate::solver::problem::Problem;
 
 /// Sharpness of the soft minimum of stiffnesses.
 const HARD: f64 = 12.0;

@@ -5,9 +5,9 @@ use egui_plot::{Line, PlotPoints};
 
 use crate::scene::SpectralLine;
 use crate::ui::panels::form::{choice, heading, still_plot};
-use crate::ui::panels::{fact, form};
+use crate::ui::panels::form::{fact, form};
 use crate::ui::parts::course::{BAND, Course, Place};
-use crate::ui::{Editor, measure, theme};
+use crate::ui::{editor::Editor, measure, theme};
 
 /// Points of the screen.
 const HEIGHT: f32 = 92.0;

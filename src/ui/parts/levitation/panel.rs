@@ -6,10 +6,10 @@ use egui_plot::{Line, PlotPoints};
 use crate::force::Outcome;
 use crate::scene::{Bead, Material};
 use crate::studio::levitation;
+use crate::ui::panels::form::{MM, Unit, fact, form, number};
 use crate::ui::panels::form::{choice, given, still_plot, variants};
-use crate::ui::panels::{MM, Unit, fact, form, number};
 use crate::ui::parts::levitation::{Levitated, Place};
-use crate::ui::{Editor, measure, theme};
+use crate::ui::{editor::Editor, measure, theme};
 
 /// Points of the screen.
 const HEIGHT: f32 = 120.0;

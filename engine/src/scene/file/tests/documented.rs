@@ -9,12 +9,15 @@ use serde::de::{Deserialize, Deserializer, Error as _, Visitor};
 use serde::forward_to_deserialize_any;
 use toml::{Table, Value};
 
+use crate::scene::board::{Board, Reflector};
+use crate::scene::content::{Listener, Scene};
 use crate::scene::file::{self, SceneTable};
 use crate::scene::motion::MotionTable;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{
-    Array, Bead, Board, Liquid, Listener, Medium, Modulation, Plane, Reflector, Scene, Solver,
+    array::Array, bead::Bead, liquid::Liquid, medium::Medium, modulation::Modulation, plane::Plane,
+    solver::Solver,
 };
 
 /// Read when the tests run, so that a word in it compiles nothing anew.

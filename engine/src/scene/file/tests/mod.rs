@@ -3,7 +3,8 @@
 mod documented;
 
 use super::*;
-use crate::scene::{Area, Sampling, Zone};
+use crate::scene::target::Sampling;
+use crate::scene::zone::{Area, Zone};
 
 fn error(text: &str) -> String {
     parse(text, Path::new("a.toml")).unwrap_err().to_string()
