@@ -52,7 +52,7 @@ enum News<V> {
 #[derive(Debug)]
 pub struct Answer<V> {
     sender: SyncSender<News<V>>,
-    /// Set when nobody needs the value any more.
+    /// Set once the value is no longer needed.
     pub cancel: Cancel,
 }
 

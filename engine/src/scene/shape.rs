@@ -151,7 +151,13 @@ impl Shape {
             match key.value {
                 ShapeValue::Point(at) => points.push(at),
                 ShapeValue::Vertices(vertices) => points.extend(vertices),
-                _ => {}
+                ShapeValue::Length(_)
+                | ShapeValue::Sides(_)
+                | ShapeValue::Closed(_)
+                | ShapeValue::Letters(_)
+                | ShapeValue::File(_)
+                | ShapeValue::Trap(_)
+                | ShapeValue::Charge(_) => {}
             }
         }
         points
@@ -159,9 +165,18 @@ impl Shape {
 
     /// The centre of rotation, which is also its position for edits; m.
     pub fn centre(&self) -> DVec3 {
-        let mut copy = self.clone();
-        let points = copy.points();
-        points.iter().map(|at| **at).sum::<DVec3>() / points.len().max(1) as f64
+        match self {
+            Self::Line { from, to } => (*from + *to) / 2.0,
+            Self::Path { vertices, .. } => vertices.iter().sum::<DVec3>() / vertices.len().max(1) as f64,
+            Self::Point { at }
+            | Self::Circle { at, .. }
+            | Self::Rectangle { at, .. }
+            | Self::Triangle { at, .. }
+            | Self::Polygon { at, .. }
+            | Self::Text { at, .. }
+            | Self::Picture { at, .. }
+            | Self::Trap { at, .. } => *at,
+        }
     }
 
     /// Moves its centre to this point (m).
@@ -235,7 +250,11 @@ impl Shape {
                 format!("Picture {name}")
             }
             Self::Trap { trap, .. } => format!("Trap, {}", trap.into_str()),
-            _ => <&str>::from(self).to_owned(),
+            Self::Point { .. }
+            | Self::Line { .. }
+            | Self::Circle { .. }
+            | Self::Rectangle { .. }
+            | Self::Triangle { .. } => <&str>::from(self).to_owned(),
         }
     }
 
