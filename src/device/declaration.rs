@@ -54,6 +54,9 @@ pub(in crate::device) struct Protocol {
     pub load: fn(&[Option<Level>]) -> Vec<u8>,
     /// The byte that exchanges the shown and the hidden buffer, if the board has one.
     pub swap: Option<u8>,
+    /// A byte without effect outside a list, which fills the time between swaps; `None` for boards whose line keeps no
+    /// time, or that pay for each byte.
+    pub filler: Option<u8>,
     /// The bytes that make it take a list in any state, also after a list without a swap.
     pub start: &'static [u8],
     /// Number of dark frames that silence it in any state.

@@ -188,19 +188,22 @@ impl Profile {
         f64::from(baud) / 10.0 / self.frame_bytes() as f64
     }
 
-    /// Frames per second of drives in turn: the line's rate, limited by a transducer's ringing of some 0.3 ms.
-    pub fn turns_per_second(self, baud: u32) -> f64 {
+    /// Frames per second of so many drives in turn: the line's rate, limited by a transducer's ringing of some 0.3 ms.
+    pub fn turns_per_second(self, baud: u32, drives: usize) -> f64 {
         const MOST: f64 = 1000.0;
-        // A board that answers keeps them.
-        if self.answers() { MOST } else { self.frames_per_second(baud).min(MOST) }
+        let has_two_buffers =
+            self.declaration().protocol.as_ref().is_some_and(|protocol| protocol.swap.is_some());
+        let keeps_them = self.answers() || has_two_buffers && drives <= 2;
+        if keeps_them { MOST } else { self.frames_per_second(baud).min(MOST) }
     }
 
     /// Gives areas one drive if the board cannot change drives so fast that their mean counts, and says so.
     pub fn steady(self, scene: &mut Scene, baud: u32) -> Option<String> {
         /// Changes per second: cycles of six drives at 100 Hz.
         const LEAST: f64 = 600.0;
-        let rate = self.turns_per_second(baud);
-        if scene.solver.frames != Turns::Auto || rate >= LEAST || *scene.drives_in_turn().end() == 1 {
+        let drives = *scene.drives_in_turn().end();
+        let rate = self.turns_per_second(baud, drives);
+        if scene.solver.frames != Turns::Auto || rate >= LEAST || drives == 1 {
             return None;
         }
         scene.solver.frames = Turns::Count(1);

@@ -37,6 +37,14 @@ pub fn swap(profile: Profile) -> Option<u8> {
     protocol(profile).swap
 }
 
+/// A byte without effect outside a list, if the board has one.
+///
+/// # Panics
+/// The native profile.
+pub(in crate::device) fn filler(profile: Profile) -> Option<u8> {
+    protocol(profile).filler
+}
+
 /// The bytes that play a frame.
 pub fn frame(levels: &Levels) -> Vec<u8> {
     let mut bytes = load(levels);

@@ -104,7 +104,9 @@ impl Player {
         profile.drives(scene).map_err(|error| error.to_string())?;
         self.modulate(&scene.modulation)?;
         let rate = match &performance {
-            Performance::Still(_) => profile.turns_per_second(self.link.settings().baud()),
+            Performance::Still(solution) => {
+                profile.turns_per_second(self.link.settings().baud(), 1 + solution.others.len())
+            }
             Performance::Motion(_) => motion::cycle(scene).map_or(0.0, |cycle| cycle.frames_per_second()),
         };
         if self.played.as_ref().is_some_and(|(played, at)| *played == performance && *at == rate) {

@@ -346,14 +346,15 @@ fn carriers_equal_to_a_millionth_need_no_notice() {
 
 #[test]
 fn drives_in_turn_change_as_fast_as_the_line_and_the_transducers() {
-    for (profile, baud, rate) in [
-        (Profile::Native, 9600, 1000.0),
-        (Profile::Natives(3), 9600, 1000.0),
-        (Profile::SonicSurface, 230_400, 23_040.0 / 258.0),
-        (Profile::Acoustophoretic512, 250_000, 25_000.0 / 512.0),
-        (Profile::SonicSurface, 100_000_000, 1000.0),
+    for (profile, baud, drives, rate) in [
+        (Profile::Native, 9600, 6, 1000.0),
+        (Profile::Natives(3), 9600, 6, 1000.0),
+        (Profile::SonicSurface, 230_400, 3, 23_040.0 / 258.0),
+        (Profile::SonicSurface, 230_400, 2, 1000.0),
+        (Profile::Acoustophoretic512, 250_000, 2, 25_000.0 / 512.0),
+        (Profile::SonicSurface, 100_000_000, 6, 1000.0),
     ] {
-        assert_eq!(profile.turns_per_second(baud), rate, "{} at {baud} baud", profile.name());
+        assert_eq!(profile.turns_per_second(baud, drives), rate, "{} at {baud} baud", profile.name());
     }
 }
 

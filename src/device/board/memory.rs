@@ -59,6 +59,13 @@ impl VirtualBoard {
         self.run();
     }
 
+    /// Drops the bytes that have not arrived.
+    pub fn discard(&mut self) {
+        self.run();
+        self.coming.clear();
+        self.pace = Pace::new(self.baud, Instant::now());
+    }
+
     /// Its answers since the last call.
     pub fn read(&mut self) -> Vec<u8> {
         self.run();

@@ -19,7 +19,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use web_time::{Duration, Instant};
 
 use crate::device::health::{Health, State};
-use crate::device::task::{Task, locked};
+use crate::device::task::{self, Task, locked};
 use crate::scene::Modulation;
 use shared::{Shared, Wanted};
 
@@ -157,6 +157,7 @@ impl Drop for Link {
 
 /// The task: one session after another, until the link is closed.
 async fn keep_connected(settings: Settings, shared: Arc<Shared>) {
+    task::hurry();
     let mut said = String::new();
     while let Err(error) = session(&settings, &shared).await {
         let why = error.to_string();
@@ -192,7 +193,6 @@ mod tests {
     use crate::device::levels::Levels;
     use crate::device::link::shared::Figures;
     use crate::device::profile::Profile;
-    use crate::device::task;
 
     fn motion(frames: usize, rate: f64) -> Content {
         let one = |element| Levels::one(Profile::UltrainoMega64, element);

@@ -262,6 +262,34 @@ impl Content {
         }
     }
 
+    /// The first frame at or after this time that is one of those asked for, and when it is due.
+    pub(super) fn turn(
+        &self,
+        elapsed: Duration,
+        is_one: impl Fn(&Levels) -> bool,
+    ) -> Option<(Duration, usize)> {
+        match self {
+            Self::Still(levels) => is_one(levels).then_some((elapsed, 0)),
+            Self::Motion { frames, rate } => {
+                let first = (elapsed.as_secs_f64() * rate).floor();
+                (0..frames.len()).find_map(|ahead| {
+                    let turn = first + ahead as f64;
+                    let frame = turn as usize % frames.len();
+                    let due = Duration::try_from_secs_f64(turn / rate).unwrap_or(Duration::MAX);
+                    is_one(&frames[frame]).then_some((due.max(elapsed), frame))
+                })
+            }
+        }
+    }
+
+    /// Whether the board's two buffers hold all of it: at most two different frames.
+    pub(super) fn fits_two_buffers(&self) -> bool {
+        let first = &self.frames()[0];
+        let mut others = self.frames().iter().filter(|levels| *levels != first);
+        let Some(second) = others.next() else { return true };
+        others.all(|levels| levels == second)
+    }
+
     /// Time until the next frame is due.
     pub(super) fn next_in(&self, elapsed: Duration) -> Duration {
         match self {

@@ -139,6 +139,31 @@ impl Port {
         }
     }
 
+    /// Discards what was written and has not left; returns whether that is possible here.
+    pub fn discard(&mut self) -> bool {
+        let discarded = match &mut self.line {
+            Line::Wire(wire) => wire.discard(),
+            Line::Virtual(board) => {
+                board.discard();
+                true
+            }
+        };
+        if discarded {
+            self.pace.discarded(Instant::now());
+        }
+        discarded
+    }
+
+    /// Corrects the count of what is on the line by the system's; returns the seconds by which the line is later than
+    /// was thought.
+    pub fn settle(&mut self) -> f64 {
+        let held = match &self.line {
+            Line::Wire(wire) => wire.held(),
+            Line::Virtual(_) => 0,
+        };
+        self.pace.settle(held, Instant::now())
+    }
+
     /// Remaining time for which the line is busy.
     pub fn backlog(&self) -> Duration {
         self.pace.backlog(Instant::now())

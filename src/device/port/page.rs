@@ -123,6 +123,18 @@ impl Wire {
         self.line.take().map(|bytes| bytes.to_vec()).map_err(|error| self.lost(&error))
     }
 
+    /// Not possible without closing the port.
+    #[expect(clippy::unused_self, reason = "a computer's ports")]
+    pub fn discard(&mut self) -> bool {
+        false
+    }
+
+    /// Unknown.
+    #[expect(clippy::unused_self, reason = "a computer's ports")]
+    pub fn held(&self) -> usize {
+        0
+    }
+
     pub fn leave(&mut self, last: &[u8]) -> bool {
         self.line.leave(last)
     }

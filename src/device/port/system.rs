@@ -133,6 +133,16 @@ impl Wire {
         }
     }
 
+    /// Drops the bytes that have not left for the adapter.
+    pub fn discard(&mut self) -> bool {
+        self.serial.clear(serialport::ClearBuffer::Output).is_ok()
+    }
+
+    /// Bytes that have not left for the adapter; 0 if the system does not count them.
+    pub fn held(&self) -> usize {
+        self.serial.bytes_to_write().map_or(0, |bytes| bytes as usize)
+    }
+
     /// The system sends them when this program has ended.
     pub fn leave(&mut self, last: &[u8]) -> bool {
         self.hand_over(last).is_ok()

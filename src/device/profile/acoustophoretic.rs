@@ -20,6 +20,7 @@ pub const ACOUSTOPHORETIC_512: Declaration = Declaration {
         },
         load,
         swap: None,
+        filler: None,
         start: &[],
         // Once more: an interrupted frame may have left any index, which only its end resets.
         blanks: 3,

@@ -15,6 +15,8 @@ pub const ULTRAINO_MEGA64: Declaration = Declaration {
         element_of: |channel| channel,
         load,
         swap: Some(SWAP),
+        // It sends every other byte on to the next board, in the time of its sound.
+        filler: None,
         start: &[],
         // Once more: an interrupted list may have left any index, which only a swap resets.
         blanks: 3,

@@ -9,6 +9,7 @@ macro_rules! protocol {
             element_of: |channel| channel,
             load: |channels| load(&$build, channels),
             swap: Some(SWAP),
+            filler: Some(CLOCKS_ON),
             start: &[],
             blanks: 2,
             modulation: None,
@@ -49,7 +50,12 @@ pub const SONICSURFACE_TACTILE: Declaration = Declaration {
          calibration sonicsurface-tactile-zero-table.csv",
     ),
     // It only accepts lists.
-    protocol: Some(Protocol { element_of, modulation: Some(tactile_step), ..protocol!(TACTILE) }),
+    protocol: Some(Protocol {
+        element_of,
+        filler: Some(PHASES),
+        modulation: Some(tactile_step),
+        ..protocol!(TACTILE)
+    }),
     ..SONICSURFACE
 };
 

@@ -44,6 +44,11 @@ pub fn linger(time: Duration) {
     here::linger(time);
 }
 
+/// Asks for this task to run before others, where tasks are threads and the system allows it.
+pub fn hurry() {
+    here::hurry();
+}
+
 /// A wait ends this long before an exact deadline; [`watch`] covers the rest.
 pub const WATCHFUL: Duration = here::WATCHFUL;
 

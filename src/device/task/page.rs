@@ -46,6 +46,8 @@ pub fn run(work: impl Future<Output = ()> + 'static) {
 
 pub fn linger(_: Duration) {}
 
+pub fn hurry() {}
+
 pub const WATCHFUL: Duration = Duration::ZERO;
 
 pub fn watch(_: Instant) {}

@@ -21,6 +21,25 @@ pub fn linger(time: Duration) {
     thread::sleep(time);
 }
 
+/// Asks the system to run this thread before others; most systems allow this to few users.
+pub fn hurry() {
+    use thread_priority::{
+        RealtimeThreadSchedulePolicy as RealTime, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
+    };
+    let priority =
+        ThreadPriorityValue::try_from(10).map_or(ThreadPriority::Max, ThreadPriority::Crossplatform);
+    #[cfg(unix)]
+    let set = thread_priority::set_thread_priority_and_policy(
+        thread_priority::thread_native_id(),
+        priority,
+        ThreadSchedulePolicy::Realtime(RealTime::RoundRobin),
+    );
+    #[cfg(windows)]
+    let set = thread_priority::set_current_thread_priority(priority);
+    // Without it, what is written ahead has to last.
+    drop(set);
+}
+
 /// Tolerance of a sleeping thread's wake-up.
 pub const WATCHFUL: Duration = Duration::from_micros(300);
 

@@ -5,6 +5,10 @@
 //! one silent, at the right times (`pulses`), also during a motion or a drag: frames are loaded while the board is
 //! silent (`rhythm` computes the skipped pulses).
 //!
+//! The line is the clock where a board has a byte that it ignores: up to 50 ms are written ahead, the time between two
+//! swaps is filled with that byte, and a swap is on the line within half a byte of its time whatever the computer does.
+//! A stop discards what has not left.
+//!
 //! [`session`] holds what is sent and when, without a line or a clock; [`run`] carries it over a port. Tests let a
 //! session converse with the boards' twins in simulated time.
 
@@ -40,8 +44,12 @@ pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> 
     loop {
         let wanted = shared.wanted();
         if wanted.closing {
+            if stock::filler(settings.profile).is_some() {
+                board.port.discard();
+            }
             return Ok(());
         }
+        session.shift(board.port.settle());
         let now = Instant::now();
         match session.next(&wanted, now, now + board.port.backlog()) {
             Step::Write(bytes) => {
@@ -55,6 +63,11 @@ pub async fn run(settings: &Settings, shared: &Shared) -> Result<(), LinkError> 
             Step::Watch(due) => {
                 look(&mut board.port).await?;
                 watch(due, &wanted, shared).await;
+            }
+            Step::Discard => {
+                if board.port.discard() {
+                    session.discarded();
+                }
             }
         }
     }

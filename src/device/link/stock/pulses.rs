@@ -114,6 +114,13 @@ impl Pulses {
         (self.generation, self.since) = (wanted.generation, wanted.since);
     }
 
+    /// The line is later by so many seconds than was thought, and the pulses with it.
+    pub fn shift(&mut self, seconds: f64) {
+        let shift = Duration::from_secs_f64(seconds.abs());
+        let shifted = if seconds < 0.0 { self.due.checked_sub(shift) } else { self.due.checked_add(shift) };
+        self.due = shifted.unwrap_or(self.due);
+    }
+
     /// Ends as soon as there is silence.
     pub fn end(&mut self) {
         self.ends = true;

@@ -22,6 +22,8 @@ pub enum Step {
     Wait(Instant),
     /// The same, as exactly as possible.
     Watch(Instant),
+    /// Discard what was written and has not left.
+    Discard,
 }
 
 /// The meaning of bytes being written.
@@ -30,8 +32,33 @@ enum Purpose {
     Silence,
     /// The board's modulation.
     Setting,
+    /// Time until the next swap.
+    Filler,
+    /// A frame, loaded and shown.
     Frame(Key),
+    /// A frame for the hidden buffer, due at this time.
+    Load(Key, Instant),
+    /// The hidden buffer.
+    Swap(Key),
     Pulse(Act),
+}
+
+/// Write-ahead time of a line that keeps the time: longer than a busy computer lets its threads wait.
+const AHEAD: Duration = Duration::from_millis(50);
+/// The same for a wish younger than [`SETTLED`], which may soon be replaced.
+const AHEAD_OF_DRAGS: Duration = Duration::from_millis(20);
+const SETTLED: Duration = Duration::from_millis(300);
+/// Time between two looks at such a line.
+const SLICE: Duration = Duration::from_millis(5);
+
+/// The frames of a wish on the line.
+#[derive(Clone, Copy, Debug)]
+struct Frames {
+    generation: u64,
+    /// Time for loading the longest.
+    load: Duration,
+    /// At most two of them differ.
+    fit_two_buffers: bool,
 }
 
 /// The bytes to a board, and its known state.
@@ -40,10 +67,18 @@ pub struct Session<'a> {
     profile: Profile,
     baud: u32,
     pace: Pace,
+    /// The byte that fills time, if the line keeps the time.
+    filler: Option<u8>,
     writing: Purpose,
     /// Silence or a frame that was sent last.
     sent: Option<Key>,
     sent_at: Instant,
+    /// A frame in the hidden buffer, and when it is due if it has not yet been shown.
+    hidden: Option<(Key, Option<Instant>)>,
+    loaded_at: Instant,
+    frames: Option<Frames>,
+    /// Generation of the silence for which the line was discarded.
+    discarded: Option<u64>,
     /// When the board was last made to listen.
     started_at: Instant,
     /// A list has not been shown.
@@ -72,9 +107,14 @@ impl<'a> Session<'a> {
             profile: settings.profile,
             baud,
             pace: Pace::new(f64::from(baud), now),
+            filler: stock::filler(settings.profile),
             writing: Purpose::Setting,
             sent: None,
             sent_at: now,
+            hidden: None,
+            loaded_at: now,
+            frames: None,
+            discarded: None,
             started_at: now,
             is_loaded: false,
             ready_at: now,
@@ -91,13 +131,19 @@ impl<'a> Session<'a> {
 
 impl Session<'_> {
     /// The next step at `now`, on a line that has carried everything at `free_at`. After [`Step::Write`] comes
-    /// [`Self::written`].
+    /// [`Self::written`], after [`Step::Discard`] [`Self::discarded`] if the line allows it.
     pub fn next(&mut self, wanted: &Wanted, now: Instant, free_at: Instant) -> Step {
         let modulated = stock::modulated(self.profile, &wanted.modulation, self.baud);
         let content = wanted.content.as_ref();
+        let is_full = self.filler.is_some() && free_at > now + LEAD;
+        let is_new = self.sent != Some((wanted.generation, 0)) && self.discarded != Some(wanted.generation);
+        if content.is_none() && is_full && is_new {
+            self.discarded = Some(wanted.generation);
+            return Step::Discard;
+        }
         if self.pulses.is_some() && !(content.is_some() && modulated == Modulated::FromHere(self.frequency)) {
             self.pulses.iter_mut().for_each(Pulses::end);
-            if let Some(step) = self.pulse(now, free_at) {
+            if let Some(step) = self.pulse(wanted, now, free_at) {
                 return step;
             }
         }
@@ -108,12 +154,52 @@ impl Session<'_> {
         match modulated {
             Modulated::FromHere(frequency) => {
                 self.follow(frequency, content, wanted, now);
-                self.pulse(now, free_at).unwrap_or(Step::Wait(now))
+                self.pulse(wanted, now, free_at).unwrap_or(Step::Wait(now))
             }
             Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) | Modulated::OneFrequency => {
-                self.steady(content, wanted, now, free_at)
+                self.steady(content, wanted, now, free_at.max(now))
             }
         }
+    }
+
+    /// The line was discarded: the board may have any part of what was written.
+    pub fn discarded(&mut self) {
+        (self.pulses, self.sent, self.hidden, self.is_loaded) = (None, None, None, true);
+    }
+
+    /// What the line is going to do happens later by so many seconds than was thought.
+    pub fn shift(&mut self, seconds: f64) {
+        self.pulses.iter_mut().for_each(|pulses| pulses.shift(seconds));
+    }
+
+    /// Write-ahead time.
+    fn ahead(&self, wanted: &Wanted, now: Instant) -> Duration {
+        match self.filler {
+            None => LEAD,
+            Some(_) if now.saturating_duration_since(wanted.since) < SETTLED => AHEAD_OF_DRAGS,
+            Some(_) => AHEAD,
+        }
+    }
+
+    /// The wait until the line, free at `at`, takes more.
+    fn room(&self, wanted: &Wanted, now: Instant, at: Instant) -> Option<Step> {
+        let ahead = self.ahead(wanted, now);
+        let slice = self.filler.map_or(Duration::ZERO, |_| SLICE);
+        (at > now + ahead).then(|| Step::Wait(at - ahead + slice))
+    }
+
+    /// The step before a byte that is due at this time, unless the line has come to it.
+    fn until(&mut self, due: Instant, wanted: &Wanted, now: Instant, at: Instant) -> Option<Step> {
+        let Some(filler) = self.filler else { return (at < due).then_some(Step::Watch(due)) };
+        let bytes = due.saturating_duration_since(at).as_secs_f64() / self.pace.time_of(1).as_secs_f64();
+        let ahead = self.ahead(wanted, now);
+        if bytes < 0.5 {
+            return None;
+        }
+        if due > now + ahead {
+            return Some(Step::Wait(due - ahead + SLICE));
+        }
+        Some(self.write(vec![filler; bytes.round() as usize], Purpose::Filler))
     }
 
     fn write(&mut self, bytes: Vec<u8>, purpose: Purpose) -> Step {
@@ -124,17 +210,32 @@ impl Session<'_> {
     /// The bytes of the last step were written at `now`; the last of them leaves at `gone`.
     pub fn written(&mut self, count: usize, wanted: &Wanted, now: Instant, gone: Instant) {
         self.shared.note_bytes(count);
-        self.is_loaded = matches!(self.writing, Purpose::Pulse(Act::Load(_) | Act::LoadDark));
         match self.writing {
-            Purpose::Silence => (self.sent, self.sent_at) = (Some((wanted.generation, 0)), now),
-            Purpose::Setting => {}
-            Purpose::Frame(key) => {
+            Purpose::Setting | Purpose::Filler => {}
+            Purpose::Silence => self.show((wanted.generation, 0), now),
+            Purpose::Load(key, due) => {
+                (self.hidden, self.loaded_at, self.is_loaded) = (Some((key, Some(due))), now, true);
+            }
+            Purpose::Frame(key) | Purpose::Swap(key) => {
                 self.shared.note_frame();
                 self.place(wanted, gone);
-                (self.sent, self.sent_at) = (Some(key), now);
+                self.show(key, now);
             }
-            Purpose::Pulse(act) => self.pulsed(act, wanted, now, gone),
+            Purpose::Pulse(act) => {
+                (self.hidden, self.is_loaded) = (None, matches!(act, Act::Load(_) | Act::LoadDark));
+                // A line that keeps the time is behind the clock, or ahead of it.
+                let at = self.filler.and_then(|_| gone.checked_sub(self.pace.time_of(count)));
+                self.pulsed(act, wanted, at.unwrap_or(now), gone);
+            }
         }
+    }
+
+    /// This frame is shown; the one before is hidden and of use again if the buffers hold all frames.
+    fn show(&mut self, key: Key, now: Instant) {
+        let before = self.sent.filter(|_| self.frames.is_some_and(|frames| frames.fit_two_buffers));
+        let is_swap = matches!(self.writing, Purpose::Swap(_));
+        self.hidden = before.filter(|_| is_swap).map(|before| (before, None));
+        (self.sent, self.sent_at, self.is_loaded) = (Some(key), now, false);
     }
 
     /// The wish is heard from `gone` on.
@@ -171,11 +272,17 @@ impl Session<'_> {
         [stock::start(self.profile), &list].concat()
     }
 
-    /// Content that is due; otherwise a wait for the next.
-    fn steady(&mut self, content: &Content, wanted: &Wanted, now: Instant, free_at: Instant) -> Step {
-        if free_at > now + LEAD {
+    /// Content that is due on a line that is free at `at`; otherwise a wait for the next.
+    fn steady(&mut self, content: &Content, wanted: &Wanted, now: Instant, at: Instant) -> Step {
+        match content {
+            Content::Motion { .. } if stock::swap(self.profile).is_some() => {
+                return self.in_turn(content, wanted, now, at);
+            }
+            Content::Motion { .. } | Content::Still(_) => {}
+        }
+        if at > now + LEAD {
             // The newest content is sent afterwards.
-            return Step::Wait(free_at - LEAD);
+            return Step::Wait(at - LEAD);
         }
         let elapsed = now.saturating_duration_since(wanted.since);
         let (frame, levels) = content.at(elapsed);
@@ -187,6 +294,75 @@ impl Session<'_> {
         }
         let next = now.checked_add(content.next_in(elapsed));
         Step::Wait(next.map_or(due, |next| next.min(due)))
+    }
+
+    /// A motion on a board with two buffers: the next frame is loaded early, and shown by a byte in its time. Two frames
+    /// that alternate are loaded once.
+    fn in_turn(&mut self, content: &Content, wanted: &Wanted, now: Instant, at: Instant) -> Step {
+        if let Some(step) = self.room(wanted, now, at) {
+            return step;
+        }
+        let Frames { load, fit_two_buffers, .. } = self.frames_of(content, wanted);
+        let (show, generation) = (self.pace.time_of(1), wanted.generation);
+        let levels_of = |(of, frame): Key| (of == generation).then(|| &content.frames()[frame]);
+        let since = |moment: Instant| moment.saturating_duration_since(wanted.since);
+        // Of a motion slower than a frame in 30 years, the next is never due.
+        let instant = |turn: Duration| wanted.since.checked_add(turn);
+        let shown = self.sent.and_then(levels_of);
+        let other = content.turn(since(at + load + show), |levels| Some(levels) != shown);
+        let other = other.and_then(|(turn, frame)| Some((instant(turn)?, frame)));
+        let hidden = self.hidden.filter(|(key, _)| key.0 == generation);
+        let swapped = hidden.and_then(|(key, due)| {
+            let again = || content.turn(since(at + show), |levels| Some(levels) == levels_of(key));
+            Some((key, due.or_else(|| instant(again()?.0))?.max(at + show)))
+        });
+        let next = swapped.map(|(_, due)| due).or(other.map(|(due, _)| due));
+        if let Some(key) = self.sent.filter(|(of, _)| *of == generation)
+            && next.is_none_or(|next| next > at + load + REFRESH)
+        {
+            let due = self.sent_at + REFRESH;
+            if now < due {
+                return Step::Wait(next.map_or(due, |next| due.min(next - load - REFRESH)));
+            }
+            let bytes = self.started(stock::frame(&content.frames()[key.1]), now);
+            return self.write(bytes, Purpose::Frame(key));
+        }
+        match (swapped, other) {
+            (Some((key, due)), _) => {
+                let is_old = fit_two_buffers && now > self.loaded_at + REFRESH;
+                if is_old && at + load + show <= due {
+                    return self.load(content, key, due, now);
+                }
+                let Some(swap) = stock::swap(self.profile) else { return Step::Wait(due) };
+                self.until(due - show, wanted, now, at)
+                    .unwrap_or_else(|| self.write(vec![swap], Purpose::Swap(key)))
+            }
+            (None, Some((due, frame))) => self.load(content, (generation, frame), due, now),
+            (None, None) => Step::Wait(now + REFRESH),
+        }
+    }
+
+    fn load(&mut self, content: &Content, key: Key, due: Instant, now: Instant) -> Step {
+        let bytes = self.started(stock::load(&content.frames()[key.1]), now);
+        self.write(bytes, Purpose::Load(key, due))
+    }
+
+    fn frames_of(&mut self, content: &Content, wanted: &Wanted) -> Frames {
+        if let Some(frames) = self.frames.filter(|frames| frames.generation == wanted.generation) {
+            return frames;
+        }
+        let frames = Frames {
+            generation: wanted.generation,
+            load: self.longest(content, stock::load),
+            fit_two_buffers: content.fits_two_buffers(),
+        };
+        *self.frames.insert(frames)
+    }
+
+    /// The line's time for the longest list of a content.
+    fn longest(&self, content: &Content, bytes: fn(&Levels) -> Vec<u8>) -> Duration {
+        let lengths = content.frames().iter().map(|levels| bytes(levels).len());
+        self.pace.time_of(lengths.max().unwrap_or_default())
     }
 
     /// Begins pulses, or goes on with them.
@@ -205,27 +381,39 @@ impl Session<'_> {
     }
 
     /// The next step of pulses, until they have ended.
-    fn pulse(&mut self, now: Instant, free_at: Instant) -> Option<Step> {
+    fn pulse(&mut self, wanted: &Wanted, now: Instant, free_at: Instant) -> Option<Step> {
         let swap = stock::swap(self.profile);
         let dark = Levels::off(self.profile);
+        // Pulses are in the time of the line, if it keeps one.
+        let at = free_at.max(now);
+        let mut clock = self.filler.map_or(now, |_| at);
+        if let (Some(_), Some(step)) = (self.filler, self.room(wanted, now, at)) {
+            return self.pulses.as_ref().map(|_| step);
+        }
         loop {
             let pulses = self.pulses.as_mut()?;
-            let act = pulses.next(now, free_at);
+            let act = pulses.next(clock, free_at.max(clock));
             let bytes = match act {
-                Act::Watch(due) => return Some(Step::Watch(due)),
+                Act::Watch(due) => {
+                    if let Some(step) = self.until(due, wanted, now, clock) {
+                        return Some(step);
+                    }
+                    clock = due;
+                    continue;
+                }
                 Act::End => {
                     self.pulses = None;
                     return None;
                 }
                 // One buffer: the frame is sent when it is shown.
                 Act::Load(_) if swap.is_none() => {
-                    pulses.done(act, now, free_at.max(now));
+                    pulses.done(act, now, at);
                     self.shared.note_frame();
                     continue;
                 }
                 Act::Load(_) => stock::load(pulses.at_due()),
                 Act::LoadDark => stock::load(&dark),
-                Act::Stream(_) => stock::frame(pulses.at(free_at.max(now))),
+                Act::Stream(_) => stock::frame(pulses.at(at)),
                 Act::Darken => stock::frame(&dark),
                 Act::Show => swap.map_or_else(|| stock::frame(pulses.at_due()), |swap| vec![swap]),
                 Act::ShowDark => swap.map_or_else(|| stock::frame(&dark), |swap| vec![swap]),
@@ -259,14 +447,9 @@ impl Session<'_> {
 
     /// The rhythm of this content on the line.
     fn rhythm(&self, frequency: f64, content: &Content) -> Rhythm {
-        let time_of = |bytes: usize| self.pace.time_of(bytes);
-        let longest = |bytes: fn(&Levels) -> Vec<u8>| {
-            let lengths = content.frames().iter().map(|levels| bytes(levels).len());
-            time_of(lengths.max().unwrap_or_default())
-        };
         match stock::swap(self.profile) {
-            Some(_) => Rhythm::new(frequency, longest(stock::load), time_of(1)),
-            None => Rhythm::new(frequency, Duration::ZERO, longest(stock::frame)),
+            Some(_) => Rhythm::new(frequency, self.longest(content, stock::load), self.pace.time_of(1)),
+            None => Rhythm::new(frequency, Duration::ZERO, self.longest(content, stock::frame)),
         }
     }
 
@@ -347,7 +530,11 @@ impl Session<'_> {
     /// Frame rates of a motion.
     fn rates(&self, modulated: Modulated, content: &Content) -> Option<FrameRates> {
         let Content::Motion { rate, .. } = content else { return None };
-        let line = self.profile.frames_per_second(self.baud);
+        let line = match stock::swap(self.profile) {
+            // A swap is a byte.
+            Some(_) if content.fits_two_buffers() => 1.0 / self.pace.time_of(1).as_secs_f64(),
+            Some(_) | None => self.profile.frames_per_second(self.baud),
+        };
         let played = match modulated {
             Modulated::FromHere(frequency) => self.rhythm(frequency, content).frames_per_second(*rate),
             Modulated::Steady | Modulated::ByBoard(..) | Modulated::Never(_) | Modulated::OneFrequency => {

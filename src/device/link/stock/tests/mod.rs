@@ -139,6 +139,11 @@ impl<'a> Line<'a> {
             }
             Step::Wait(due) => self.pass((due + late).min(until)),
             Step::Watch(due) => self.pass(due.min(until)),
+            Step::Discard => {
+                self.out.clear();
+                self.pace = Pace::new(f64::from(self.baud), self.now);
+                self.session.discarded();
+            }
         }
     }
 

@@ -186,10 +186,11 @@ fn a_list_that_was_not_shown_is_replaced_on_both_boards() {
     let mut line = Line::new(profile, 1_000_000, &shared);
     line.modulate(Envelope::Square, 100.0);
     line.show(still(profile, 5));
-    // The line is free once the list is loaded, which is not yet shown.
-    while line.said.len() < 2 || line.pace.backlog(line.now) > Duration::ZERO {
+    // The list is loaded, and not yet shown.
+    while line.said.iter().filter(|bytes| bytes.contains(&254)).count() < 2 {
         line.turn(line.now + MILLI);
     }
+    line.pass(line.now + line.pace.backlog(line.now));
     line.modulate(Envelope::Off, 0.0);
     line.show(still(profile, 6));
     line.run(20 * MILLI);
