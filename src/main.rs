@@ -20,6 +20,8 @@ extern "C" fn look_at_standard() {
 }
 
 fn main() -> ExitCode {
+    #[cfg(unix)]
+    sonoglyph::device::port::guard();
     evaluator::quiet_drivers();
     match sonoglyph::cli::run().and_then(go_on) {
         Ok(()) => ExitCode::SUCCESS,
