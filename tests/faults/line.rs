@@ -101,11 +101,7 @@ fn a_stock_board_falls_silent_after_a_crash() {
                     eventually("a frame", || {
                         stage.seen().iter().any(|levels| *levels != Levels::off(profile))
                     });
-                    let mut script = format!("kill -{signal} -{}", send.0.id());
-                    if signal == "SEGV" {
-                        // Rust's handler leaves a signal without a fault to the next one.
-                        script = format!("{script}; sleep 0.1; {script}");
-                    }
+                    let script = format!("kill -{signal} -{}", send.0.id());
                     assert!(
                         std::process::Command::new("sh").args(["-c", &script]).status().unwrap().success()
                     );

@@ -9,7 +9,7 @@
 //! An owner that closes its port ends the guardian first, so that the port is free at once. A process group of its
 //! own and ignored signals keep it from ending with its owner.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, PipeWriter, Write};
 use std::os::fd::{AsFd, BorrowedFd, RawFd};
 use std::os::unix::process::{CommandExt, parent_id};
@@ -31,7 +31,7 @@ const ARGUMENT: &str = "--guard-the-port-at-standard-output";
 /// Its name among the processes: not that of its owner, so that one is killed by name without the other.
 const NAME: &str = "board-guardian";
 /// Interval of looks at a crashing owner.
-const LOOK: Duration = Duration::from_millis(20);
+const LOOK: Duration = Duration::from_millis(40);
 /// Limit of the wait for a port that takes no bytes.
 const STALLED: Duration = Duration::from_secs(2);
 
@@ -106,7 +106,9 @@ fn keep_watch(wait: Duration) -> io::Result<()> {
     }
     close_others();
     // Only Linux has this file.
-    let _ = fs::write("/proc/self/comm", NAME);
+    if let Ok(mut name) = File::options().write(true).open("/proc/self/comm") {
+        name.write_all(NAME.as_bytes())?;
+    }
     let last = wait_for_end()?;
     thread::sleep(wait.saturating_sub(begun.elapsed()));
     let port = io::stdout();
