@@ -20,6 +20,10 @@ extern "C" fn look_at_standard() {
 }
 
 fn main() -> ExitCode {
+    #[cfg(unix)]
+    sonoglyph::device::port::guard();
+    #[cfg(all(feature = "window", target_os = "linux", target_env = "gnu"))]
+    fault::end_when_sent();
     evaluator::quiet_drivers();
     match sonoglyph::cli::run().and_then(go_on) {
         Ok(()) => ExitCode::SUCCESS,
@@ -28,6 +32,47 @@ fn main() -> ExitCode {
         Err(error) => {
             mention(&format!("error: {error:#}"));
             ExitCode::from(2)
+        }
+    }
+}
+
+/// SIGSEGV from another process. Rust's handler, which reports overflows of the stack, waits for the fault to recur
+/// and so ignores the first signal without one: a program that is sent one would go on, and its board sound.
+#[cfg(all(feature = "window", target_os = "linux", target_env = "gnu"))]
+#[expect(unsafe_code, reason = "a handler that calls only what a handler may, and the handler before it")]
+mod fault {
+    use std::mem::{transmute, zeroed};
+    use std::ptr::{null, null_mut};
+    use std::sync::OnceLock;
+
+    use libc::{SIG_DFL, SIGSEGV, c_int, c_void, raise, sigaction, siginfo_t, signal};
+
+    type Handler = extern "C" fn(c_int, *mut siginfo_t, *mut c_void);
+    static BEFORE: OnceLock<sigaction> = OnceLock::new();
+
+    pub fn end_when_sent() {
+        unsafe {
+            let mut action: sigaction = zeroed();
+            if sigaction(SIGSEGV, null(), &mut action) == 0 && action.sa_sigaction > 1 {
+                BEFORE.get_or_init(|| action);
+                action.sa_sigaction = handle as Handler as usize;
+                sigaction(SIGSEGV, &action, null_mut());
+            }
+        }
+    }
+
+    extern "C" fn handle(number: c_int, info: *mut siginfo_t, context: *mut c_void) {
+        unsafe {
+            // Positive codes are the system's own.
+            match BEFORE.get() {
+                Some(before) if (*info).si_code > 0 => {
+                    transmute::<usize, Handler>(before.sa_sigaction)(number, info, context);
+                }
+                _ => {
+                    signal(number, SIG_DFL);
+                    raise(number);
+                }
+            }
         }
     }
 }

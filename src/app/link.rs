@@ -336,8 +336,8 @@ fn locked(player: &Mutex<Option<Player>>) -> MutexGuard<'_, Option<Player>> {
 
 #[cfg(unix)]
 fn silence_on_signals(player: Arc<Mutex<Option<Player>>>) -> std::io::Result<()> {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGTERM, SIGHUP])?;
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
+    let mut signals = signal_hook::iterator::Signals::new([SIGINT, SIGQUIT, SIGTERM, SIGHUP])?;
     let wait = move || {
         for signal in signals.forever() {
             drop(locked(&player).take());
@@ -373,6 +373,11 @@ fn hear(event: Event, profile: Profile, shown: &mut Shown) {
             shown.board.found = Some(found);
             let text = match profile.answers() {
                 true => format!("The board is ready, at {} baud", found.baud),
+                false if profile.echoes() => format!(
+                    "The board sends back commands, at {} baud; {} cannot confirm what it plays",
+                    found.baud,
+                    profile.name()
+                ),
                 false => format!(
                     "The port is open, at {} baud; {} cannot confirm what it plays",
                     found.baud,

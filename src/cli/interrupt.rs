@@ -1,9 +1,9 @@
-//! Ctrl-C, termination and hangup as a flag, so that commands finish lines and files and silence boards.
+//! Ctrl-C, Ctrl-\, termination and hangup as a flag, so that commands finish lines and files and silence boards.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::TERM_SIGNALS;
 
 #[derive(Debug)]
 pub struct Interrupted(Arc<AtomicBool>);
@@ -38,7 +38,7 @@ impl Interrupted {
 
 fn signals() -> impl Iterator<Item = i32> {
     let hangup = if cfg!(unix) { Some(1) } else { None };
-    [SIGINT, SIGTERM].into_iter().chain(hangup)
+    TERM_SIGNALS.iter().copied().chain(hangup)
 }
 
 /// Makes these signals only set the flag; a second one ends the program immediately.

@@ -171,7 +171,8 @@ enum Command {
     Serve(ServeArgs),
     /// Bring up a board: connection, bit rates, each element, a focus, the emergency stop
     ///
-    /// The exit status is 0 if every step passed. The board is silent at the end. Examples:
+    /// The exit status is 0 if no step failed. Boards that do not report what they play leave steps
+    /// unverified (?), unless --listen lets you judge. The board is silent at the end. Examples:
     ///
     ///   sonoglyph check --port /dev/ttyUSB0
     ///

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use web_time::{Duration, Instant};
+
 /// The amplitude control of a board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Strength {
@@ -63,10 +65,28 @@ pub(in crate::device) struct Protocol {
     pub blanks: usize,
     /// The byte and frequency of the board's own modulation that is nearest to a frequency (Hz), if it has one.
     pub modulation: Option<fn(f64) -> (u8, f64)>,
-    /// The byte that it sends back.
-    pub echo: Option<u8>,
+    /// What it sends back for a byte, if it sends back anything.
+    pub echo: Option<fn(u8) -> Option<u8>>,
+    /// The boot loader that opening the port may start.
+    pub boot: Option<Boot>,
     /// A board just switched on.
     pub emulation: fn() -> Box<dyn Emulation>,
+}
+
+/// A boot loader that bytes hold: it ends after a time without any.
+#[derive(Debug)]
+pub(in crate::device) struct Boot {
+    /// The time after opening the port.
+    pub quiet: Duration,
+    /// The time after bytes have held it.
+    pub held: Duration,
+}
+
+/// The boot loader of an emulated Arduino.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BootLoader {
+    Factory,
+    Optiboot,
 }
 
 /// The emulation of a board.
@@ -74,6 +94,14 @@ pub(in crate::device) trait Emulation: fmt::Debug + Send {
     fn push(&mut self, byte: u8) -> Heard;
     /// The played levels.
     fn shown(&self) -> Vec<Option<Level>>;
+    /// It is reset, as by the opening of its port.
+    fn reset(&mut self, _: BootLoader, _: Instant) {}
+    /// The time of what follows.
+    fn pass(&mut self, _: Instant) {}
+    /// Whether its boot loader runs.
+    fn boots(&self) -> bool {
+        false
+    }
 }
 
 /// The effect of a byte on a board.

@@ -128,6 +128,11 @@ impl Profile {
         self.devices() > 0
     }
 
+    /// Whether it sends back commands, which shows that it is there, but not what it plays.
+    pub(crate) fn echoes(self) -> bool {
+        self.declaration().protocol.as_ref().is_some_and(|protocol| protocol.echo.is_some())
+    }
+
     /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of as many
     /// elements, channel n to element n.
     pub fn shape(self) -> Option<[u32; 2]> {

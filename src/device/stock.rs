@@ -1,6 +1,8 @@
 //! Stock boards: plain bytes without checksum or reply, as their declarations have them.
 
-use crate::device::declaration::{Emulation, Heard, Protocol};
+use web_time::{Duration, Instant};
+
+use crate::device::declaration::{BootLoader, Emulation, Heard, Protocol};
 use crate::device::levels::Levels;
 use crate::device::profile::Profile;
 use crate::scene::{Envelope, Modulation};
@@ -63,6 +65,17 @@ pub(in crate::device) fn start(profile: Profile) -> &'static [u8] {
     protocol(profile).start
 }
 
+/// Time without bytes after the port is opened, in which a boot loader ends, also one that bytes may have held.
+pub(in crate::device) fn quiet(profile: Profile, is_held: bool) -> Duration {
+    let boot = protocol(profile).boot.as_ref();
+    boot.map_or(Duration::ZERO, |boot| if is_held { boot.held } else { boot.quiet })
+}
+
+/// What a board sends back for a byte, if it sends back anything.
+pub(in crate::device) fn echo(profile: Profile) -> Option<fn(u8) -> Option<u8>> {
+    protocol(profile).echo
+}
+
 /// The playback of an envelope on a stock board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Modulated {
@@ -120,9 +133,19 @@ impl Twin {
         self.emulation.push(byte)
     }
 
-    /// The board's answer to a byte.
+    /// The board's answer to a byte that it got.
     pub fn answer(&self, byte: u8) -> Option<u8> {
-        protocol(self.profile).echo.filter(|&echo| echo == byte)
+        echo(self.profile).filter(|_| !self.emulation.boots()).and_then(|echo| echo(byte))
+    }
+
+    /// The port was opened, which resets a board with a boot loader.
+    pub(in crate::device) fn reset(&mut self, loader: BootLoader, now: Instant) {
+        self.emulation.reset(loader, now);
+    }
+
+    /// The time of what follows.
+    pub(in crate::device) fn pass(&mut self, now: Instant) {
+        self.emulation.pass(now);
     }
 
     /// The played levels.

@@ -18,6 +18,8 @@ pub enum Verdict {
     Failed,
     /// A neutral fact, or a skipped step.
     Noted,
+    /// Bytes were written, and nothing tells whether the board plays them.
+    Unverified,
 }
 
 /// One finding.
@@ -33,6 +35,7 @@ impl fmt::Display for Finding {
             Verdict::Passed => "passed",
             Verdict::Failed => "FAILED",
             Verdict::Noted => "   -  ",
+            Verdict::Unverified => "   ?  ",
         };
         write!(f, "{verdict}  {}", self.what)
     }
@@ -51,7 +54,23 @@ impl Report {
 
     /// Steps that failed.
     pub fn failed(&self) -> usize {
-        self.findings.iter().filter(|finding| finding.verdict == Verdict::Failed).count()
+        self.count(Verdict::Failed)
+    }
+
+    fn count(&self, verdict: Verdict) -> usize {
+        self.findings.iter().filter(|finding| finding.verdict == verdict).count()
+    }
+
+    /// The outcome, as text.
+    pub fn conclusion(&self) -> String {
+        match (self.failed(), self.count(Verdict::Unverified)) {
+            (0, 0) => "The board passed.".to_owned(),
+            (0, unverified) => format!(
+                "No step failed, but {unverified} could not be verified (?): only listening and feeling show what the \
+                 board plays."
+            ),
+            (failed, _) => format!("{failed} of the steps failed."),
+        }
     }
 
     /// A text to send to others.
@@ -77,7 +96,11 @@ pub async fn survey_line(
 ) -> anyhow::Result<Option<u32>> {
     if !profile.answers() {
         let name = profile.name();
-        tell(Verdict::Noted, format!("{name} boards never answer: the port opens, and more cannot be known"));
+        let what = match profile.echoes() {
+            true => format!("{name} boards send back commands, but do not report what they play"),
+            false => format!("{name} boards never answer: no program can verify that one is there"),
+        };
+        tell(Verdict::Noted, what);
         return Ok(None);
     }
     let fastest = survey(port, &mut |found| match found {

@@ -1,6 +1,7 @@
 //! Senders that are stopped, killed or joined by another: the board falls silent, and no frame is torn.
 
 use std::io::{BufRead, BufReader};
+use std::os::unix::process::CommandExt;
 use std::process::Stdio;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::{Duration, Instant};
@@ -70,10 +71,53 @@ fn a_board_falls_silent_however_its_sender_ends() {
             stage.wait_for_silence();
         }
     }
-    // After SIGKILL only the board itself can act.
+    // After SIGKILL only the board itself can act, or the guardian.
     let stage = Stage::new(Profile::Native);
     drop(stage.play("still.toml", Profile::Native));
     stage.wait_for_silence();
+}
+
+/// A scene whose array is this board's, modulated at 200 Hz.
+fn scene_for(profile: Profile) -> String {
+    let [columns, rows] = profile.shape().unwrap_or([16, 16]);
+    let array = format!("[array]\ncolumns = {columns}\nrows = {rows}\n[modulation]\nshape = \"square\"\n");
+    crate::SCENE.replace("circle", "none") + &array
+}
+
+#[test]
+fn a_stock_board_falls_silent_after_a_crash() {
+    let stock = Profile::ALL.into_iter().filter(|profile| !profile.answers());
+    std::thread::scope(|scope| {
+        for profile in stock {
+            scope.spawn(move || {
+                let stage = Stage::new(profile);
+                std::fs::write(stage.folder.path().join("own.toml"), scene_for(profile)).unwrap();
+                for signal in ["KILL", "QUIT", "ABRT", "SEGV"] {
+                    // The whole group, as from a terminal.
+                    let mut send = program(stage.folder.path(), &stage.args("own.toml", profile));
+                    send.stdout(Stdio::piped()).stderr(Stdio::null()).process_group(0);
+                    let mut send = Running(send.spawn().unwrap());
+                    stage.seen();
+                    eventually("a frame", || {
+                        stage.seen().iter().any(|levels| *levels != Levels::off(profile))
+                    });
+                    let script = format!("kill -{signal} -{}", send.0.id());
+                    assert!(
+                        std::process::Command::new("sh").args(["-c", &script]).status().unwrap().success()
+                    );
+                    send.ended();
+                    eventually("silence", || {
+                        std::thread::sleep(Duration::from_millis(300));
+                        stage.seen();
+                        let dark = |_| !stage.sounds() && stage.seen().is_empty();
+                        (0..50).all(dark)
+                    });
+                    // No other process holds the caller's pipe.
+                    std::io::read_to_string(send.0.stdout.take().unwrap()).unwrap();
+                }
+            });
+        }
+    });
 }
 
 #[test]

@@ -4,6 +4,8 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 mod attempts;
+#[cfg(target_os = "linux")]
+mod boot;
 mod commands;
 mod motions;
 #[path = "../requirement/mod.rs"]
@@ -333,8 +335,9 @@ fn a_wrong_bit_rate_or_board_is_reported_and_stays_silent() {
     assert!(why.contains("does not answer"), "{why}");
     assert!(shown.try_recv().is_err() && deaf.report().wrong_baud > 0);
 
-    // An Arduino echoes a byte that it takes for a swap.
-    let (mega, _shown) = board(Setup { baud: Some(2_000_000), ..Setup::new(Profile::UltrainoMega64) });
+    // An Arduino sends back most bytes.
+    let setup = Setup { baud: Some(2_000_000), boot_loader: None, ..Setup::new(Profile::UltrainoMega64) };
+    let (mega, _shown) = board(setup);
     let link = link_to(&mega, Profile::Native, None);
     let Event::Lost(why) = wait_for(&link, |event| matches!(event, Event::Lost(_))) else { panic!() };
     assert!(why.contains("no native board"), "{why}");

@@ -54,6 +54,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "pollster",
             "rustix",
             "serialport",
+            "signal_hook",
             "thiserror",
             "wasm_bindgen",
             "wasm_bindgen_futures",

@@ -27,7 +27,7 @@ use crate::studio::player::{self, Player};
 /// Default playing time of a scene at rest.
 const AT_REST: Duration = Duration::from_secs(1);
 /// Limit of the wait for a lost board, unless it plays endlessly.
-const LOST_TIMEOUT: Duration = Duration::from_secs(10);
+const LOST_TIMEOUT: Duration = Duration::from_secs(15);
 /// Limit of the wait for the first frame; then the time of --seconds starts anyway.
 const START_TIMEOUT: Duration = Duration::from_millis(300);
 /// Interval of status lines.

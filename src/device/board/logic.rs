@@ -70,6 +70,7 @@ pub struct Heeded {
 impl Heeded {
     /// Gives a stock board a byte.
     pub fn hear(&mut self, twin: &mut Twin, byte: u8, at: Instant) {
+        twin.pass(at);
         let heard = twin.push(byte);
         self.spoiled += u64::from(heard == Heard::Nonsense);
         if heard == Heard::Shown {

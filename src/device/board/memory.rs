@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use web_time::{Duration, Instant};
 
 use crate::device::board::logic::{BAUD_TOLERANCE, Heeded, Native, Playing, Shown};
+use crate::device::declaration::BootLoader;
 use crate::device::native::model::Model;
 use crate::device::pace::Pace;
 use crate::device::profile::Profile;
@@ -43,6 +44,14 @@ impl VirtualBoard {
         let baud = f64::from(baud);
         let (coming, answers, shown) = (VecDeque::new(), Vec::new(), Vec::new());
         Self { logic, baud, pace: Pace::new(baud, now), coming, answers, shown }
+    }
+
+    /// Its port was opened, which resets a board with a boot loader.
+    pub(in crate::device) fn reset(&mut self) {
+        match &mut self.logic {
+            Logic::Stock(twin) => twin.reset(BootLoader::Factory, Instant::now()),
+            Logic::Native(_) => {}
+        }
     }
 
     /// The other end's bit rate, from the next byte on.
@@ -106,8 +115,9 @@ impl VirtualBoard {
                 }
             }
         }
-        if let Logic::Native(native) = &mut self.logic {
-            native.run_until(now);
+        match &mut self.logic {
+            Logic::Stock(twin) => twin.pass(now),
+            Logic::Native(native) => native.run_until(now),
         }
         self.answers.append(&mut heeded.answer);
         // Without calls of `frames`, only the latest are kept.

@@ -19,6 +19,9 @@ pub struct Pty {
     /// Keeps the other end open between programs that open and close it.
     slave: OwnedFd,
     link: PathBuf,
+    /// Events of programs that open the other end.
+    #[cfg(target_os = "linux")]
+    openings: Option<OwnedFd>,
 }
 
 impl Pty {
@@ -40,7 +43,23 @@ impl Pty {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => std::os::unix::fs::symlink(&*target, link)?,
         }
-        Ok(Self { master, slave, link: link.to_owned() })
+        Ok(Self {
+            master,
+            slave,
+            link: link.to_owned(),
+            #[cfg(target_os = "linux")]
+            openings: watch_openings(&target),
+        })
+    }
+
+    /// Whether a program has opened the other end since the last call. Only Linux tells.
+    pub fn was_opened(&self) -> bool {
+        #[cfg(target_os = "linux")]
+        return self.openings.as_ref().is_some_and(|openings| {
+            rustix::io::read(openings, &mut [0; 4096]).is_ok_and(|events| events > 0)
+        });
+        #[cfg(not(target_os = "linux"))]
+        false
     }
 
     /// The bit rate that the other end has set.
@@ -71,6 +90,14 @@ impl Pty {
     pub fn write(&self, bytes: &[u8]) {
         let _ = rustix::io::write(&self.master, bytes);
     }
+}
+
+#[cfg(target_os = "linux")]
+fn watch_openings(port: &str) -> Option<OwnedFd> {
+    use rustix::fs::inotify::{CreateFlags, WatchFlags, add_watch, init};
+    let openings = init(CreateFlags::NONBLOCK | CreateFlags::CLOEXEC).ok()?;
+    add_watch(&openings, port, WatchFlags::OPEN).ok()?;
+    Some(openings)
 }
 
 impl Drop for Pty {

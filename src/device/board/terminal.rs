@@ -12,6 +12,7 @@ use crate::device::board::faults::{Damage, Faults};
 use crate::device::board::logic::{BAUD_TOLERANCE, Heeded, Native, Playing, Shown};
 use crate::device::board::pty::Pty;
 use crate::device::board::rtl::Rtl;
+use crate::device::declaration::BootLoader;
 use crate::device::native::model::Model;
 use crate::device::pace::BITS;
 use crate::device::profile::Profile;
@@ -32,6 +33,8 @@ pub struct Setup {
     pub phase_bits: u8,
     /// mHz, of the native device.
     pub carrier_millihertz: u32,
+    /// Of an Arduino, which the opening of its port resets; without, it has the capacitor that prevents this.
+    pub boot_loader: Option<BootLoader>,
     /// The Verilated gateware, built with these phase bits, in place of the model.
     pub program: Option<PathBuf>,
 }
@@ -44,6 +47,7 @@ impl Setup {
             faults: Faults::default(),
             phase_bits: 7,
             carrier_millihertz: 40_000_000,
+            boot_loader: Some(BootLoader::Factory),
             program: None,
         }
     }
@@ -249,9 +253,20 @@ impl Line {
         self.wait();
         let now = Instant::now();
         let stalled = self.hand.stalled.load(Ordering::Relaxed);
-        if let Logic::Native(native) = &mut self.logic {
-            native.press(self.hand.pressed.load(Ordering::Relaxed));
-            native.run_until(self.taken_at.min(now));
+        let was_opened = self.pty.as_ref().is_some_and(Pty::was_opened);
+        match &mut self.logic {
+            Logic::Stock(twin) => {
+                if let (true, Some(loader)) = (was_opened, self.setup.boot_loader) {
+                    twin.reset(loader, now);
+                }
+                twin.pass(self.taken_at.min(now));
+            }
+            Logic::Native(native) => {
+                native.press(self.hand.pressed.load(Ordering::Relaxed));
+                native.run_until(self.taken_at.min(now));
+            }
+            // It has a line of its own.
+            Logic::Rtl(_) => {}
         }
         if stalled {
             self.taken_at = now;

@@ -159,8 +159,10 @@ impl Drop for Link {
 async fn keep_connected(settings: Settings, shared: Arc<Shared>) {
     task::hurry();
     let mut said = String::new();
-    while let Err(error) = session(&settings, &shared).await {
+    let mut was_deaf = false;
+    while let Err(error) = session(&settings, &shared, was_deaf).await {
         let why = error.to_string();
+        was_deaf = matches!(error, LinkError::NoEcho { .. } | LinkError::Silent(_));
         // The same reason is reported once, however often the port is tried.
         if locked(&shared.figures).health.state == State::Ready || said != why {
             shared.tell(Event::Lost(why.clone()));
@@ -176,11 +178,11 @@ async fn keep_connected(settings: Settings, shared: Arc<Shared>) {
     }
 }
 
-/// Until the link is closed, or the board is lost.
-async fn session(settings: &Settings, shared: &Shared) -> Result<(), LinkError> {
+/// Until the link is closed, or the board is lost. A board that was deaf may be in a boot loader that bytes hold.
+async fn session(settings: &Settings, shared: &Shared, was_deaf: bool) -> Result<(), LinkError> {
     match settings.profile.answers() {
         true => native::run(settings, shared).await,
-        false => stock::run(settings, shared).await,
+        false => stock::run(settings, shared, was_deaf).await,
     }
 }
 

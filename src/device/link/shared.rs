@@ -61,6 +61,14 @@ pub enum LinkError {
     Port(#[from] PortError),
     #[error("{0} does not answer: is the board on, and is it a native one?")]
     NoAnswer(String),
+    #[error(
+        "nothing comes back from {port}, but a board of {board} sends back commands: is it on, does its sketch run, is this its port?"
+    )]
+    NoEcho { port: String, board: &'static str },
+    #[error(
+        "{port} sends back what a board of {board} does not: is another board there, or are two wires connected?"
+    )]
+    OtherEcho { port: String, board: &'static str },
     #[error("{0} stopped answering")]
     Silent(String),
     #[error("{0} has no native board, or one at another bit rate")]
@@ -210,8 +218,13 @@ pub struct Sounding<'a> {
 }
 
 impl<'a> Sounding<'a> {
-    pub(super) fn new(mut port: Port, silence: Vec<u8>, shared: &'a Shared) -> Self {
-        port.leave_behind(&silence);
+    /// The board of a port that may take bytes after `wait`.
+    pub(super) fn new(mut port: Port, silence: Vec<u8>, wait: Duration, shared: &'a Shared) -> Self {
+        if let Err(error) = port.leave_behind(&silence, wait) {
+            shared.notice(&format!(
+                "the board will not be silenced if this program is killed: no process to do so could be started: {error}"
+            ));
+        }
         Self { port, silence, shared }
     }
 }

@@ -4,6 +4,8 @@
 //! Operations are `async` for the page's sake: on a computer they block.
 
 mod error;
+#[cfg(unix)]
+mod guardian;
 #[cfg(not(target_arch = "wasm32"))]
 mod system;
 #[cfg(not(target_arch = "wasm32"))]
@@ -14,6 +16,7 @@ mod page;
 #[cfg(target_arch = "wasm32")]
 use crate::device::port::page as here;
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use web_time::{Duration, Instant};
@@ -24,6 +27,9 @@ use crate::device::profile::Profile;
 use crate::device::task;
 
 pub use crate::device::port::error::{Listed, PortError};
+#[cfg(unix)]
+#[doc(hidden)]
+pub use crate::device::port::guardian::guard;
 #[cfg(target_arch = "wasm32")]
 pub use crate::device::port::page::{available, choose, is_there};
 #[cfg(not(target_arch = "wasm32"))]
@@ -63,7 +69,11 @@ impl Port {
     /// A port that is missing, not permitted, not serial, in use, or unable to use this bit rate.
     pub async fn open(path: &Path, baud: u32) -> Result<Self, PortError> {
         let line = match as_virtual_board(path) {
-            Some(profile) => Line::Virtual(Box::new(VirtualBoard::new(profile, baud))),
+            Some(profile) => {
+                let mut board = Box::new(VirtualBoard::new(profile, baud));
+                board.reset();
+                Line::Virtual(board)
+            }
             None => Line::Wire(here::Wire::open(path, baud).await?),
         };
         let pace = Pace::new(f64::from(baud), Instant::now());
@@ -131,11 +141,15 @@ impl Port {
         taken
     }
 
-    /// Deposits bytes to be sent if the program ends without running any more code, as when a page is left.
-    pub fn leave_behind(&mut self, last: &[u8]) {
+    /// Deposits bytes to be sent if the program ends without running any more code: killed, crashed, or as a page that
+    /// is left. They are not sent before `wait` has passed.
+    ///
+    /// # Errors
+    /// Nothing takes the deposit.
+    pub fn leave_behind(&mut self, last: &[u8], wait: Duration) -> io::Result<()> {
         match &mut self.line {
-            Line::Wire(wire) => wire.leave_behind(last),
-            Line::Virtual(_) => {}
+            Line::Wire(wire) => wire.leave_behind(last, wait),
+            Line::Virtual(_) => Ok(()),
         }
     }
 

@@ -139,8 +139,10 @@ impl Wire {
         self.line.leave(last)
     }
 
-    pub fn leave_behind(&mut self, last: &[u8]) {
+    /// A page that is left cannot wait.
+    pub fn leave_behind(&mut self, last: &[u8], _: Duration) -> io::Result<()> {
         self.line.leave_behind(last);
+        Ok(())
     }
 
     fn lost(&self, error: &JsValue) -> PortError {

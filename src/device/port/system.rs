@@ -15,6 +15,8 @@ use web_time::Duration;
 use crate::device::board;
 use crate::device::port::error::{Listed, PortError, WRITE_TIMEOUT};
 #[cfg(unix)]
+use crate::device::port::guardian::Guardian;
+#[cfg(unix)]
 use crate::device::profile::Profile;
 use crate::echo;
 
@@ -26,6 +28,9 @@ const LINUX_PORTS: &str = "/sys/class/tty";
 /// An open port.
 #[derive(Debug)]
 pub struct Wire {
+    /// Ends before the port is closed, which is then free.
+    #[cfg(unix)]
+    guardian: Option<Guardian>,
     serial: Serial,
     name: String,
 }
@@ -99,8 +104,15 @@ impl Wire {
             .open_native()
             .map_err(|error| refused(path, baud, error))?;
         never_block(&serial).map_err(|error| PortError::Lost { path: name.clone(), error })?;
+        #[cfg(target_os = "linux")]
+        hold_dtr(&serial).map_err(|error| PortError::Lost { path: name.clone(), error })?;
         check_rate(&serial, baud).map_err(|error| PortError::Baud { path: name.clone(), baud, error })?;
-        Ok(Self { serial, name })
+        Ok(Self {
+            #[cfg(unix)]
+            guardian: None,
+            serial,
+            name,
+        })
     }
 
     /// When all has been sent.
@@ -148,8 +160,18 @@ impl Wire {
         self.hand_over(last).is_ok()
     }
 
-    /// An unwinding thread closes its port, so no deposit is needed.
-    pub fn leave_behind(&mut self, _: &[u8]) {}
+    /// A guardian has them.
+    #[cfg(unix)]
+    pub fn leave_behind(&mut self, last: &[u8], wait: Duration) -> io::Result<()> {
+        self.guardian = Guardian::start(descriptor(&self.serial), last, wait)?;
+        Ok(())
+    }
+
+    /// Windows has no guardian: only an unwinding thread silences the board.
+    #[cfg(windows)]
+    pub fn leave_behind(&mut self, _: &[u8], _: Duration) -> io::Result<()> {
+        Ok(())
+    }
 
     /// serialport has one timeout for reads and writes.
     fn wait_at_most(&mut self, timeout: Duration) -> io::Result<()> {
@@ -218,12 +240,25 @@ fn check_rate(serial: &Serial, baud: u32) -> io::Result<()> {
 
 /// serialport would block until all bytes are written.
 #[cfg(unix)]
-#[expect(unsafe_code, reason = "the descriptor stays open as long as the port that it is borrowed from")]
 fn never_block(serial: &Serial) -> io::Result<()> {
-    use rustix::fd::{AsRawFd, BorrowedFd};
     use rustix::fs::{OFlags, fcntl_setfl};
-    let descriptor = unsafe { BorrowedFd::borrow_raw(serial.as_raw_fd()) };
-    Ok(fcntl_setfl(descriptor, OFlags::NONBLOCK)?)
+    Ok(fcntl_setfl(descriptor(serial), OFlags::NONBLOCK)?)
+}
+
+/// DTR falls no more when the port is closed: its next rise would reset an Arduino.
+#[cfg(target_os = "linux")]
+fn hold_dtr(serial: &Serial) -> io::Result<()> {
+    use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
+    let mut settings = tcgetattr(descriptor(serial))?;
+    settings.control_modes.remove(ControlModes::HUPCL);
+    Ok(tcsetattr(descriptor(serial), OptionalActions::Now, &settings)?)
+}
+
+#[cfg(unix)]
+#[expect(unsafe_code, reason = "the descriptor stays open as long as the port that it is borrowed from")]
+fn descriptor(serial: &Serial) -> rustix::fd::BorrowedFd<'_> {
+    use rustix::fd::{AsRawFd, BorrowedFd};
+    unsafe { BorrowedFd::borrow_raw(serial.as_raw_fd()) }
 }
 
 /// Does nothing on Windows, whose timeout covers the whole write.

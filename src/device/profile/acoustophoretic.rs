@@ -26,6 +26,7 @@ pub const ACOUSTOPHORETIC_512: Declaration = Declaration {
         blanks: 3,
         modulation: None,
         echo: None,
+        boot: None,
         emulation: || Box::new(Twin::new()),
     }),
 };

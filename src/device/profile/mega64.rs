@@ -1,6 +1,16 @@
 //! Ultraino's Arduino Mega: a pattern of ten port states per period, each byte in two halves.
+//!
+//! Opening its port raises DTR, which resets it into its boot loader. The factory's (`stk500boot.c` of
+//! arduino/ArduinoCore-avr) starts the sketch after a second without a byte; a byte holds it until none has come for
+//! F_CPU / 2 turns of a loop, some 8 s. Optiboot starts it after a second, or at once after bytes that are no command.
+//! The sketch (`DriverMEGA.ino` of asiermarzo/Ultraino) plays every element until it gets a frame, and sends back
+//! all bytes but those of its pattern.
 
-use crate::device::declaration::{Declaration, Emulation, Heard, Level, Protocol, Strength};
+use web_time::{Duration, Instant};
+
+use crate::device::declaration::{
+    Boot, BootLoader, Declaration, Emulation, Heard, Level, Protocol, Strength,
+};
 
 pub const ULTRAINO_MEGA64: Declaration = Declaration {
     name: "ultraino-mega64",
@@ -21,7 +31,8 @@ pub const ULTRAINO_MEGA64: Declaration = Declaration {
         // Once more: an interrupted list may have left any index, which only a swap resets.
         blanks: 3,
         modulation: None,
-        echo: Some(SWAP),
+        echo: Some(answer),
+        boot: Some(Boot { quiet: Duration::from_secs(2), held: Duration::from_secs(10) }),
         emulation: || Box::new(Twin::new()),
     }),
 };
@@ -30,7 +41,7 @@ const DIVISIONS: usize = 10;
 const PORTS: usize = 10;
 const PATTERN: usize = DIVISIONS * PORTS;
 const ELEMENTS: usize = 64;
-/// Exchanges the buffers; echoed.
+/// Exchanges the buffers.
 const SWAP: u8 = 0x00;
 /// Two bits of a duration, in the two highest.
 const DURATION: u8 = 0x30;
@@ -68,9 +79,35 @@ fn duration(periods: u8) -> [u8; 4] {
     [0, 2, 4, 6].map(|shift| DURATION | periods << shift & 0xC0)
 }
 
+/// Commands are sent back, and bytes for the next board on the line are sent on, counted down by one.
+fn answer(byte: u8) -> Option<u8> {
+    match byte {
+        _ if byte & 0x0F == MINE => None,
+        SWAP | COMMIT_DURATIONS => Some(byte),
+        _ if byte & 0x3F == DURATION => Some(byte),
+        _ => Some(byte - 1),
+    }
+}
+
+/// The boot loaders' time for the first byte.
+const FIRST_BYTE: Duration = Duration::from_secs(1);
+/// The factory's time for the next byte.
+const NEXT_BYTE: Duration = Duration::from_secs(8);
+/// Optiboot's time to the watchdog's reset after a byte that is no command.
+const WATCHDOG: Duration = Duration::from_millis(16);
+
+/// A running boot loader.
+#[derive(Debug)]
+struct Booting {
+    loader: BootLoader,
+    now: Instant,
+    ends: Instant,
+}
+
 /// The board's side.
 #[derive(Debug)]
 struct Twin {
+    booting: Option<Booting>,
     shown: [u8; PATTERN],
     hidden: [u8; PATTERN],
     /// Index of the next half byte.
@@ -82,7 +119,7 @@ impl Twin {
     fn new() -> Self {
         let mut shown = [0; PATTERN];
         shown[..PATTERN / 2].fill(0xFF);
-        Self { shown, hidden: [0; PATTERN], index: 0 }
+        Self { booting: None, shown, hidden: [0; PATTERN], index: 0 }
     }
 
     fn store(&mut self, byte: u8) {
@@ -110,7 +147,29 @@ impl Twin {
 }
 
 impl Emulation for Twin {
+    fn reset(&mut self, loader: BootLoader, now: Instant) {
+        *self = Self { booting: Some(Booting { loader, now, ends: now + FIRST_BYTE }), ..Self::new() };
+    }
+
+    fn pass(&mut self, now: Instant) {
+        if let Some(booting) = &mut self.booting {
+            booting.now = now;
+        }
+        self.booting.take_if(|booting| booting.ends <= now);
+    }
+
+    fn boots(&self) -> bool {
+        self.booting.is_some()
+    }
+
     fn push(&mut self, byte: u8) -> Heard {
+        if let Some(Booting { loader, now, ends }) = &mut self.booting {
+            *ends = match loader {
+                BootLoader::Factory => *now + NEXT_BYTE,
+                BootLoader::Optiboot => (*ends).min(*now + WATCHDOG),
+            };
+            return Heard::Nonsense;
+        }
         match byte {
             SWAP => return self.exchange(),
             COMMIT_DURATIONS => {}
@@ -122,6 +181,7 @@ impl Emulation for Twin {
     }
 
     fn shown(&self) -> Vec<Option<Level>> {
-        PINS.map(|pin| self.pulse(pin)).to_vec()
+        // The boot loader's pins are inputs.
+        PINS.map(|pin| if self.boots() { None } else { self.pulse(pin) }).to_vec()
     }
 }

@@ -14,6 +14,7 @@ macro_rules! protocol {
             blanks: 2,
             modulation: None,
             echo: None,
+            boot: None,
             emulation: || Box::new(Twin::new(&$build)),
         }
     };

@@ -65,7 +65,7 @@ fn findings(ui: &mut Ui, findings: &[Finding]) {
         let colour = match finding.verdict {
             Verdict::Passed => ui.visuals().text_color(),
             Verdict::Failed => theme::error(ui.visuals()),
-            Verdict::Noted => ui.visuals().weak_text_color(),
+            Verdict::Noted | Verdict::Unverified => ui.visuals().weak_text_color(),
         };
         ui.add(egui::Label::new(RichText::new(finding.to_string()).color(colour).small()).wrap());
     }
@@ -185,10 +185,7 @@ fn emergency_stop(run: &mut BringUp, board: &BoardShown, ui: &mut Ui, ask: &mut 
 }
 
 fn done(editor: &mut Editor, run: &mut BringUp, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
-    ui.label(match run.report.failed() {
-        0 => "The board passed.".to_owned(),
-        failed => format!("{failed} of the steps failed."),
-    });
+    ui.label(run.report.conclusion());
     if ui.button("Copy the report").on_hover_text("As a text, to send to others").clicked() {
         ui.ctx().copy_text(run.report.text(editor.board.profile, editor.board.port()));
     }

@@ -54,7 +54,7 @@ fn a_good_native_board_passes_with_its_facts_in_the_report() {
         "115200 baud: ",
         "2000000 baud: ",
         "fastest bit rate without loss",
-        "256 elements were played one by one",
+        "256 elements were sent one by one",
         "focus 100 mm above the centre",
         "emergency stop: not tried",
         "the board is silent again",
@@ -93,7 +93,11 @@ fn silent_elements_are_written_into_the_calibration() {
         "{}",
         said(&output)
     );
-    assert!(said(&output).contains("never answer"), "{}", said(&output));
+    assert!(
+        said(&output).contains("passed  the board is there: it sends back commands"),
+        "{}",
+        said(&output)
+    );
     let calibration = Calibration::read(&path, Profile::UltrainoMega64.elements()).unwrap();
     assert_eq!(calibration.off(), [2]);
     // The next run starts from this file.
@@ -101,6 +105,16 @@ fn silent_elements_are_written_into_the_calibration() {
     assert!(output.status.success(), "{}", said(&output));
     let calibration = Calibration::read(&path, Profile::UltrainoMega64.elements()).unwrap();
     assert!(calibration.off().is_empty());
+}
+
+#[test]
+fn a_board_that_never_answers_does_not_pass() {
+    let folder = tempfile::tempdir().unwrap();
+    let board = board(Profile::SonicSurface, Faults::default());
+    let output = check(&board, folder.path(), Profile::SonicSurface, &[], "");
+    assert!(output.status.success(), "{}", said(&output));
+    let said = said(&output);
+    assert!(!said.contains("passed") && said.contains("4 could not be verified"), "{said}");
 }
 
 #[test]

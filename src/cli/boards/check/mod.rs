@@ -81,7 +81,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<()> {
         output::write(path, check.report.text(args.profile, &args.port.display().to_string()).as_bytes())?;
     }
     match check.report.failed() {
-        0 => say!("The board passed."),
+        0 => say!("{}", check.report.conclusion()),
         failed => bail!("{failed} of the steps failed"),
     }
 }
@@ -118,12 +118,32 @@ impl Check {
         let link = Link::open(settings, Box::new(|| {}))?;
         let found = player::ready(&link, || self.interrupted.is_set(), warn)?;
         let Some(found) = found else { return Ok(()) };
-        self.note(Verdict::Passed, format!("the link is open at {} baud", found.baud))?;
+        let baud = found.baud;
+        match (self.profile.answers(), self.profile.echoes()) {
+            (true, _) => self.note(Verdict::Passed, format!("the link is open at {baud} baud"))?,
+            (false, true) => self.note(
+                Verdict::Passed,
+                format!("the board is there: it sends back commands at {baud} baud"),
+            )?,
+            (false, false) => self.note(
+                self.of_sent(),
+                format!("the port takes bytes at {baud} baud; whether a board reads them is unknown"),
+            )?,
+        }
         self.walk(&link)?;
         self.focus(&link, found)?;
         self.stop(&link)?;
         let health = link.close();
         self.leave(&health, &args.port)
+    }
+
+    /// The verdict on what was sent without an error. A person who listens judges boards that do not.
+    fn of_sent(&self) -> Verdict {
+        match (self.profile.answers(), self.answers.listen()) {
+            (true, _) => Verdict::Passed,
+            (false, true) => Verdict::Noted,
+            (false, false) => Verdict::Unverified,
+        }
     }
 
     /// Whether the content plays in time. Notices of the link go to standard error.
@@ -181,8 +201,12 @@ impl Check {
         }
         match (self.answers.listen(), silent.is_empty()) {
             (false, _) => self.note(
-                Verdict::Passed,
-                format!("{elements} elements were played one by one; --listen asks which are audible"),
+                self.of_sent(),
+                format!("{elements} elements were sent one by one; --listen asks which are audible"),
+            ),
+            (true, true) if element < elements => self.note(
+                Verdict::Unverified,
+                format!("{element} of {elements} elements were heard, and the rest skipped"),
             ),
             (true, true) => {
                 self.note(Verdict::Passed, format!("{element} of {elements} elements were heard"))
@@ -213,15 +237,16 @@ impl Check {
                 .ask(&format!("{what}: is it felt? (Enter: yes, n: no) "), &self.interrupted)?
             {
                 Answer::No => self.note(Verdict::Failed, format!("{what}: not felt")),
-                Answer::Yes | Answer::Again | Answer::Back | Answer::End => {
+                Answer::Yes | Answer::Again | Answer::Back => {
                     self.note(Verdict::Passed, format!("{what}: felt"))
                 }
+                Answer::End => self.note(Verdict::Unverified, format!("{what}: skipped")),
             };
         }
         while Instant::now() < until && !self.interrupted.is_set() {
             std::thread::sleep(POLL);
         }
-        self.note(Verdict::Passed, format!("{what}, played for {} s", FOCUS.as_secs()))
+        self.note(self.of_sent(), format!("{what}, sent for {} s", FOCUS.as_secs()))
     }
 
     /// Tests the emergency stop: it must silence the board until new content.
@@ -264,13 +289,16 @@ impl Check {
                 Verdict::Failed,
                 format!("{}: the port takes no bytes, and the board may still sound", port.display()),
             ),
-            State::Connecting | State::Ready => self.note(
+            State::Connecting | State::Ready if self.profile.answers() => self.note(
                 Verdict::Passed,
                 format!(
                     "the board is silent again; {} retransmissions at {} frames",
                     health.refused, health.frames
                 ),
             ),
+            State::Connecting | State::Ready => {
+                self.note(self.of_sent(), format!("silence was sent after {} frames", health.frames))
+            }
         }
     }
 }

@@ -27,7 +27,7 @@ impl<'a> Connection<'a> {
         let port = Port::open(&settings.port, Profile::Native.baud()).await?;
         // A delimiter first, to end an incomplete packet on the line.
         let silence = [vec![0], Packet::mute().to(BROADCAST).to_line()].concat();
-        let mut board = Sounding::new(port, silence, shared);
+        let mut board = Sounding::new(port, silence, Duration::ZERO, shared);
         let mut asker = Asker::new();
         let closing = || shared.wanted().closing;
         let info = introduce(&mut board.port, &mut asker, 0, &closing).await?;

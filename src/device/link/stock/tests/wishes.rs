@@ -46,7 +46,7 @@ fn a_link_ends_after_the_line_has_carried_its_silence() {
     let time = port.time_of(silence.len());
     assert!(time > 10 * MILLI);
     let begun = Instant::now();
-    drop(Sounding::new(port, silence, &shared));
+    drop(Sounding::new(port, silence, Duration::ZERO, &shared));
     assert!(begun.elapsed() >= time && shared.health().silenced, "{:?}", begun.elapsed());
 }
 
