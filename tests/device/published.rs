@@ -76,6 +76,25 @@ fn listed(byte: u8) -> Complex64 {
     if byte == 32 { Complex64::ZERO } else { pulse(32, usize::from(byte & 0x1F), 16) }
 }
 
+/// The output of each channel after the bytes of one frame, whatever is wired to it.
+pub fn channels(profile: Profile, bytes: &[u8]) -> Vec<Complex64> {
+    match profile {
+        Profile::Native => native(bytes),
+        Profile::Natives(_) => unreachable!("each of them is sent the bytes of one"),
+        Profile::UltrainoSimpleFpga | Profile::SonicSurface => {
+            assert_eq!((bytes[0], bytes[257]), (254, 253));
+            bytes[1..257].iter().map(|&byte| listed(byte)).collect()
+        }
+        Profile::SonicSurface2 => two_surfaces(bytes).1,
+        Profile::SonicSurfaceTactile => tactile(&bytes[1..257], Gateware::Published),
+        Profile::UltrainoMega64 => mega(bytes).1,
+        Profile::Acoustophoretic512 => {
+            let channel = |n: usize| pulse(128, usize::from(bytes[n] & 0x7F), usize::from(bytes[256 + n]));
+            (0..256).map(channel).collect()
+        }
+    }
+}
+
 /// The board's output after the bytes of one frame.
 pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) -> Vec<Transducer> {
     let (places, plays): (Vec<_>, Vec<_>) = match profile {

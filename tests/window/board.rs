@@ -14,8 +14,9 @@ use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::health::State;
 use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
+use sonoglyph::device::wiring::Wiring;
 use sonoglyph::field::Quantity;
-use sonoglyph::scene::{Envelope, LiquidName, Motion, MotionPath};
+use sonoglyph::scene::{Envelope, LiquidName, Motion, MotionPath, Scene};
 use sonoglyph::ui::board::Plays;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::Lens;
@@ -73,7 +74,7 @@ pub fn connected_to(port: &Path, profile: Profile, scene: &str) -> Screen {
 /// The levels of the scene's solution for the board.
 fn wanted(screen: &Screen, profile: Profile) -> Levels {
     let solution = screen.state().shown().solution.as_ref().unwrap();
-    Levels::new(profile, &solution.drive, &Calibration::default()).unwrap()
+    Wiring::own(profile).levels(&solution.drive, &Calibration::default()).unwrap()
 }
 
 fn place(screen: &Screen, x: f64, y: f64) -> Pos2 {
@@ -232,10 +233,10 @@ fn elements_are_tested_one_by_one() {
     screen.get_by_label("Single element").click();
     screen.run_steps(2);
     assert_eq!(screen.state().shown().board.plays, Plays::One(37));
-    arrives(&mut screen, &shown, &Levels::one(Profile::SonicSurface, 37));
+    arrives(&mut screen, &shown, &Wiring::own(Profile::SonicSurface).one(37));
     screen.get_by_label("Checkerboard").click();
     screen.run_steps(2);
-    arrives(&mut screen, &shown, &Levels::checkerboard(Profile::SonicSurface, 16));
+    arrives(&mut screen, &shown, &Wiring::own(Profile::SonicSurface).checkerboard(16));
     screen.get_by_label("Disconnect").click();
     until(&mut screen, "silence", |_| is_silent(&board));
 }
@@ -377,7 +378,7 @@ fn a_board_is_brought_up_step_by_step() {
     screen.state_mut().editor_mut().board.bring_up.as_mut().unwrap().file = file.display().to_string();
     screen.run_steps(2);
     press(&mut screen, "Save");
-    assert_eq!(Calibration::read(&file, 256).unwrap().off(), [1]);
+    assert_eq!(Calibration::read(&file, &Scene::default()).unwrap().off(), [1]);
     assert_eq!(screen.state().editor().board.calibration, file.display().to_string());
     press(&mut screen, "End");
     until(&mut screen, "silence", |_| is_silent(&board));
