@@ -51,7 +51,7 @@ impl Calibration {
     /// transducers are matched by position.
     ///
     /// # Errors
-    /// An unreadable file, the errors of [`Self::parse`] and [`pat::read`], or a `.pat` of another array.
+    /// An unreadable file, the errors of [`Self::parse`], or a broken `.pat` or that of another array.
     pub fn read(path: &Path, scene: &Scene) -> Result<Self, CalibrationError> {
         let text = source::read_text(path, MOST_BYTES);
         let text = text.map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
@@ -119,7 +119,7 @@ impl Calibration {
     }
 
     /// The sound of a drive by elements that need these corrections.
-    pub fn sound(&self, mut drive: Drive) -> Drive {
+    pub(crate) fn sound(&self, mut drive: Drive) -> Drive {
         let values = drive.amplitudes.iter_mut().zip(&mut drive.phases);
         for ((amplitude, phase), one) in values.zip(&self.elements) {
             *amplitude = if one.off || one.gain == 0.0 { 0.0 } else { *amplitude / one.gain };

@@ -19,7 +19,7 @@ pub mod levels;
 pub mod link;
 pub mod native;
 pub mod pace;
-pub mod pat;
+pub(crate) mod pat;
 pub mod port;
 pub mod profile;
 pub mod statistics;

@@ -13,7 +13,7 @@ use crate::table::TableError;
 
 /// The content of a file, by transducer.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct BoardFile {
+pub(crate) struct BoardFile {
     /// m; they radiate along z.
     pub places: Vec<DVec3>,
     /// Line of the places.
@@ -25,7 +25,7 @@ pub struct BoardFile {
 }
 
 /// Whether a text is such a file: its fourth line is a list of positions.
-pub fn is_board(text: &str) -> bool {
+pub(crate) fn is_board(text: &str) -> bool {
     lines(text).nth(3).is_some_and(|(_, line)| line.starts_with('('))
 }
 
@@ -38,7 +38,7 @@ fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> {
 
 /// # Errors
 /// A missing list, one of another length, an invalid number, or a pin of two transducers.
-pub fn read(text: &str) -> Result<BoardFile, TableError> {
+pub(crate) fn read(text: &str) -> Result<BoardFile, TableError> {
     let mut lines = lines(text).skip(1);
     let mut count = |what: &str| {
         let (line, text) = lines.next().ok_or_else(|| refusal(1, "the table ends early"))?;
@@ -121,7 +121,7 @@ impl BoardFile {
     ///
     /// # Errors
     /// An array with other places.
-    pub fn transducers_at(&self, places: &[DVec3]) -> Result<Vec<usize>, TableError> {
+    pub(crate) fn transducers_at(&self, places: &[DVec3]) -> Result<Vec<usize>, TableError> {
         if places.len() != self.places.len() {
             let reason = format!("{} places, and the array has {}", self.places.len(), places.len());
             return Err(refusal(self.line, reason));

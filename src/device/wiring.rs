@@ -34,7 +34,7 @@ fn of_board(csv: &str) -> Wires {
 }
 
 /// Names of the orders of known boards.
-pub fn presets() -> impl Iterator<Item = &'static str> {
+pub(crate) fn presets() -> impl Iterator<Item = &'static str> {
     PRESETS.iter().map(|(name, _)| *name)
 }
 
@@ -42,7 +42,7 @@ pub fn presets() -> impl Iterator<Item = &'static str> {
 ///
 /// # Errors
 /// The available names, for an unknown name; or an array of another size.
-pub fn preset(name: &str, elements: usize) -> Result<Wires, String> {
+pub(crate) fn preset(name: &str, elements: usize) -> Result<Wires, String> {
     let Some((_, wires)) = PRESETS.iter().find(|(known, _)| *known == name) else {
         let names: Vec<_> = presets().collect();
         return Err(format!("no preset of that name: {}", names.join(", ")));
@@ -58,7 +58,7 @@ pub fn preset(name: &str, elements: usize) -> Result<Wires, String> {
 ///
 /// # Errors
 /// An invalid row, duplicate elements or channels, or no wires.
-pub fn read(csv: &[u8], elements: usize) -> Result<Vec<Option<Wire>>, TableError> {
+pub(crate) fn read(csv: &[u8], elements: usize) -> Result<Vec<Option<Wire>>, TableError> {
     let mut table = Table::open(csv, ["element", "channel"], [])?;
     let mut wires: Vec<Option<Wire>> = vec![None; elements];
     let mut lines = std::collections::HashMap::new();

@@ -141,7 +141,7 @@ fn in_words(trial: &Trial) -> String {
 }
 
 /// The tested array: a scene's if the board drives it, or else one of the board's shape.
-pub fn tested(profile: Profile, scene: &Scene) -> (Scene, Wiring) {
+pub(crate) fn tested(profile: Profile, scene: &Scene) -> (Scene, Wiring) {
     match Wiring::of(profile, scene, Share::default()) {
         Ok(wiring) => (scene.clone(), wiring),
         Err(_) => (board_scene(profile), Wiring::own(profile)),
@@ -169,7 +169,7 @@ pub fn focus_scene(array: &Scene, carrier: f64) -> Scene {
 }
 
 /// "element 3 (row 0, column 3)", or the position in a table.
-pub fn named(scene: &Scene, element: usize) -> String {
+pub(crate) fn named(scene: &Scene, element: usize) -> String {
     let each = scene.array.elements().max(1);
     let board = match scene.boards.len() {
         0 | 1 => String::new(),

@@ -79,7 +79,7 @@ pub fn load_elements(array: &mut Array, folder: &Path) -> Result<(), KeyError> {
 ///
 /// # Errors
 /// A missing or invalid table.
-pub fn load_wires(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
+pub(crate) fn load_wires(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     if let Some(name) = scene.array.wiring.as_ref().filter(|_| scene.array.lacks_wires()) {
         scene.array.wires = wires(name, folder, scene)
             .map_err(|message| KeyError::new([Key::from("array"), Key::from("wiring")], message))?;

@@ -48,6 +48,10 @@ pub struct Player {
     silenced: u64,
 }
 
+/// The notice about several boards with the corrections of one.
+const ONE_FILE: &str = "every board of the scene is played with the corrections of the same file: give each board its own, in \
+                        the scene's order, with `--calibration`";
+
 /// What a board plays.
 #[derive(Clone, Debug, PartialEq)]
 struct Played {
@@ -130,7 +134,10 @@ impl Player {
         let frames = frames.map_err(|error| error.to_string())?;
         let weak = drives.iter().find_map(|drive| levels::amplitude_notice(profile, drive, calibration));
         let raw = profile.uncalibrated().filter(|_| calibration.elements() == 0).map(str::to_owned);
-        let notices = weak.into_iter().chain(raw).filter(|_| is_first).collect();
+        let is_shared =
+            scene.boards.len() > 1 && self.calibration.elements() == 0 && calibration.elements() > 0;
+        let shared = is_shared.then(|| ONE_FILE.to_owned());
+        let notices = weak.into_iter().chain(raw).chain(shared).filter(|_| is_first).collect();
         self.show(match performance {
             Performance::Still(_) => Content::in_turn(frames, rate),
             Performance::Motion(_) => Content::Motion { frames, rate },

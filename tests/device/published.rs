@@ -121,12 +121,16 @@ pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) ->
     places.into_iter().zip(plays).map(|(place, plays)| Transducer { place, plays }).collect()
 }
 
-/// Phases in 1/256 of a period by channel (`gateware/doc/protocol.md`): the end of a COBS packet, before its CRC of 4
-/// bytes.
+/// By channel, in 1/256 of a period and 1/255 of the amplitude (`gateware/doc/protocol.md`): a COBS packet of code,
+/// address, number, four arguments, data and a CRC of 4 bytes. PHASES has one amplitude as an argument, FRAME has pairs.
 fn native(line: &[u8]) -> Vec<Complex64> {
     let packet = cobs::decode_vec(&line[..line.len() - 1]).unwrap();
-    let phases = &packet[packet.len() - 256 - 4..packet.len() - 4];
-    phases.iter().map(|&phase| pulse(256, usize::from(phase), 128)).collect()
+    let data = &packet[7..packet.len() - 4];
+    let plays = |phase: u8, amplitude: u8| pulse(256, usize::from(phase), 128) * f64::from(amplitude) / 255.0;
+    match packet[0] {
+        0x10 => data.iter().map(|&phase| plays(phase, packet[4])).collect(),
+        _ => data.as_chunks::<2>().0.iter().map(|&[phase, amplitude]| plays(phase, amplitude)).collect(),
+    }
 }
 
 /// The second board continues the rows of the first, 16 pitches further up.

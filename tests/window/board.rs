@@ -16,7 +16,7 @@ use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
 use sonoglyph::device::wiring::Wiring;
 use sonoglyph::field::Quantity;
-use sonoglyph::scene::{Envelope, LiquidName, Motion, MotionPath, Scene};
+use sonoglyph::scene::{Envelope, LiquidName, Motion, MotionPath, Scene, Wire, Wires};
 use sonoglyph::ui::board::Plays;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::Lens;
@@ -223,6 +223,33 @@ fn a_steady_scene_is_modulated_by_one_click() {
     screen.state_mut().editor_mut().document.scene.liquid.name = Some(LiquidName::Water);
     screen.run_steps(3);
     assert!(screen.query_by_label(OFFER).is_none());
+}
+
+#[test]
+fn a_wired_array_is_played_and_tested_by_element() {
+    let (mut screen, board, shown) = connected(Profile::SonicSurface);
+    let wire = |n: u32| (n != 9).then(|| Wire { channel: 255 - 3 * n, line: u64::from(n) + 2 });
+    let array = &mut screen.state_mut().editor_mut().document.scene.array;
+    (array.columns, array.rows) = (8, 8);
+    array.wiring = Some("w.csv".to_owned());
+    array.wires = Wires::new((0..64).map(wire).collect(), false, None);
+    screen.run_steps(8);
+    screen.get_by_label("Send").click();
+    screen.run_steps(2);
+    let drive = screen.state().shown().solution.as_ref().unwrap().drive.clone();
+    let mut levels = Levels::off(Profile::SonicSurface);
+    for n in (0..64).filter(|&n| n != 9) {
+        levels.channels[255 - 3 * n] = Profile::SonicSurface.level(1.0, drive.phases[n]);
+    }
+    arrives(&mut screen, &shown, &levels);
+    assert_eq!(drive.amplitudes[9], 0.0, "it cannot sound");
+    screen.state_mut().editor_mut().board.element = 37;
+    screen.step();
+    screen.get_by_label("Single element").click();
+    screen.run_steps(2);
+    arrives(&mut screen, &shown, &Levels::one(Profile::SonicSurface, 255 - 3 * 37));
+    screen.get_by_label("Disconnect").click();
+    until(&mut screen, "silence", |_| is_silent(&board));
 }
 
 #[test]
