@@ -65,7 +65,7 @@ impl Calibration {
         if file.corrections.is_empty() {
             return Err(CalibrationError::NoCorrections);
         }
-        let places: Vec<_> = scene.array.places().iter().map(|it| it.at).collect();
+        let places: Vec<_> = scene.array.places().iter().map(|it| it.at.to_array()).collect();
         let transducers = file.transducers_at(&places)?;
         Ok(Self { elements: transducers.into_iter().map(|n| file.corrections[n]).collect() })
     }

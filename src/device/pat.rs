@@ -5,8 +5,6 @@
 //! phases are delays: a transducer with a positive phase lags. Its document has the corrections by pin, its driver
 //! (`AsierInhoImpl.cpp`, `discretizePhases`) and solver (`discretise`) by transducer, as here.
 
-use glam::DVec3;
-
 use crate::echo;
 use crate::scene::{Correction, Wire};
 use crate::table::TableError;
@@ -15,7 +13,7 @@ use crate::table::TableError;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct BoardFile {
     /// m; they radiate along z.
-    pub places: Vec<DVec3>,
+    pub places: Vec<[f64; 3]>,
     /// Line of the places.
     pub line: u64,
     /// Empty if the file ends with the places.
@@ -75,13 +73,15 @@ pub(crate) fn read(text: &str) -> Result<BoardFile, TableError> {
     Ok(BoardFile { places, line, wires, corrections })
 }
 
-fn places(line: u64, text: &str) -> Result<Vec<DVec3>, TableError> {
+fn places(line: u64, text: &str) -> Result<Vec<[f64; 3]>, TableError> {
     let place = |(index, place): (usize, &str)| {
         let fields = place.split(')').next().unwrap_or("").split(',');
         let numbers: Result<Vec<f64>, _> = fields.map(|field| field.trim().parse()).collect();
-        match numbers.as_deref() {
-            Ok(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
-            Ok(_) | Err(_) => Err(refusal(line, format!("place {}: not (x, y, z) in metres", index + 1))),
+        match numbers.map(<[f64; 3]>::try_from) {
+            Ok(Ok(place)) => Ok(place),
+            Ok(Err(_)) | Err(_) => {
+                Err(refusal(line, format!("place {}: not (x, y, z) in metres", index + 1)))
+            }
         }
     };
     text.split('(').skip(1).enumerate().map(place).collect()
@@ -121,31 +121,35 @@ impl BoardFile {
     ///
     /// # Errors
     /// An array with other places.
-    pub(crate) fn transducers_at(&self, places: &[DVec3]) -> Result<Vec<usize>, TableError> {
+    pub(crate) fn transducers_at(&self, places: &[[f64; 3]]) -> Result<Vec<usize>, TableError> {
         if places.len() != self.places.len() {
             let reason = format!("{} places, and the array has {}", self.places.len(), places.len());
             return Err(refusal(self.line, reason));
         }
-        let nearest = |at: DVec3, but: Option<usize>| {
+        let nearest = |at: [f64; 3], but: Option<usize>| {
             let others = (0..self.places.len()).filter(|&n| Some(n) != but);
             others
-                .map(|n| (n, self.places[n].distance(at)))
+                .map(|n| (n, distance(self.places[n], at)))
                 .min_by(|(_, a), (_, b)| a.total_cmp(b))
                 .unwrap_or((0, f64::INFINITY))
         };
         let mut taken = vec![false; places.len()];
-        let transducer = |(element, &at): (usize, &DVec3)| {
+        let transducer = |(element, &at): (usize, &[f64; 3])| {
             let (transducer, apart) = nearest(at, None);
             let spacing = nearest(self.places[transducer], Some(transducer)).1;
             if apart < spacing / 2.0 && !std::mem::replace(&mut taken[transducer], true) {
                 return Ok(transducer);
             }
-            let [x, y, z] = (at * 1e3).to_array();
+            let [x, y, z] = at.map(|it| 1e3 * it);
             let reason = format!("no place is that of element {element}, ({x:.2}, {y:.2}, {z:.2}) mm");
             Err(refusal(self.line, reason))
         };
         places.iter().enumerate().map(transducer).collect()
     }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.into_iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 fn refusal(line: u64, reason: impl Into<String>) -> TableError {

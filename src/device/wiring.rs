@@ -141,13 +141,17 @@ impl fmt::Display for ArraySize {
 
 /// The arrays that a board drives, as text.
 fn size(profile: Profile, ports: usize) -> String {
-    let each = if ports > 1 { format!("each of {ports} ports drives") } else { "drives".to_owned() };
+    let each = if ports > 1 { format!(" at each of {ports} ports") } else { String::new() };
     match profile.shape() {
         Some([columns, rows]) => {
             let name = profile.name();
-            format!("{name} {each} {columns} x {rows}: `array.wiring` names the channels of other arrays")
+            format!("{name} is {columns} x {rows}{each}: `array.wiring` names the channels of other arrays")
         }
-        None => format!("{} {each} up to {} elements", profile.name(), profile.elements()),
+        None => format!(
+            "{} drives up to {} elements in any rows and columns{each}",
+            profile.name(),
+            profile.elements()
+        ),
     }
 }
 
@@ -179,8 +183,8 @@ impl Wiring {
 
     /// A board and a scene. Without wires, the array has the board's columns and rows (the pitch may differ), and
     /// several boards on a line correspond to several boards of the scene or to consecutive rows of one; or it has at
-    /// most the elements of a board that drives any array. Each of several ports drives a board of the scene, or the
-    /// next channels.
+    /// most the elements of a board that drives any array. Several boards with a port or an address each drive one board
+    /// of the scene each, or the next elements.
     ///
     /// # Errors
     /// An array of another size, or a wire to a channel that the board lacks.
@@ -303,18 +307,18 @@ fn in_own_order(profile: Profile, scene: &Scene, share: Share) -> Result<Vec<usi
     let (boards, elements) = (scene.boards.len().max(1), scene.elements());
     let grid = scene.array.file.is_none().then_some([scene.array.columns, scene.array.rows]);
     let together = grid.map(|[columns, rows]| [columns, rows.saturating_mul(boards as u32)]);
-    // Elements that begin at a port's first channel.
-    let each = if boards == share.of { scene.array.elements() } else { elements };
+    // A board of the scene for each of those on the lines begins at its first channel.
+    let (one, all) = (of_one_board(profile), profile.elements() * share.of);
+    let (each, room) = if boards == all / one { (scene.array.elements(), one) } else { (elements, all) };
     let fits = match profile.shape() {
         Some([columns, rows]) => together == Some([columns, rows * share.of as u32]),
-        None if boards == share.of => each <= profile.elements(),
-        None => elements <= profile.elements() * share.of,
+        None => each <= room,
     };
     if !fits {
         let array = ArraySize { boards, grid, elements };
         return Err(OtherArray::Size { profile, array, ports: share.of });
     }
-    let channel = |n: usize| n / each * profile.elements() + own_channel(profile, n % each);
+    let channel = |n: usize| n / each * room + own_channel(profile, n % each);
     Ok((0..elements).map(channel).collect())
 }
 

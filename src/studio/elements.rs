@@ -78,7 +78,8 @@ fn of_ultraino<'a>(lines: impl Iterator<Item = (u64, &'a str)>) -> Result<Vec<(u
 
 fn of_board(text: &str) -> Result<Elements, TableError> {
     let file = pat::read(text)?;
-    let placed = file.places.iter().map(|&at| (file.line, Placed { at, normal: DVec3::Z })).collect();
+    let placed =
+        file.places.iter().map(|&at| (file.line, Placed { at: at.into(), normal: DVec3::Z })).collect();
     let elements = Elements::new(checked(placed)?, None);
     if file.wires.is_empty() {
         return Ok(elements);

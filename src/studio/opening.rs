@@ -96,7 +96,7 @@ fn wires(name: &str, folder: &Path, scene: &Scene) -> Result<Wires, String> {
     let bytes = source::read(&path, MOST_BYTES).map_err(|error| format!("{}: {error}", path.display()))?;
     let text = String::from_utf8_lossy(&bytes);
     let read = if pat::is_board(&text) {
-        let places: Vec<_> = scene.array.places().iter().map(|it| it.at).collect();
+        let places: Vec<_> = scene.array.places().iter().map(|it| it.at.to_array()).collect();
         let of_places = |file: pat::BoardFile| {
             let transducers = file.transducers_at(&places)?;
             Ok(transducers.into_iter().map(|n| file.wires.get(n).copied()).collect())

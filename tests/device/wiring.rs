@@ -125,6 +125,23 @@ fn any_array_plays_on_any_board_by_its_wiring() {
 }
 
 #[test]
+fn several_boards_begin_at_their_own_first_channels() {
+    let boards = "[[board]]\n[[board]]\nat = [0.3, 0, 0]";
+    let scene = scene("columns = 10\nrows = 10", boards, &[]);
+    let channel = |profile, share, element: usize| {
+        let one = Wiring::of(profile, &scene, share).unwrap().one(element);
+        one.channels.iter().position(Option::is_some)
+    };
+    let alone = Share::default();
+    assert_eq!([99, 100, 199].map(|n| channel(Profile::Natives(2), alone, n)), [99, 256, 355].map(Some));
+    assert_eq!([99, 100, 199].map(|n| channel(Profile::Native, alone, n)), [99, 100, 199].map(Some));
+    let second = Share { index: 1, of: 2 };
+    assert_eq!([99, 100, 199].map(|n| channel(Profile::Native, second, n)), [None, Some(0), Some(99)]);
+    let refused = Wiring::of(Profile::SonicSurface, &scene, alone).unwrap_err().to_string();
+    assert!(refused.contains("2 boards of 10 x 10") && refused.contains("array.wiring"), "{refused}");
+}
+
+#[test]
 fn native_drives_small_arrays_without_a_wiring() {
     for (array, elements) in [
         ("columns = 8\nrows = 8", 64),
