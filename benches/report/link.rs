@@ -84,7 +84,7 @@ fn frame(profile: Profile, number: u16) -> Levels {
         let mixed = (n as u32).wrapping_mul(2_654_435_769).wrapping_add(u32::from(number) * 40_503) >> 16;
         Level { delay: (mixed % u32::from(profile.levels())) as u16, amplitude: full.amplitude }
     };
-    Levels { profile, elements: (0..profile.elements()).map(|n| Some(level(n))).collect() }
+    Levels { profile, channels: (0..profile.elements()).map(|n| Some(level(n))).collect() }
 }
 
 #[derive(Default)]

@@ -59,6 +59,8 @@ class Array(_Table):
     off: Sequence[int] | None = None
     elements: FileName | None = None
     """a CSV file, or preset:NAME"""
+    wiring: FileName | None = None
+    """the boards' channels: a CSV file with element,channel, or preset:NAME"""
     reflectivity: float | None = None
 
 

@@ -124,6 +124,8 @@ pub enum Outcome {
     Heard(Result<Wave, String>),
     /// An array with loaded elements.
     Placed(Result<Box<Array>, String>),
+    /// An array with loaded wires.
+    Wired(Result<Box<Array>, String>),
     /// The motion was exported, if it was not called off.
     Filmed(PathBuf, anyhow::Result<Option<()>>),
 }

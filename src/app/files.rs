@@ -17,7 +17,7 @@ use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::figure::Format;
 use crate::picture::{export, numbers, sheet};
-use crate::scene::{Array, Elements, Envelope, Scene, Wave, check};
+use crate::scene::{Array, Elements, Envelope, Scene, Wave, Wires, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
@@ -304,6 +304,11 @@ impl Window {
             Outcome::Heard(Ok(wave)) => self.take_waveform(wave),
             Outcome::Heard(Err(error)) => self.refuse("The waveform cannot be read", &anyhow!(error)),
             Outcome::Placed(Ok(array)) => self.editor.document.scene.array = *array,
+            Outcome::Wired(Ok(array)) => {
+                let own = &mut self.editor.document.scene.array;
+                (own.wiring, own.wires) = (array.wiring, array.wires);
+            }
+            Outcome::Wired(Err(error)) => self.refuse("The table holds no wiring", &anyhow!(error)),
             Outcome::Placed(Err(error)) => self.refuse("The table holds no array", &anyhow!(error)),
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {
@@ -439,10 +444,24 @@ impl Window {
     pub(super) fn read_elements(&mut self, path: &Path, ctx: &egui::Context) {
         let file = Some(path.to_string_lossy().into_owned());
         let array = self.editor.scene().array.clone();
-        let mut array = Array { file, placed: Elements::default(), off: Vec::new(), ..array };
+        // Other elements: undriven ones and wires are those of the former.
+        let (wiring, wires) = (None, Wires::default());
+        let mut array = Array { file, placed: Elements::default(), off: Vec::new(), wiring, wires, ..array };
         self.send(ctx, move |_| {
             let read = opening::load_elements(&mut array, Path::new(""));
             Outcome::Placed(read.map(|()| Box::new(array)).map_err(|error| error.message))
+        });
+    }
+
+    /// Reads a table of wires, then uses it.
+    pub(super) fn read_wiring(&mut self, path: &Path, ctx: &egui::Context) {
+        let mut scene = self.editor.scene().clone();
+        (scene.array.wiring, scene.array.wires) =
+            (Some(path.to_string_lossy().into_owned()), Wires::default());
+        self.send(ctx, move |_| {
+            let read = opening::load_wires(&mut scene, Path::new(""));
+            let read = read.and_then(|()| check::check(&scene));
+            Outcome::Wired(read.map(|()| Box::new(scene.array)).map_err(|error| error.message))
         });
     }
 

@@ -9,15 +9,15 @@ use eframe::egui::Context;
 
 use crate::acoustics::Aperture;
 use crate::device::calibration::Calibration;
-use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Settings};
 use crate::device::port;
 use crate::device::profile::Profile;
 use crate::device::task::{self, Task};
+use crate::device::wiring::{Share, Wiring};
 use crate::scene::{Envelope, Modulation};
 use crate::solver::{self, Problem, Solution};
 use crate::source;
-use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line};
+use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line, tested};
 use crate::studio::output::{self, note};
 use crate::studio::performance::Performance;
 use crate::studio::player::Player;
@@ -38,7 +38,7 @@ pub struct Board {
     hears_signals: bool,
     /// A scene or a motion is to be sent, once it is solved.
     awaits: bool,
-    compared: Option<(Arc<Solution>, Profile)>,
+    compared: Option<(Arc<Solution>, Wiring)>,
     survey: Option<Receiver<Surveyed>>,
     /// Whether ports have been listed: once at the beginning, then on request.
     has_listed: bool,
@@ -87,13 +87,13 @@ impl Board {
             BoardCommand::One => {
                 let element = editor.board.element;
                 shown.board.plays = Plays::One(element);
-                self.show(Content::Still(Levels::one(profile, element as usize)));
+                let (_, wiring) = tested(profile, editor.scene());
+                self.show(Content::Still(wiring.one(element as usize)));
             }
             BoardCommand::Checkerboard => {
                 shown.board.plays = Plays::Checkerboard;
-                let columns =
-                    profile.shape().map_or(editor.scene().array.columns, |[columns, _]| columns) as usize;
-                self.show(Content::Still(Levels::checkerboard(profile, columns)));
+                let (scene, wiring) = tested(profile, editor.scene());
+                self.show(Content::Still(wiring.checkerboard(scene.array.columns as usize)));
             }
             BoardCommand::Survey => self.survey(editor, shown, ctx),
             BoardCommand::Focus => self.focus(editor, shown),
@@ -147,9 +147,9 @@ impl Board {
         let profile = editor.board.profile;
         let carrier = shown.board.found.map_or(profile.carrier(), |found| found.carrier);
         let Some(player) = &mut *locked(&self.player) else { return };
-        let solved = solver::solve(&focus_scene(profile, carrier)).map_err(|error| error.to_string());
-        let levels =
-            solved.and_then(|solution| player.levels(&solution.drive).map_err(|error| error.to_string()));
+        let scene = focus_scene(&tested(profile, editor.scene()).0, carrier);
+        let solved = solver::solve(&scene).map_err(|error| error.to_string());
+        let levels = solved.and_then(|solution| player.levels(&scene, &solution.drive));
         match levels {
             Ok(levels) => {
                 shown.board.plays = Plays::Focus;
@@ -186,7 +186,7 @@ impl Board {
     fn connect(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let form = &editor.board;
         let calibration = match form.calibration() {
-            Some(path) => Calibration::read(&path, form.profile.elements())
+            Some(path) => Calibration::read(&path, &tested(form.profile, editor.scene()).0)
                 .map_err(|error| format!("{}: {error}", path.display())),
             None => Ok(Calibration::default()),
         };
@@ -292,8 +292,9 @@ impl Board {
         if std::mem::take(&mut self.awaits) {
             player.forget();
         }
-        if let Err(error) = player.play(editor.scene(), performance) {
-            refuse(shown, error);
+        match player.play(editor.scene(), performance) {
+            Ok(notices) => notices.into_iter().for_each(|text| tell(shown, text, false)),
+            Err(error) => refuse(shown, error),
         }
     }
 
@@ -304,22 +305,27 @@ impl Board {
             shown.board.pressures = None;
             return;
         };
-        let same =
-            |(compared, of): &(Arc<Solution>, Profile)| Arc::ptr_eq(compared, solution) && *of == profile;
-        if self.compared.as_ref().is_some_and(same) || editor.panel != Panel::Device {
+        if editor.panel != Panel::Device {
             return;
         }
-        self.compared = Some((solution.clone(), profile));
-        let aperture = Aperture::new(editor.scene());
-        let fits =
-            aperture.positions.len() == solution.drive.phases.len() && profile.drives(editor.scene()).is_ok();
-        let levels = Levels::new(profile, &solution.drive, &Calibration::default());
-        shown.board.pressures = levels.ok().filter(|_| fits).map(|levels| {
+        let Ok(wiring) = Wiring::of(profile, editor.scene(), Share::default()) else {
+            (shown.board.pressures, self.compared) = (None, None);
+            return;
+        };
+        let same =
+            |(compared, of): &(Arc<Solution>, Wiring)| Arc::ptr_eq(compared, solution) && *of == wiring;
+        if self.compared.as_ref().is_some_and(same) {
+            return;
+        }
+        let levels = wiring.levels(&solution.drive, &Calibration::default());
+        shown.board.pressures = levels.ok().map(|levels| {
+            let aperture = Aperture::new(editor.scene());
             let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;
-            let played = transfer.pressure(&levels.drive().excitation(&aperture.driven));
+            let played = transfer.pressure(&wiring.drive(&levels.drive()).excitation(&aperture.driven));
             let mean = played.iter().map(|p| p.norm()).sum::<f64>() / played.len().max(1) as f64;
             (solution.quality.mean_pressure, mean)
         });
+        self.compared = Some((solution.clone(), wiring));
     }
 }
 
@@ -389,6 +395,11 @@ fn hear(event: Event, profile: Profile, shown: &mut Shown) {
         Event::Lost(why) => (format!("The board is lost: {why}"), true),
         Event::Notice(text) => (text, false),
     };
+    tell(shown, text, is_error);
+}
+
+/// Adds a message of the board.
+fn tell(shown: &mut Shown, text: String, is_error: bool) {
     let messages = &mut shown.board.messages;
     messages.push(text.clone());
     let old = messages.len().saturating_sub(KEPT);
@@ -399,10 +410,12 @@ fn hear(event: Event, profile: Profile, shown: &mut Shown) {
 /// Starts with the current calibration, to which silent elements are added.
 fn begin_with_own(editor: &mut Editor) -> Result<(), String> {
     let Some(path) = editor.board.calibration() else { return Ok(()) };
-    let own = Calibration::read(&path, editor.board.profile.elements())
-        .map_err(|error| format!("{}: {error}", path.display()))?;
+    let (scene, _) = tested(editor.board.profile, editor.scene());
+    let own = Calibration::read(&path, &scene).map_err(|error| format!("{}: {error}", path.display()))?;
     if let Some(run) = &mut editor.board.bring_up {
-        (run.calibration, run.file) = (own, editor.board.calibration.clone());
+        // It is written as CSV.
+        let file = path.with_extension("csv").display().to_string();
+        (run.calibration, run.file) = (own, file);
     }
     Ok(())
 }

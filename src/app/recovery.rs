@@ -116,6 +116,7 @@ fn read(path: &Path) -> Option<(Scene, Paintings)> {
     let folder = path.parent().unwrap_or(Path::new(""));
     // Missing files are reported where the scene is shown.
     let _ = opening::load_elements(&mut scene.array, folder);
+    let _ = opening::load_wires(&mut scene, folder);
     for target in &mut scene.targets {
         let _ = opening::load_targets(std::slice::from_mut(target), folder);
     }

@@ -89,8 +89,8 @@ impl Board {
     /// A scene that this board cannot play: it is then silent.
     pub fn play(&mut self, scene: &Scene, performance: Performance) -> Result<(), String> {
         self.offer(scene, matches!(performance, Performance::Motion(_)));
-        let notice = self.player.play(scene, performance)?;
-        notice.iter().for_each(|notice| warn(notice));
+        let notices = self.player.play(scene, performance)?;
+        notices.iter().for_each(|notice| warn(notice));
         Ok(())
     }
 

@@ -151,7 +151,8 @@ fn refuse_file_of(target: &Target) -> Result<(), EditError> {
 /// A scene that names files, or an error of [`opening::load`].
 pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     scene.targets.iter().try_for_each(refuse_file_of)?;
-    let table = scene.array.file.iter().filter(|name| !name.starts_with(arrays::PRESET));
+    let tables = scene.array.file.iter().chain(&scene.array.wiring);
+    let table = tables.filter(|name| !name.starts_with(arrays::PRESET));
     let wave = Some(&scene.modulation.file).filter(|name| !name.is_empty());
     if let Some(name) = table.chain(wave).next() {
         return Err(EditError::NamesFile(echo::value(name)));

@@ -3,27 +3,19 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::device::pat;
+use crate::drive::Drive;
+use crate::scene::{Correction, Scene};
 use crate::source;
 use crate::table::{Table, TableError};
 
 /// Bytes of a file, at most.
 const MOST_BYTES: u64 = 1 << 20;
 
-/// Per element; a missing element needs no correction.
+/// Per element of a scene; empty without corrections.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
-    elements: Vec<Element>,
-}
-
-/// One row of the file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Element {
-    /// Phase lead of its sound, degrees; 180 for reversed polarity.
-    offset: f64,
-    /// Factor on its amplitude, 0 to 1.
-    gain: f64,
-    /// The element is not driven.
-    off: bool,
+    elements: Vec<Correction>,
 }
 
 #[derive(Debug, PartialEq, thiserror::Error)]
@@ -34,6 +26,10 @@ pub enum CalibrationError {
     Row(TableError),
     #[error("{} of {elements} elements are missing: {}", missing.len(), listed(missing))]
     Gaps { missing: Vec<usize>, elements: usize },
+    #[error("this is the file of one board, and the scene has {0}: give each board its own file")]
+    OneBoard(usize),
+    #[error("the file has places but no corrections")]
+    NoCorrections,
 }
 
 /// The row's error is printed in full above, so it is not also a source.
@@ -51,27 +47,57 @@ fn listed(numbers: &[usize]) -> String {
 }
 
 impl Calibration {
+    /// Reads the corrections of a scene's elements: CSV as for [`Self::parse`], or an OpenMPD board's `.pat`, whose
+    /// transducers are matched by position.
+    ///
+    /// # Errors
+    /// An unreadable file, the errors of [`Self::parse`], or a broken `.pat` or that of another array.
+    pub fn read(path: &Path, scene: &Scene) -> Result<Self, CalibrationError> {
+        let text = source::read_text(path, MOST_BYTES);
+        let text = text.map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
+        if !pat::is_board(&text) {
+            return Self::parse(&text, scene.elements());
+        }
+        if scene.boards.len() > 1 {
+            return Err(CalibrationError::OneBoard(scene.boards.len()));
+        }
+        let file = pat::read(&text)?;
+        if file.corrections.is_empty() {
+            return Err(CalibrationError::NoCorrections);
+        }
+        let places: Vec<_> = scene.array.places().iter().map(|it| it.at.to_array()).collect();
+        let transducers = file.transducers_at(&places)?;
+        Ok(Self { elements: transducers.into_iter().map(|n| file.corrections[n]).collect() })
+    }
+
+    /// The corrections that a scene has from its boards' own file.
+    pub fn of(scene: &Scene) -> Self {
+        let own = scene.array.placed.corrections().unwrap_or_default();
+        Self { elements: own.repeat(scene.boards.len().max(1)) }
+    }
+
+    /// The corrections of a scene's boards, of `each` elements; those without need none.
+    pub fn of_boards(boards: impl IntoIterator<Item = Option<Self>>, each: usize) -> Self {
+        let none = || Self { elements: vec![Correction::default(); each] };
+        Self { elements: boards.into_iter().flat_map(|own| own.unwrap_or_else(none).elements).collect() }
+    }
+
+    /// Elements with a correction: all of the scene's, or 0.
+    pub fn elements(&self) -> usize {
+        self.elements.len()
+    }
+
     /// Reads CSV with the columns `element` (from 0), `offset` (degrees), `gain` (0 to 1) and `off` (0 or 1), one row
     /// for each of the `elements`, in any order. Other columns are the user's own.
     ///
     /// # Errors
-    /// An unreadable file, an invalid row, duplicate or missing elements.
-    pub fn read(path: &Path, elements: usize) -> Result<Self, CalibrationError> {
-        let text = source::read_text(path, MOST_BYTES);
-        let text = text.map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
-        Self::parse(&text, elements)
-    }
-
-    /// Reads the file's text, like [`Self::read`].
-    ///
-    /// # Errors
-    /// The errors of [`Self::read`].
+    /// An invalid row, duplicate or missing elements.
     pub fn parse(text: &str, elements: usize) -> Result<Self, CalibrationError> {
         let mut table = Table::open(text.as_bytes(), ["element", "offset", "gain", "off"], [])?;
         let mut rows = BTreeMap::new();
         while let Some(row) = table.next_row()? {
             let (number, element) =
-                Element::of(row.required, elements).map_err(|reason| table.refusal(reason))?;
+                correction(row.required, elements).map_err(|reason| table.refusal(reason))?;
             if rows.insert(number, element).is_some() {
                 return Err(table.refusal(format!("element {number} is listed twice")).into());
             }
@@ -92,10 +118,19 @@ impl Calibration {
         }
     }
 
+    /// The sound of a drive by elements that need these corrections.
+    pub(crate) fn sound(&self, mut drive: Drive) -> Drive {
+        let values = drive.amplitudes.iter_mut().zip(&mut drive.phases);
+        for ((amplitude, phase), one) in values.zip(&self.elements) {
+            *amplitude = if one.off || one.gain == 0.0 { 0.0 } else { *amplitude / one.gain };
+            *phase += one.offset.to_radians();
+        }
+        drive
+    }
+
     /// Has an element of `elements` driven, or not.
     pub fn set_off(&mut self, element: usize, elements: usize, off: bool) {
-        self.elements
-            .resize(self.elements.len().max(elements), Element { offset: 0.0, gain: 1.0, off: false });
+        self.elements.resize(self.elements.len().max(elements), Correction::default());
         if let Some(one) = self.elements.get_mut(element) {
             one.off = off;
         }
@@ -108,10 +143,9 @@ impl Calibration {
 
     /// The file that [`Self::parse`] reads, with a row for each of the `elements`.
     pub fn to_csv(&self, elements: usize) -> String {
-        let ordinary = Element { offset: 0.0, gain: 1.0, off: false };
         let mut text = "element,offset,gain,off\n".to_owned();
         for element in 0..elements {
-            let Element { offset, gain, off } = self.elements.get(element).copied().unwrap_or(ordinary);
+            let Correction { offset, gain, off } = self.elements.get(element).copied().unwrap_or_default();
             text += &format!("{element},{offset},{gain},{}\n", u8::from(off));
         }
         text
@@ -123,21 +157,22 @@ impl Calibration {
     }
 }
 
-impl Element {
-    /// The element's number and its correction.
-    fn of([element, offset, gain, off]: [f64; 4], elements: usize) -> Result<(usize, Self), String> {
-        if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
-            return Err(format!("element {element:?} is out of range (0-{})", elements.saturating_sub(1)));
-        }
-        if !(-360.0..=360.0).contains(&offset) {
-            return Err(format!("offset {offset:?} is not between -360 and 360 degrees"));
-        }
-        if !(0.0..=1.0).contains(&gain) {
-            return Err(format!("gain {gain:?} is not between 0 and 1"));
-        }
-        if off != 0.0 && off != 1.0 {
-            return Err(format!("off {off:?} is neither 0 nor 1"));
-        }
-        Ok((element as usize, Self { offset, gain, off: off == 1.0 }))
+/// The number of a row's element, and its correction.
+fn correction(
+    [element, offset, gain, off]: [f64; 4],
+    elements: usize,
+) -> Result<(usize, Correction), String> {
+    if element.fract() != 0.0 || element < 0.0 || element >= elements as f64 {
+        return Err(format!("element {element:?} is out of range (0-{})", elements.saturating_sub(1)));
     }
+    if !(-360.0..=360.0).contains(&offset) {
+        return Err(format!("offset {offset:?} is not between -360 and 360 degrees"));
+    }
+    if !(0.0..=1.0).contains(&gain) {
+        return Err(format!("gain {gain:?} is not between 0 and 1"));
+    }
+    if off != 0.0 && off != 1.0 {
+        return Err(format!("off {off:?} is neither 0 nor 1"));
+    }
+    Ok((element as usize, Correction { offset, gain, off: off == 1.0 }))
 }

@@ -31,8 +31,8 @@ pub(in crate::device) struct Declaration {
     pub name: &'static str,
     /// Transducers, of all boards on the line.
     pub elements: usize,
-    /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of as many
-    /// elements, channel n to element n.
+    /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of at most as
+    /// many elements.
     pub shape: Option<[u32; 2]>,
     /// Number of delays per period.
     pub levels: u16,
@@ -41,8 +41,12 @@ pub(in crate::device) struct Declaration {
     pub baud: u32,
     /// Bytes of a frame at full amplitude.
     pub frame_bytes: usize,
+    /// The table of its channels in `assets/wirings`; without, channel n is element n.
+    pub order: Option<&'static str>,
     /// A remark for the user before sending.
     pub remark: Option<&'static str>,
+    /// A warning for the user who plays it without a calibration.
+    pub uncalibrated: Option<&'static str>,
     /// The bytes of a board that does not answer; `None` for the native protocol.
     pub protocol: Option<Protocol>,
 }
@@ -50,8 +54,6 @@ pub(in crate::device) struct Declaration {
 /// Plain bytes without checksum or reply. Levels are by channel.
 #[derive(Debug)]
 pub(in crate::device) struct Protocol {
-    /// The element of a channel; a bijection.
-    pub element_of: fn(usize) -> usize,
     /// The bytes that put a frame into the hidden buffer, up to the byte that shows it.
     pub load: fn(&[Option<Level>]) -> Vec<u8>,
     /// The byte that exchanges the shown and the hidden buffer, if the board has one.

@@ -1,4 +1,4 @@
-//! A drive in a board's own terms: a level per element, or none for an element that is off; and the meaning of
+//! A drive in a board's own terms: a level per channel, or none for a channel that is off; and the meaning of
 //! levels.
 
 use std::f64::consts::{PI, TAU};
@@ -49,67 +49,38 @@ impl Profile {
     }
 }
 
-/// A drive in the levels of a board, in the numbering of the array.
+/// A drive in the levels of a board, by channel.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Levels {
     pub profile: Profile,
-    pub elements: Vec<Option<Level>>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the scene's array has {array} elements, but {} drives {}", profile.name(), profile.elements())]
-pub struct OtherCount {
-    pub profile: Profile,
-    pub array: usize,
+    pub channels: Vec<Option<Level>>,
 }
 
 impl Levels {
-    /// # Errors
-    /// An array of another size than the board's.
-    pub fn new(profile: Profile, drive: &Drive, calibration: &Calibration) -> Result<Self, OtherCount> {
-        let array = profile.elements();
-        let counts = [drive.phases.len(), drive.amplitudes.len()];
-        if let Some(array) = counts.into_iter().find(|&count| count != array) {
-            return Err(OtherCount { profile, array });
-        }
-        let level = |n| {
-            let (amplitude, phase) = calibration.corrected(n, drive.amplitudes[n], drive.phases[n]);
-            profile.level(amplitude, phase)
-        };
-        Ok(Self { profile, elements: (0..array).map(level).collect() })
-    }
-
     /// All elements off.
     pub fn off(profile: Profile) -> Self {
-        Self { profile, elements: vec![None; profile.elements()] }
+        Self { profile, channels: vec![None; profile.elements()] }
     }
 
     /// The levels of one native device on the line.
     pub fn of_device(&self, address: u8) -> Self {
-        let own = self.elements.chunks(Profile::Native.elements()).nth(usize::from(address));
-        Self { profile: self.profile, elements: own.unwrap_or_default().to_vec() }
+        let own = self.channels.chunks(Profile::Native.elements()).nth(usize::from(address));
+        Self { profile: self.profile, channels: own.unwrap_or_default().to_vec() }
     }
 
-    /// One element at full amplitude, for finding it.
-    pub fn one(profile: Profile, element: usize) -> Self {
+    /// One channel at full amplitude.
+    pub fn one(profile: Profile, channel: usize) -> Self {
         let mut levels = Self::off(profile);
-        if let Some(one) = levels.elements.get_mut(element) {
+        if let Some(one) = levels.channels.get_mut(channel) {
             *one = profile.level(1.0, 0.0);
         }
         levels
     }
 
-    /// Neighbours in antiphase, `columns` to a row.
-    pub fn checkerboard(profile: Profile, columns: usize) -> Self {
-        let black = |n: usize| (n / columns.max(1) + n % columns.max(1)) % 2 == 1;
-        let phase = |n| if black(n) { PI } else { 0.0 };
-        Self { profile, elements: (0..profile.elements()).map(|n| profile.level(1.0, phase(n))).collect() }
-    }
-
-    /// The resulting drive, without calibration.
+    /// The resulting drive by channel.
     pub fn drive(&self) -> Drive {
         let sound = |level: &Option<Level>| level.map_or((0.0, 0.0), |level| self.profile.sounds(level));
-        let (amplitudes, phases) = self.elements.iter().map(sound).unzip();
+        let (amplitudes, phases) = self.channels.iter().map(sound).unzip();
         Drive { amplitudes, phases }
     }
 }

@@ -1,6 +1,6 @@
 //! Boards: their levels, their bytes, and the line to them.
 //!
-//! A drive becomes [`levels::Levels`] (the level of each element, or off), a frame of bytes or packets, and goes
+//! A drive becomes [`levels::Levels`] (the level of each channel, or off), a frame of bytes or packets, and goes
 //! over a [`link`] to a board. Levels are a drive in a board's own terms, quantised in one place
 //! (`Profile::level`); off is the absence of a level. Stock boards receive bytes, native boards packets
 //! (`gateware/doc/protocol.md`). Every board has a twin here that understands the same bytes: [`stock::Twin`], or
@@ -19,8 +19,10 @@ pub mod levels;
 pub mod link;
 pub mod native;
 pub mod pace;
+pub(crate) mod pat;
 pub mod port;
 pub mod profile;
 pub mod statistics;
 pub mod stock;
 pub mod task;
+pub mod wiring;

@@ -57,7 +57,9 @@ const NATIVE: Declaration = Declaration {
     strength: Strength::Linear(255),
     baud: 2_000_000,
     frame_bytes: 270,
+    order: None,
     remark: None,
+    uncalibrated: None,
     protocol: None,
 };
 
@@ -65,32 +67,6 @@ const NATIVE: Declaration = Declaration {
 pub const MOST_DEVICES: u8 = 8;
 const NATIVES: [&str; 7] =
     ["native-2", "native-3", "native-4", "native-5", "native-6", "native-7", "native-8"];
-
-/// An array that does not match the board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}, and {} {}", own(*boards, array, *elements), profile.name(), profile.size())]
-pub struct OtherArray {
-    pub profile: Profile,
-    /// Boards of the scene.
-    pub boards: usize,
-    /// Columns and rows of the scene's array, if any.
-    pub array: Option<[u32; 2]>,
-    /// Elements of all boards.
-    pub elements: usize,
-}
-
-/// A scene's array, as text.
-fn own(boards: usize, array: &Option<[u32; 2]>, elements: usize) -> String {
-    match (boards, array) {
-        (1, Some([columns, rows])) => {
-            format!("the scene's array has {columns} x {rows} elements (columns x rows)")
-        }
-        (_, Some([columns, rows])) => {
-            format!("the scene has {boards} boards of {columns} x {rows} elements (columns x rows)")
-        }
-        (_, None) => format!("the scene's table of elements makes {elements} in all"),
-    }
-}
 
 impl Profile {
     /// The name on the command line.
@@ -133,35 +109,10 @@ impl Profile {
         self.declaration().protocol.as_ref().is_some_and(|protocol| protocol.echo.is_some())
     }
 
-    /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of as many
-    /// elements, channel n to element n.
+    /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of at most as
+    /// many elements.
     pub fn shape(self) -> Option<[u32; 2]> {
         self.declaration().shape
-    }
-
-    /// The board's size, as text.
-    fn size(self) -> String {
-        match self.shape() {
-            Some([columns, rows]) => format!("is {columns} x {rows}"),
-            None => format!("drives {} elements in any rows and columns", self.elements()),
-        }
-    }
-
-    /// Whether a scene's boards match the profile; the pitch may differ. Several boards on a line correspond to
-    /// several boards of the scene, or to consecutive rows of one.
-    ///
-    /// # Errors
-    /// Other columns or rows, or another number of elements.
-    pub fn drives(self, scene: &Scene) -> Result<(), OtherArray> {
-        let boards = scene.boards.len().max(1);
-        let array = scene.array.file.is_none().then_some([scene.array.columns, scene.array.rows]);
-        let together = array.map(|[columns, rows]| [columns, rows.saturating_mul(boards as u32)]);
-        let fits = match self.shape() {
-            Some(shape) => together == Some(shape),
-            None => scene.elements() == self.elements(),
-        };
-        let elements = scene.elements();
-        if fits { Ok(()) } else { Err(OtherArray { profile: self, boards, array, elements }) }
     }
 
     /// Number of delays per period.
@@ -217,6 +168,16 @@ impl Profile {
              several in turn",
             self.name()
         ))
+    }
+
+    /// The table of its channels in `assets/wirings`; without, channel n is element n.
+    pub(in crate::device) fn order(self) -> Option<&'static str> {
+        self.declaration().order
+    }
+
+    /// A warning for the user who plays it without a calibration.
+    pub fn uncalibrated(self) -> Option<&'static str> {
+        self.declaration().uncalibrated
     }
 
     /// A remark for the user before sending.

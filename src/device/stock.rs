@@ -16,19 +16,13 @@ fn protocol(profile: Profile) -> &'static Protocol {
     protocol
 }
 
-/// Elements by channel.
-fn order(profile: Profile) -> impl Iterator<Item = usize> {
-    (0..profile.elements()).map(protocol(profile).element_of)
-}
-
 /// The bytes that put a frame into the board's hidden buffer, up to the byte that shows it.
 ///
 /// # Panics
-/// The native profile, which uses packets; or levels that [`Levels::new`] never produces: a wrong number of elements,
+/// The native profile, which uses packets; or levels that no wiring produces: a wrong number of channels,
 /// or beyond the profile's levels.
 pub fn load(levels: &Levels) -> Vec<u8> {
-    let channels: Vec<_> = order(levels.profile).map(|element| levels.elements[element]).collect();
-    (protocol(levels.profile).load)(&channels)
+    (protocol(levels.profile).load)(&levels.channels)
 }
 
 /// The byte that exchanges the shown and the hidden buffer, if the board has one.
@@ -150,24 +144,6 @@ impl Twin {
 
     /// The played levels.
     pub fn shown(&self) -> Levels {
-        let mut levels = Levels::off(self.profile);
-        for (element, level) in order(self.profile).zip(self.emulation.shown()) {
-            levels.elements[element] = level;
-        }
-        levels
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_element_has_one_channel() {
-        for profile in Profile::ALL.into_iter().filter(|profile| !profile.answers()) {
-            let mut elements: Vec<_> = order(profile).collect();
-            elements.sort_unstable();
-            assert!(elements.into_iter().eq(0..profile.elements()), "{}", profile.name());
-        }
+        Levels { profile: self.profile, channels: self.emulation.shown() }
     }
 }

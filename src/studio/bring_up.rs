@@ -4,9 +4,13 @@
 use std::fmt;
 use std::path::Path;
 
+use glam::DVec3;
+
+use crate::acoustics::Aperture;
 use crate::device::link::survey::{Discovery, Trial, TrialOutcome, survey};
 use crate::device::native::packet::{Info, Status};
 use crate::device::profile::Profile;
+use crate::device::wiring::{Share, Wiring};
 use crate::scene::{Scene, Shape, Target};
 
 /// Height of the test focus above the array's centre, m.
@@ -159,12 +163,47 @@ fn in_words(trial: &Trial) -> String {
     }
 }
 
-/// One focus above an array of the board's shape, at a carrier (Hz).
-pub fn focus_scene(profile: Profile, carrier: f64) -> Scene {
+/// The tested array: a scene's if the board drives it, or else one of the board's shape.
+pub(crate) fn tested(profile: Profile, scene: &Scene) -> (Scene, Wiring) {
+    match Wiring::of(profile, scene, Share::default()) {
+        Ok(wiring) => (scene.clone(), wiring),
+        Err(_) => (board_scene(profile), Wiring::own(profile)),
+    }
+}
+
+/// An array of the board's shape.
+pub fn board_scene(profile: Profile) -> Scene {
     let mut scene = Scene::default();
     let rows = profile.elements().div_ceil(16) as u32;
     [scene.array.columns, scene.array.rows] = profile.shape().unwrap_or([16, rows]);
-    scene.array.frequency = carrier;
-    scene.targets = vec![Target::new(Shape::Point { at: glam::DVec3::new(0.0, 0.0, HEIGHT) })];
     scene
+}
+
+/// One focus in front of the middle of a scene's array, at a carrier (Hz).
+pub fn focus_scene(array: &Scene, carrier: f64) -> Scene {
+    let mut scene = Scene { array: array.array.clone(), boards: array.boards.clone(), ..Scene::default() };
+    scene.array.frequency = carrier;
+    let Aperture { positions, normals, driven, .. } = Aperture::new(&scene);
+    let sum = |of: &[DVec3]| driven.iter().map(|&n| of[n]).sum::<DVec3>();
+    let middle = sum(&positions) / driven.len().max(1) as f64;
+    let at = middle + HEIGHT * sum(&normals).normalize_or_zero();
+    scene.targets = vec![Target::new(Shape::Point { at })];
+    scene
+}
+
+/// "element 3 (row 0, column 3)", or the position in a table.
+pub(crate) fn named(scene: &Scene, element: usize) -> String {
+    let each = scene.array.elements().max(1);
+    let board = match scene.boards.len() {
+        0 | 1 => String::new(),
+        _ => format!("board {}, ", element / each + 1),
+    };
+    let (place, columns) = (element % each, scene.array.columns as usize);
+    match scene.array.places().get(place).filter(|_| scene.array.file.is_some()) {
+        Some(it) => {
+            let [x, y, z] = (it.at * 1e3).to_array();
+            format!("element {element} ({board}x = {x:.1}, y = {y:.1}, z = {z:.1} mm)")
+        }
+        None => format!("element {element} ({board}row {}, column {})", place / columns, place % columns),
+    }
 }

@@ -5,9 +5,10 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::acoustics::Aperture;
+use crate::device::pat;
 use crate::echo;
 use crate::scene::check::MOST_ELEMENTS;
-use crate::scene::{Placed, Scene};
+use crate::scene::{Elements, Placed, Scene, Wires};
 use crate::table::{Table, TableError};
 
 /// m; larger positions indicate a wrong unit.
@@ -18,26 +19,27 @@ const FARTHEST: f64 = 100.0;
 /// - CSV with the columns `x`, `y`, `z` (m), `nx`, `ny` and `nz` (the direction of radiation, of any length), by name;
 /// - Ultraino's CSV, which has no names: 3, 6, 9 or 14 columns, of which the first three are the place (m, z upwards) and the next three the
 ///   direction, upwards where they are missing; strength, frequency, aperture and phase are left out;
-/// - `.pat` of OpenMPD and AcousTools: places (m) of elements that radiate along z; corrections are left out.
+/// - `.pat` of OpenMPD and AcousTools: places (m) of elements that radiate along z, and what the file says about driving
+///   them.
 ///
 /// # Errors
 /// No elements or too many, an invalid row, a position out of range, a missing direction, or two elements at one
 /// position.
-pub fn read(bytes: &[u8]) -> Result<Vec<Placed>, TableError> {
+pub fn read(bytes: &[u8]) -> Result<Elements, TableError> {
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim_start_matches('\u{feff}');
+    if pat::is_board(text) {
+        return of_board(text);
+    }
     let lines = || text.lines().enumerate().map(|(index, line)| (index as u64 + 1, line.trim()));
     let mut filled = lines().filter(|(_, line)| !line.is_empty() && !line.starts_with('#'));
     let first = filled.next().map_or("", |(_, line)| line);
-    let is_board = filled.nth(2).is_some_and(|(_, line)| line.starts_with('('));
-    let found = if is_board {
-        of_board(lines())?
-    } else if first.split(',').all(|field| field.trim().parse::<f64>().is_ok()) {
+    let found = if first.split(',').all(|field| field.trim().parse::<f64>().is_ok()) {
         of_ultraino(lines())?
     } else {
         own(text)?
     };
-    checked(found)
+    checked(found).map(|placed| Elements::new(placed, None))
 }
 
 fn own(text: &str) -> Result<Vec<(u64, Placed)>, TableError> {
@@ -74,29 +76,16 @@ fn of_ultraino<'a>(lines: impl Iterator<Item = (u64, &'a str)>) -> Result<Vec<(u
     Ok(found)
 }
 
-fn of_board<'a>(lines: impl Iterator<Item = (u64, &'a str)>) -> Result<Vec<(u64, Placed)>, TableError> {
-    let mut lines = lines.filter(|(_, text)| !text.is_empty() && !text.starts_with('#')).skip(1);
-    let mut count = |what: &str| {
-        let (line, text) = lines.next().ok_or_else(|| refusal(1, "the table ends early"))?;
-        text.parse::<usize>()
-            .map_err(|_| refusal(line, format!("`{}`: not the number of {what}", echo::value(text))))
-    };
-    let (elements, _) = (count("elements")?, count("phase levels")?);
-    let Some((line, places)) = lines.next() else { return Err(refusal(1, "the table ends early")) };
-    let mut found = Vec::new();
-    for (index, place) in places.split('(').skip(1).enumerate() {
-        let numbers =
-            place.split(')').next().unwrap_or("").split(',').map(|field| field.trim().parse::<f64>());
-        let numbers: Result<Vec<_>, _> = numbers.collect();
-        let Some(&[x, y, z]) = numbers.as_deref().ok() else {
-            return Err(refusal(line, format!("place {}: not (x, y, z) in metres", index + 1)));
-        };
-        found.push((line, Placed { at: DVec3::new(x, y, z), normal: DVec3::Z }));
+fn of_board(text: &str) -> Result<Elements, TableError> {
+    let file = pat::read(text)?;
+    let placed =
+        file.places.iter().map(|&at| (file.line, Placed { at: at.into(), normal: DVec3::Z })).collect();
+    let elements = Elements::new(checked(placed)?, None);
+    if file.wires.is_empty() {
+        return Ok(elements);
     }
-    if found.len() == elements {
-        return Ok(found);
-    }
-    Err(refusal(line, format!("{} places for {elements} elements", found.len())))
+    let wires = file.wires.into_iter().map(Some).collect();
+    Ok(elements.driven_by(Wires::new(wires, true, None), file.corrections))
 }
 
 fn checked(found: Vec<(u64, Placed)>) -> Result<Vec<Placed>, TableError> {
@@ -147,11 +136,12 @@ mod tests {
 
     #[test]
     fn tables_of_others_are_read() {
-        let own = read(b"# a note\nnx,ny,nz,x,y,z\n0,0,-2,0.01,0,0.1\n").unwrap();
+        let read = |text: &[u8]| read(text).unwrap().get().unwrap().to_vec();
+        let own = read(b"# a note\nnx,ny,nz,x,y,z\n0,0,-2,0.01,0,0.1\n");
         assert_eq!(own, [Placed { at: DVec3::new(0.01, 0.0, 0.1), normal: DVec3::NEG_Z }]);
-        let ultraino = read(b"0,0,0\n0.01,0,0,1,0,0\n0.02,0,0,0,3,0,2.4,40000,0.009\n").unwrap();
+        let ultraino = read(b"0,0,0\n0.01,0,0,1,0,0\n0.02,0,0,0,3,0,2.4,40000,0.009\n");
         assert_eq!(ultraino.iter().map(|it| it.normal).collect::<Vec<_>>(), [DVec3::Z, DVec3::X, DVec3::Y]);
-        let board = read(b"TOP\n2\n128\n(-0.01, 0, 0),(0.01, 0.0, 0),\n0,1,\n0,0,\n1,1,\n").unwrap();
+        let board = read(b"TOP\n2\n128\n(-0.01, 0, 0),(0.01, 0.0, 0),\n0,1,\n0,0,\n1,1,\n");
         assert_eq!(board[1], Placed { at: DVec3::X * 0.01, normal: DVec3::Z });
     }
 

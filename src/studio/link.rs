@@ -12,6 +12,7 @@ use thiserror::Error;
 use crate::echo;
 use crate::scene::Scene;
 use crate::scene::file::{self, FileError, LONGEST};
+use crate::studio::arrays;
 
 /// Scheme of links without a page, and prefixes of page addresses.
 const SCHEME: &str = "sonoglyph:";
@@ -35,6 +36,8 @@ pub enum LinkError {
     Picture(String),
     #[error("a link holds no waveforms: the modulation has “{}”", echo::value(.0))]
     Wave(String),
+    #[error("a link holds no tables: the array has “{}”", echo::value(.0))]
+    Table(String),
 }
 
 /// Whether a text looks like a link, possibly a broken one.
@@ -56,7 +59,7 @@ pub fn of_page(link: &str, page: &str) -> String {
 /// The link of a scene.
 ///
 /// # Errors
-/// A scene with pictures or a waveform, which are separate files.
+/// A scene with pictures, a waveform or tables, which are separate files.
 pub fn write(scene: &Scene) -> Result<String, LinkError> {
     for target in &scene.targets {
         if let Some((file, ..)) = target.shape.picture() {
@@ -65,6 +68,10 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
     }
     if !scene.modulation.file.is_empty() {
         return Err(LinkError::Wave(scene.modulation.file.clone()));
+    }
+    let tables = [&scene.array.file, &scene.array.wiring];
+    if let Some(name) = tables.into_iter().flatten().find(|name| !name.starts_with(arrays::PRESET)) {
+        return Err(LinkError::Table(name.clone()));
     }
     let packed = compress_to_vec(file::write(scene).as_bytes(), LEVEL);
     Ok(of_letters(&URL_SAFE_NO_PAD.encode(packed)))

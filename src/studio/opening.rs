@@ -1,14 +1,15 @@
-//! Opens scenes: the file, and the pictures, waveform and element table that it names.
+//! Opens scenes: the file, and the pictures, waveform, elements and wires that it names.
 //!
 //! A scene file names a picture; opening loads the pixels, which the scene then shares and the file never contains.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use crate::device::{pat, wiring};
 use crate::picture::grey;
 use crate::scene::check::check;
 use crate::scene::file::{self, FileError};
-use crate::scene::{Array, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Target};
+use crate::scene::{Array, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Target, Wires};
 use crate::source;
 use crate::studio::{arrays, elements, waveform};
 
@@ -24,7 +25,7 @@ pub fn stem(path: &Path) -> String {
     stem.strip_suffix(".sonoglyph").filter(|name| !name.is_empty()).unwrap_or(&stem).to_owned()
 }
 
-/// The scene of a file, with its pictures, its waveform and its table of elements.
+/// The scene of a file, with its pictures, its waveform and its tables of elements and wires.
 ///
 /// # Errors
 /// The errors of [`file::read`], and a picture, a waveform or a table that cannot be read.
@@ -43,19 +44,21 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures, waveform and element table named by a scene, relative to a folder, and checks the scene again
+/// Loads the pictures, waveform, elements and wires named by a scene, relative to a folder, and checks the scene again
 /// if there are pictures or a table.
 ///
 /// # Errors
-/// A missing, unreadable or black picture, errors of [`waveform::read`], a missing or invalid element table, and
-/// errors of [`check()`] and [`file::targets_in_motion`].
+/// A missing, unreadable or black picture, errors of [`waveform::read`], a missing or invalid table, and errors of
+/// [`check()`] and [`file::targets_in_motion`].
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     load_wave(&mut scene.modulation, folder)?;
-    if !scene.targets.iter().any(Target::lacks_pixels) && !scene.array.lacks_elements() {
+    let lacks_table = scene.array.lacks_elements() || scene.array.lacks_wires();
+    if !scene.targets.iter().any(Target::lacks_pixels) && !lacks_table {
         return Ok(());
     }
     load_targets(&mut scene.targets, folder)?;
     load_elements(&mut scene.array, folder)?;
+    load_wires(scene, folder)?;
     check(scene)?;
     if scene.lacks_pixels() { Ok(()) } else { file::targets_in_motion(scene) }
 }
@@ -72,17 +75,51 @@ pub fn load_elements(array: &mut Array, folder: &Path) -> Result<(), KeyError> {
     Ok(())
 }
 
+/// Loads the table of wires that a scene's array names, if it names one, after its elements.
+///
+/// # Errors
+/// A missing or invalid table.
+pub(crate) fn load_wires(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
+    if let Some(name) = scene.array.wiring.as_ref().filter(|_| scene.array.lacks_wires()) {
+        scene.array.wires = wires(name, folder, scene)
+            .map_err(|message| KeyError::new([Key::from("array"), Key::from("wiring")], message))?;
+    }
+    Ok(())
+}
+
+/// The wires of a table: a file in a folder, or a preset.
+fn wires(name: &str, folder: &Path, scene: &Scene) -> Result<Wires, String> {
+    if let Some(preset) = name.strip_prefix(arrays::PRESET) {
+        return wiring::preset(preset, scene.array.elements());
+    }
+    let path = folder.join(name);
+    let bytes = source::read(&path, MOST_BYTES).map_err(|error| format!("{}: {error}", path.display()))?;
+    let text = String::from_utf8_lossy(&bytes);
+    let read = if pat::is_board(&text) {
+        let places: Vec<_> = scene.array.places().iter().map(|it| it.at.to_array()).collect();
+        let of_places = |file: pat::BoardFile| {
+            let transducers = file.transducers_at(&places)?;
+            Ok(transducers.into_iter().map(|n| file.wires.get(n).copied()).collect())
+        };
+        pat::read(&text).and_then(of_places).map(|wires| (wires, true))
+    } else {
+        wiring::read(&bytes, scene.elements()).map(|wires| (wires, false))
+    };
+    let (wires, repeats) = read.map_err(|error| format!("{}:{error}", path.display()))?;
+    Ok(Wires::new(wires, repeats, Some(path)))
+}
+
 /// The elements of a table: a file in a folder, or one of [`arrays`].
 fn placed(name: &str, folder: &Path) -> Result<Elements, String> {
     if let Some(preset) = name.strip_prefix(arrays::PRESET) {
         let table = arrays::table(preset)?;
-        let read = elements::read(table.as_bytes()).map_err(|error| error.to_string());
-        return read.map(|placed| Elements::new(placed, None));
+        return elements::read(table.as_bytes()).map_err(|error| error.to_string());
     }
     let path = folder.join(name);
     let bytes = source::read(&path, MOST_BYTES).map_err(|error| format!("{}: {error}", path.display()))?;
-    let placed = elements::read(&bytes).map_err(|error| format!("{}:{error}", path.display()))?;
-    Ok(Elements::new(placed, Some(path)))
+    let mut elements = elements::read(&bytes).map_err(|error| format!("{}:{error}", path.display()))?;
+    (elements.wires.from, elements.from) = (Some(path.clone()), Some(path));
+    Ok(elements)
 }
 
 /// Loads the waveform of a modulation, if named and not loaded.

@@ -25,7 +25,7 @@ pub struct Placed {
 }
 
 impl Paintings {
-    /// Names the pictures, waveform and element table of a scene for `path`. Unsaved pictures get a file beside it
+    /// Names the pictures, waveform and tables of a scene for `path`. Unsaved pictures get a file beside it
     /// that does not exist or `may_replace`; files in other folders get absolute paths.
     pub fn place(&self, scene: &Scene, path: &Path, may_replace: impl Fn(&Path) -> bool) -> Placed {
         let mut placed = Placed { scene: scene.clone(), files: Vec::new() };
@@ -59,6 +59,9 @@ impl Paintings {
         }
         let array = &mut placed.scene.array;
         if let (Some(name), Some(place)) = (&mut array.file, &array.placed.from) {
+            *name = name_from(&path, &absolute(place), name);
+        }
+        if let (Some(name), Some(place)) = (&mut array.wiring, &array.wires.from) {
             *name = name_from(&path, &absolute(place), name);
         }
         if let Some(samples) = scene.modulation.wave.get() {

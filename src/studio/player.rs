@@ -1,7 +1,6 @@
 //! The player: brings a performance to a board. Window, `serve`, `send` and the page play through it.
 
 use std::io;
-use std::ops::Range;
 
 #[cfg(not(target_arch = "wasm32"))]
 use web_time::Duration;
@@ -10,10 +9,11 @@ use crate::device::calibration::Calibration;
 use crate::device::envelope;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::device::health::Found;
-use crate::device::levels::{self, Levels, OtherCount};
+use crate::device::levels::{self, Levels};
 #[cfg(not(target_arch = "wasm32"))]
 use crate::device::link::Event;
 use crate::device::link::{Content, Link, Settings};
+use crate::device::wiring::{Share, Wiring};
 use crate::drive::Drive;
 use crate::scene::{Modulation, Scene, motion};
 use crate::studio::performance::Performance;
@@ -40,17 +40,31 @@ pub fn ready(link: &Link, is_over: impl Fn() -> bool, tell: fn(&str)) -> anyhow:
 pub struct Player {
     pub link: Link,
     calibration: Calibration,
-    /// The played elements of every drive, instead of all.
-    pub part: Option<Range<usize>>,
-    /// The performance, and its frames per second.
-    played: Option<(Performance, f64)>,
+    /// The part of a scene's boards at this port.
+    pub share: Share,
+    played: Option<Played>,
     modulation: Option<Modulation>,
     /// Number of times that other threads silenced it.
     silenced: u64,
 }
 
+/// The notice about several boards with the corrections of one.
+const ONE_FILE: &str = "every board of the scene is played with the corrections of the same file: give each board its own, in \
+                        the scene's order, with `--calibration`";
+
+/// What a board plays.
+#[derive(Clone, Debug, PartialEq)]
+struct Played {
+    performance: Performance,
+    /// Frames per second.
+    rate: f64,
+    wiring: Wiring,
+    calibration: Calibration,
+}
+
 impl Player {
-    /// Begins to look for the board. `notify` is called when the link has something new.
+    /// Begins to look for the board. `calibration` is that of a scene's elements; if it is empty, the corrections of the
+    /// scene's own files apply. `notify` is called when the link has something new.
     ///
     /// # Errors
     /// The thread could not be started.
@@ -60,7 +74,7 @@ impl Player {
         notify: Box<dyn Fn() + Send + Sync>,
     ) -> io::Result<Self> {
         let link = Link::open(settings, notify)?;
-        Ok(Self { link, calibration, part: None, played: None, modulation: None, silenced: 0 })
+        Ok(Self { link, calibration, share: Share::default(), played: None, modulation: None, silenced: 0 })
     }
 
     /// Whether other threads have silenced the board since the last call. Until the next, such a silence refuses what
@@ -87,11 +101,12 @@ impl Player {
         Ok(())
     }
 
-    /// Plays a scene from now on, unless it does so already. At the start, returns a notice about lost amplitudes.
+    /// Plays a scene from now on, unless it does so already. At the start, returns notices about lost amplitudes and a
+    /// missing calibration.
     ///
     /// # Errors
     /// A scene that the board cannot play: the performance before it ends.
-    pub fn play(&mut self, scene: &Scene, performance: Performance) -> Result<Option<String>, String> {
+    pub fn play(&mut self, scene: &Scene, performance: Performance) -> Result<Vec<String>, String> {
         let begun = self.begin(scene, performance);
         if begun.is_err() {
             self.rest();
@@ -99,9 +114,9 @@ impl Player {
         begun
     }
 
-    fn begin(&mut self, scene: &Scene, performance: Performance) -> Result<Option<String>, String> {
+    fn begin(&mut self, scene: &Scene, performance: Performance) -> Result<Vec<String>, String> {
         let Settings { profile, .. } = *self.link.settings();
-        profile.drives(scene).map_err(|error| error.to_string())?;
+        let wiring = self.wiring(scene)?;
         self.modulate(&scene.modulation)?;
         let rate = match &performance {
             Performance::Still(solution) => {
@@ -109,31 +124,53 @@ impl Player {
             }
             Performance::Motion(_) => motion::cycle(scene).map_or(0.0, |cycle| cycle.frames_per_second()),
         };
-        if self.played.as_ref().is_some_and(|(played, at)| *played == performance && *at == rate) {
-            return Ok(None);
+        let calibration = self.calibration(scene);
+        let wanted = Played { performance, rate, wiring, calibration };
+        if self.played.as_ref() == Some(&wanted) {
+            return Ok(Vec::new());
         }
-        let mut drives = performance.drives();
-        if let Some(part) = &self.part {
-            drives.iter_mut().for_each(|drive| *drive = drive.part(part.clone()));
-        }
-        let frames = drives.iter().map(|drive| self.levels(drive)).collect::<Result<_, _>>();
+        let is_first = self.played.is_none();
+        let Played { performance, wiring, calibration, .. } = &wanted;
+        let drives = performance.drives();
+        let frames = drives.iter().map(|drive| wiring.levels(drive, calibration)).collect::<Result<_, _>>();
         let frames = frames.map_err(|error| error.to_string())?;
-        let notice = |drive| levels::amplitude_notice(profile, drive, &self.calibration);
-        let notice = drives.iter().find_map(notice).filter(|_| self.played.is_none());
-        self.show(match &performance {
+        let weak = drives.iter().find_map(|drive| levels::amplitude_notice(profile, drive, calibration));
+        let raw = profile.uncalibrated().filter(|_| calibration.elements() == 0).map(str::to_owned);
+        let is_shared =
+            scene.boards.len() > 1 && self.calibration.elements() == 0 && calibration.elements() > 0;
+        let shared = is_shared.then(|| ONE_FILE.to_owned());
+        let notices = weak.into_iter().chain(raw).chain(shared).filter(|_| is_first).collect();
+        self.show(match performance {
             Performance::Still(_) => Content::in_turn(frames, rate),
             Performance::Motion(_) => Content::Motion { frames, rate },
         });
-        self.played = Some((performance, rate));
-        Ok(notice)
+        self.played = Some(wanted);
+        Ok(notices)
     }
 
-    /// The levels of a drive, calibrated.
+    /// The wiring of a scene to the board.
     ///
     /// # Errors
-    /// An array of another size than the board's.
-    pub fn levels(&self, drive: &Drive) -> Result<Levels, OtherCount> {
-        Levels::new(self.link.settings().profile, drive, &self.calibration)
+    /// An array that the board cannot play.
+    fn wiring(&self, scene: &Scene) -> Result<Wiring, String> {
+        Wiring::of(self.link.settings().profile, scene, self.share).map_err(|error| error.to_string())
+    }
+
+    /// The calibration of a scene's elements.
+    fn calibration(&self, scene: &Scene) -> Calibration {
+        match self.calibration.elements() {
+            0 => Calibration::of(scene),
+            _ => self.calibration.clone(),
+        }
+    }
+
+    /// The levels of a scene's drive, calibrated.
+    ///
+    /// # Errors
+    /// An array that the board cannot play, or a drive of another.
+    pub fn levels(&self, scene: &Scene, drive: &Drive) -> Result<Levels, String> {
+        let levels = self.wiring(scene)?.levels(drive, &self.calibration(scene));
+        levels.map_err(|error| error.to_string())
     }
 
     /// Shows content other than a scene's, such as a test pattern.

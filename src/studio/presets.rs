@@ -62,6 +62,7 @@ mod tests {
         let scene = Scene { array, boards, ..Scene::default() };
         let again = elements::read(elements::of_scene(&scene).as_bytes()).unwrap();
         let places = scene.array.places();
+        let again = again.get().unwrap();
         assert_eq!(again.len(), places.len());
         for (again, it) in again.iter().zip(&places) {
             assert!(again.at == it.at && again.normal.distance(it.normal) < 1e-15, "{again:?} is not {it:?}");

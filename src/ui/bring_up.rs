@@ -1,7 +1,7 @@
 //! Bring-up of a board in the window: the current step and the findings so far.
 
 use crate::device::calibration::Calibration;
-use crate::device::profile::Profile;
+use crate::device::wiring::Wiring;
 use crate::studio::bring_up::{Finding, Report, Verdict};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,17 +64,18 @@ pub struct Surveyed {
 
 impl BringUp {
     /// Records whether an element was audible, and goes to the next one. `None`: ends the test.
-    pub fn heard(&mut self, profile: Profile, heard: Option<bool>) {
-        let elements = profile.elements();
+    pub fn heard(&mut self, wiring: &Wiring, heard: Option<bool>) {
+        let wired: Vec<_> = wiring.wired().collect();
         if let Some(heard) = heard {
-            self.calibration.set_off(self.element, elements, !heard);
-            self.element += 1;
+            self.calibration.set_off(self.element, wiring.elements(), !heard);
+            self.element = wired.iter().copied().find(|&n| n > self.element).unwrap_or(wiring.elements());
         }
-        if heard.is_some() && self.element < elements {
+        if heard.is_some() && self.element < wiring.elements() {
             return;
         }
         let silent: Vec<_> = self.calibration.off().iter().map(ToString::to_string).collect();
-        let (tried, count) = (self.element, silent.len());
+        let tried = wired.iter().filter(|&&n| n < self.element).count();
+        let (elements, count) = (wired.len(), silent.len());
         match count {
             0 => self.report.note(Verdict::Passed, format!("{tried} of {elements} elements were heard")),
             _ => {

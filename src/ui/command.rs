@@ -30,6 +30,8 @@ pub enum Command {
     Import(PathBuf),
     /// Uses an element table as the array.
     TakeElements(PathBuf),
+    /// Uses a table of wires.
+    TakeWiring(PathBuf),
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
@@ -99,6 +101,8 @@ pub enum Purpose {
     Import,
     /// A table of elements that becomes the array.
     Elements,
+    /// A table of the board's channels.
+    Wiring,
     /// Waveform of the modulation.
     Waveform,
     Export(Export),
@@ -120,6 +124,7 @@ impl Purpose {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
             Self::Elements => "Take a table of elements (CSV, or PAT of OpenMPD)",
+            Self::Wiring => "Take a wiring (CSV with element and channel, or PAT of OpenMPD)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Waveform => "Open a waveform of the modulation (WAV)",
             Self::Export(Export::Figure(_)) => "Export the figure",
@@ -138,7 +143,7 @@ impl Purpose {
         match self {
             Self::Open | Self::SaveAs => opening::ENDINGS,
             Self::Import => IMPORTED,
-            Self::Elements => ELEMENTS,
+            Self::Elements | Self::Wiring => ELEMENTS,
             Self::Waveform => &["wav"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
@@ -151,14 +156,14 @@ impl Purpose {
 
     /// Whether the file must exist.
     pub fn reads(self) -> bool {
-        matches!(self, Self::Open | Self::Import | Self::Elements | Self::Waveform)
+        matches!(self, Self::Open | Self::Import | Self::Elements | Self::Wiring | Self::Waveform)
     }
 
     pub(super) fn verb(self) -> &'static str {
         match self {
             Self::Open => "Open",
             Self::SaveAs => "Save",
-            Self::Import | Self::Elements | Self::Waveform => "Read",
+            Self::Import | Self::Elements | Self::Wiring | Self::Waveform => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -169,6 +174,7 @@ impl Purpose {
             Self::SaveAs => Command::SaveAs(path),
             Self::Import => Command::Import(path),
             Self::Elements => Command::TakeElements(path),
+            Self::Wiring => Command::TakeWiring(path),
             Self::Waveform => Command::Waveform(path),
             Self::Export(export) => Command::Export(export, path),
         }

@@ -11,6 +11,7 @@ use crate::device::link::survey::{self, Discovery};
 use crate::device::link::{Content, Event, Settings};
 use crate::device::port;
 use crate::device::profile::Profile;
+use crate::device::wiring::{Share, Wiring};
 use crate::drive::Drive;
 use crate::scene::{Scene, file};
 use crate::solver;
@@ -22,7 +23,7 @@ fn profile(name: &str) -> Result<Profile, JsError> {
     Profile::of_name(name).ok_or_else(|| JsError::new(&format!("{name} is no profile")))
 }
 
-/// Amplitude and phase (rad) of every element in turn.
+/// Amplitude and phase (rad) of every channel in turn.
 fn in_turn(drive: &Drive) -> Vec<f64> {
     drive.amplitudes.iter().zip(&drive.phases).flat_map(|(&amplitude, &phase)| [amplitude, phase]).collect()
 }
@@ -62,7 +63,7 @@ impl Board {
         self.0.frames().len()
     }
 
-    /// Amplitude and phase (rad) of every element in turn.
+    /// Amplitude and phase (rad) of every channel in turn.
     pub fn playing(&mut self) -> Vec<f64> {
         in_turn(&self.0.playing().drive())
     }
@@ -101,14 +102,15 @@ impl Sender {
         })
     }
 
-    /// Solves the scene and sends it, as `sonoglyph send` does; returns amplitude and phase (rad) of every element in
+    /// Solves the scene and sends it, as `sonoglyph send` does; returns amplitude and phase (rad) of every channel in
     /// turn.
     ///
     /// # Errors
     /// A scene that cannot be solved, or not played by the board.
     pub fn show(&mut self) -> Result<Vec<f64>, JsError> {
         let performance = Performance::Still(Arc::new(solver::solve(&self.scene)?));
-        let levels = self.player.levels(performance.first())?;
+        let levels = self.player.levels(&self.scene, performance.first());
+        let levels = levels.map_err(|error| JsError::new(&error))?;
         self.player.forget();
         self.player.play(&self.scene, performance).map_err(|error| JsError::new(&error))?;
         Ok(in_turn(&levels.drive()))
@@ -116,7 +118,9 @@ impl Sender {
 
     /// One element alone.
     pub fn one(&mut self, element: usize) {
-        self.player.show(Content::Still(Levels::one(self.profile, element)));
+        let wiring = Wiring::of(self.profile, &self.scene, Share::default());
+        let levels = wiring.map_or_else(|_| Levels::off(self.profile), |wiring| wiring.one(element));
+        self.player.show(Content::Still(levels));
     }
 
     pub fn stop(&mut self) {

@@ -13,9 +13,9 @@ use sonoglyph::control::edit::Edit;
 use sonoglyph::control::live::Live;
 use sonoglyph::device::board::{Board, Setup, Shown};
 use sonoglyph::device::calibration::Calibration;
-use sonoglyph::device::levels::Levels;
 use sonoglyph::device::link::Settings;
 use sonoglyph::device::profile::Profile;
+use sonoglyph::device::wiring::Wiring;
 use sonoglyph::scene::{Envelope, Modulation, Scene};
 use sonoglyph::solver::{self, frames};
 use sonoglyph::studio::performance::Performance;
@@ -34,7 +34,7 @@ fn is_silent(board: &Board) -> bool {
 /// Whether the board plays the scene's own solution at its levels.
 fn plays(board: &Board, text: &str) -> bool {
     let solution = solver::solve(&scene(text)).unwrap();
-    let levels = Levels::new(PROFILE, &solution.drive, &Calibration::default()).unwrap();
+    let levels = Wiring::own(PROFILE).levels(&solution.drive, &Calibration::default()).unwrap();
     board.report().playing.is_some_and(|playing| playing.drive() == levels.drive())
 }
 
@@ -278,7 +278,8 @@ fn a_motion_follows_its_changes_and_one_without_a_solution_is_silent() {
         let scene = scene(&text(size, ""));
         let frames = frames::follow(&scene).unwrap().frames;
         desk.change(&[Edit::Scene(Box::new(scene))]).unwrap();
-        let levels = |frame: &frames::Frame| Levels::new(PROFILE, &frame.drive, &Calibration::default());
+        let levels =
+            |frame: &frames::Frame| Wiring::own(PROFILE).levels(&frame.drive, &Calibration::default());
         let mut missing: Vec<_> = frames.iter().map(|frame| levels(frame).unwrap()).collect();
         eventually("all frames", || {
             live.turn();

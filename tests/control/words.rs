@@ -252,6 +252,7 @@ fn impossible_json_requests_are_answered_and_change_nothing() {
         (r#"{"scene": {"target": [{"kind": "picture", "file": "/etc/a.png"}]}}"#, "may not name files"),
         (r#"{"scene": {"modulation": {"file": "/etc/a.wav"}}}"#, "may not name files"),
         (r#"{"scene": {"array": {"elements": "/etc/passwd"}}}"#, "may not name files"),
+        (r#"{"scene": {"array": {"wiring": "/etc/passwd"}}}"#, "may not name files"),
         (r#"{"scene": {"array": {"elements": "preset:nothing"}}}"#, "no preset of that name"),
         (r#"{"modulation": {"file": "/etc/a.wav"}}"#, "may not name files"),
         (r#"{"plane": {"size": [0, 1]}}"#, "plane.size"),

@@ -7,10 +7,10 @@ use glam::{DVec2, DVec3, dvec2, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::{Aperture, Element};
 use sonoglyph::device::calibration::Calibration;
-use sonoglyph::device::levels::Levels;
 use sonoglyph::device::native::packet::Packet;
 use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock;
+use sonoglyph::device::wiring::Wiring;
 use sonoglyph::scene::{Array, Scene, Shape, Target};
 use sonoglyph::solver;
 use sonoglyph::studio::presets::KNOWN;
@@ -42,7 +42,7 @@ fn scene(profile: Profile) -> Scene {
 
 fn bytes(profile: Profile, calibration: &Calibration) -> Vec<u8> {
     let drive = solver::solve(&scene(profile)).unwrap().drive;
-    let levels = Levels::new(profile, &drive, calibration).unwrap();
+    let levels = Wiring::own(profile).levels(&drive, calibration).unwrap();
     if profile == Profile::Native {
         Packet::playing(&levels, 0, true).to_line()
     } else {
@@ -100,7 +100,7 @@ fn the_tactile_boards_built_in_corrections_are_compensated() {
         |calibration: &Calibration, gateware| heard(Profile::SonicSurfaceTactile, calibration, gateware).1;
     let file =
         Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/calibrations/sonicsurface-tactile-zero-table.csv");
-    let zero_table = Calibration::read(&file, 256).unwrap();
+    let zero_table = Calibration::read(&file, &Scene::default()).unwrap();
     let plain = Calibration::default();
     for (calibration, gateware, fits) in [
         (&plain, Gateware::Published, true),

@@ -12,6 +12,7 @@ mod published;
 #[path = "../requirement/mod.rs"]
 mod requirement;
 mod silencer;
+mod wiring;
 
 use std::f64::consts::{PI, TAU};
 
@@ -21,6 +22,7 @@ use sonoglyph::device::declaration::{Heard, Level, Strength};
 use sonoglyph::device::levels::{self, Levels};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock::{self, Modulated, Twin};
+use sonoglyph::device::wiring::{Share, Wiring};
 use sonoglyph::drive::Drive;
 use sonoglyph::scene::{Envelope, Modulation, Sampling, Scene, Shape, Target, Turns, file};
 
@@ -50,7 +52,7 @@ fn random_drive(elements: usize, seed: u32) -> Drive {
 }
 
 fn random_levels(profile: Profile, seed: u32) -> Levels {
-    Levels::new(profile, &random_drive(profile.elements(), seed), &Calibration::default()).unwrap()
+    Wiring::own(profile).levels(&random_drive(profile.elements(), seed), &Calibration::default()).unwrap()
 }
 
 fn hear(twin: &mut Twin, bytes: &[u8]) -> Vec<Heard> {
@@ -65,8 +67,8 @@ fn boards_play_the_frames_sent() {
         for seed in 0..20 {
             let levels = random_levels(profile, seed);
             assert!(
-                levels.elements.contains(&None)
-                    && levels.elements.iter().flatten().count() > profile.elements() / 2
+                levels.channels.contains(&None)
+                    && levels.channels.iter().flatten().count() > profile.elements() / 2
             );
             assert_eq!(hear(&mut twin, &stock::frame(&levels)), [Heard::Shown], "{}", profile.name());
             assert_eq!(twin.shown(), levels, "{} after frame {seed}", profile.name());
@@ -82,7 +84,7 @@ fn an_element_with_a_phase_and_no_amplitude_is_off() {
     bytes[1 + 256 + 1] = 0;
     let mut twin = Twin::new(profile);
     assert_eq!(hear(&mut twin, &bytes), [Heard::Shown]);
-    assert_eq!(twin.shown().elements.iter().filter(|element| element.is_none()).count(), 1);
+    assert_eq!(twin.shown().channels.iter().filter(|element| element.is_none()).count(), 1);
 }
 
 #[test]
@@ -108,7 +110,7 @@ fn only_a_mega64_answers_as_its_sketch_does() {
 fn frame_lengths_agree_with_the_bandwidth() {
     for profile in stock_profiles() {
         let full = Drive { amplitudes: vec![1.0; profile.elements()], phases: vec![0.3; profile.elements()] };
-        let levels = Levels::new(profile, &full, &Calibration::default()).unwrap();
+        let levels = Wiring::own(profile).levels(&full, &Calibration::default()).unwrap();
         assert_eq!(stock::frame(&levels).len(), profile.frame_bytes(), "{}", profile.name());
     }
     assert_eq!(Profile::SonicSurface.bandwidth(230_400), "89 frames/s at 230400 baud");
@@ -122,10 +124,10 @@ fn frame_lengths_agree_with_the_bandwidth() {
 fn bytes_follow_the_boards_formats() {
     let delay = |n: usize| Some(Level { delay: n as u16 % 32, amplitude: 1 });
     let levels =
-        Levels { profile: Profile::SonicSurface, elements: (0..256).map(|n| delay(n / 16)).collect() };
+        Levels { profile: Profile::SonicSurface, channels: (0..256).map(|n| delay(n / 16)).collect() };
     let frame = stock::frame(&levels);
-    // The first registers row by row, channel by channel, then a swap.
-    assert_eq!(frame[..10], [254, 0, 0, 0, 1, 1, 1, 1, 0, 2]);
+    // Channel by channel, then a swap.
+    assert_eq!(frame[..18], [&[254][..], &[0; 16], &[1]].concat());
     assert_eq!((frame[257], frame.len()), (253, 258));
     assert_eq!(stock::frame(&Levels::off(Profile::SonicSurface))[1..257], [32; 256]);
     let two = stock::frame(&Levels::off(Profile::SonicSurface2));
@@ -133,10 +135,10 @@ fn bytes_follow_the_boards_formats() {
     let mega = stock::frame(&Levels::off(Profile::UltrainoMega64));
     assert_eq!(mega[..200], [0x01; 200]);
     assert_eq!(mega[200..], [0x30, 0x30, 0x30, 0x70, 0x30, 0x30, 0x30, 0x30, 0x10, 0x00]);
-    let ucl = stock::frame(&Levels::one(Profile::Acoustophoretic512, 240));
+    let ucl = stock::frame(&Wiring::own(Profile::Acoustophoretic512).one(240));
     assert_eq!((ucl[0] & 0x80, ucl.len(), ucl[256 + 249]), (0x80, 512, 64));
     let fpga = Drive { amplitudes: vec![0.5; 256], phases: vec![0.0; 256] };
-    let fpga = Levels::new(Profile::UltrainoSimpleFpga, &fpga, &Calibration::default()).unwrap();
+    let fpga = Wiring::own(Profile::UltrainoSimpleFpga).levels(&fpga, &Calibration::default()).unwrap();
     let fpga = stock::frame(&fpga);
     // arcsin(1/2) is a sixth of half a turn: 5 of 32.
     assert_eq!((fpga[0], fpga[257], fpga[258], fpga[514], fpga.len()), (254, 251, 5, 253, 515));
@@ -146,10 +148,10 @@ fn bytes_follow_the_boards_formats() {
 fn neighbours_of_a_checkerboard_are_in_antiphase() {
     let profile = Profile::SonicSurface;
     for columns in [16, 10] {
-        let levels = Levels::checkerboard(profile, columns);
-        let drive = levels.drive();
+        let wiring = Wiring::own(profile);
+        let drive = wiring.drive(&wiring.checkerboard(columns).drive());
         let apart = |a: usize, b: usize| (drive.phases[a] - drive.phases[b]).cos();
-        for n in 0..levels.elements.len() - columns {
+        for n in 0..wiring.elements() - columns {
             assert!(apart(n, n + columns) < -0.99, "{columns}: {n} and the next row");
             assert!(
                 n % columns == columns - 1 || apart(n, n + 1) < -0.99,
@@ -205,7 +207,7 @@ fn a_swap_within_a_list_shows_a_torn_frame() {
 fn boards_understand_all_commands_after_power_up() {
     for profile in stock_profiles() {
         let mut twin = Twin::new(profile);
-        let sounds = twin.shown().elements.iter().any(Option::is_some);
+        let sounds = twin.shown().channels.iter().any(Option::is_some);
         // In phase on all elements, until the program connects.
         let sounding = [
             Profile::SonicSurface,
@@ -214,8 +216,8 @@ fn boards_understand_all_commands_after_power_up() {
             Profile::UltrainoMega64,
         ];
         assert_eq!(sounds, sounding.contains(&profile), "{}", profile.name());
-        let first = twin.shown().elements[0];
-        assert!(twin.shown().elements.iter().all(|&level| level == first), "{}", profile.name());
+        let first = twin.shown().channels[0];
+        assert!(twin.shown().channels.iter().all(|&level| level == first), "{}", profile.name());
         let mut bytes = [stock::silence(profile), stock::frame(&random_levels(profile, 3))].concat();
         let slow = Modulation { shape: Envelope::Sine, frequency: 1.0, ..Modulation::default() };
         if let Modulated::ByBoard(byte, _) = stock::modulated(profile, &slow, profile.baud()) {
@@ -230,12 +232,12 @@ fn boards_understand_all_commands_after_power_up() {
 fn quantised_levels_are_the_nearest() {
     for profile in Profile::ALL {
         let drive = random_drive(profile.elements(), 7);
-        let levels = Levels::new(profile, &drive, &Calibration::default()).unwrap();
-        let played = levels.drive();
+        let wiring = Wiring::own(profile);
+        let played = wiring.drive(&wiring.levels(&drive, &Calibration::default()).unwrap().drive());
         let steps = f64::from(profile.levels());
         for n in 0..profile.elements() {
-            if levels.elements[n].is_none() {
-                assert_eq!(played.amplitudes[n], 0.0);
+            if played.amplitudes[n] == 0.0 {
+                assert!(drive.amplitudes[n] < 0.2, "{}: {n} is off", profile.name());
                 continue;
             }
             let off = (played.phases[n] - drive.phases[n]).rem_euclid(TAU);
@@ -263,7 +265,7 @@ fn delays_wrap_and_never_mean_off() {
 fn other_arrays_are_refused_with_both_numbers() {
     let drive = random_drive(255, 1);
     for profile in Profile::ALL {
-        let error = Levels::new(profile, &drive, &Calibration::default()).unwrap_err().to_string();
+        let error = Wiring::own(profile).levels(&drive, &Calibration::default()).unwrap_err().to_string();
         assert!(error.contains("255") && error.contains(&profile.elements().to_string()), "{error}");
     }
 }
@@ -280,13 +282,13 @@ fn calibration_corrects_phases_and_amplitudes() {
     let text = format!("element,offset,gain,off\n{}", rows.collect::<String>());
     let calibration = Calibration::parse(&text, 64).unwrap();
     let drive = Drive { amplitudes: vec![1.0; 64], phases: vec![0.0; 64] };
-    let levels = Levels::new(Profile::UltrainoMega64, &drive, &calibration).unwrap();
-    assert_eq!(levels.elements[0], Some(Level { delay: 0, amplitude: 5 }));
-    assert_eq!(levels.elements[3], Some(Level { delay: 5, amplitude: 5 }));
-    assert_eq!(levels.elements[4].unwrap().amplitude, 2);
-    assert_eq!(levels.elements[5], None);
+    let levels = Wiring::own(Profile::UltrainoMega64).levels(&drive, &calibration).unwrap();
+    assert_eq!(levels.channels[0], Some(Level { delay: 0, amplitude: 5 }));
+    assert_eq!(levels.channels[3], Some(Level { delay: 5, amplitude: 5 }));
+    assert_eq!(levels.channels[4].unwrap().amplitude, 2);
+    assert_eq!(levels.channels[5], None);
     // An element that leads by a fifth of a period is played a fifth of a period later.
-    assert_eq!(levels.elements[6], Some(Level { delay: 2, amplitude: 5 }));
+    assert_eq!(levels.channels[6], Some(Level { delay: 2, amplitude: 5 }));
     let notice = levels::amplitude_notice(Profile::SonicSurface, &drive, &calibration).unwrap();
     assert!(notice.contains("sonicsurface has no amplitudes"), "{notice}");
     let notice = levels::carrier_notice(40_000.0, 25_000.0).unwrap();
@@ -326,8 +328,9 @@ fn elements_are_switched_off_and_on_in_a_calibration() {
 #[test]
 fn a_checkerboard_begins_with_a_phase_of_zero_and_alternates() {
     for profile in Profile::ALL {
-        let board = Levels::checkerboard(profile, 8).elements;
-        let [first, second] = [0.0, PI].map(|phase| profile.level(1.0, phase));
+        let wiring = Wiring::own(profile);
+        let board = wiring.drive(&wiring.checkerboard(8).drive()).phases;
+        let [first, second] = [0.0, PI].map(|phase| profile.sounds(profile.level(1.0, phase).unwrap()).1);
         assert_eq!([board[0], board[1], board[8], board[9]], [first, second, second, first]);
     }
 }
@@ -338,10 +341,10 @@ fn boards_drive_arrays_of_their_own_shape_or_count() {
         let text = format!("format = 1\n[array]\ncolumns = {columns}\nrows = {rows}\n");
         file::parse(&text, "scene.toml".as_ref()).unwrap()
     };
-    let fits = |profile: Profile, scene: &Scene| profile.drives(scene).is_ok();
+    let fits = |profile: Profile, scene: &Scene| Wiring::of(profile, scene, Share::default()).is_ok();
     assert!(fits(Profile::SonicSurface, &scene(16, 16)) && !fits(Profile::SonicSurface, &scene(8, 32)));
     assert!(fits(Profile::UltrainoMega64, &scene(8, 8)) && !fits(Profile::UltrainoMega64, &scene(8, 9)));
-    assert!(fits(Profile::Native, &scene(8, 32)) && !fits(Profile::Native, &scene(8, 31)));
+    assert!(fits(Profile::Native, &scene(8, 31)) && !fits(Profile::Native, &scene(8, 33)));
     assert!(Profile::Native.answers() && Profile::Natives(8).answers() && !Profile::SonicSurface.answers());
 }
 

@@ -76,6 +76,25 @@ fn listed(byte: u8) -> Complex64 {
     if byte == 32 { Complex64::ZERO } else { pulse(32, usize::from(byte & 0x1F), 16) }
 }
 
+/// The output of each channel after the bytes of one frame, whatever is wired to it.
+pub fn channels(profile: Profile, bytes: &[u8]) -> Vec<Complex64> {
+    match profile {
+        Profile::Native => native(bytes),
+        Profile::Natives(_) => unreachable!("each of them is sent the bytes of one"),
+        Profile::UltrainoSimpleFpga | Profile::SonicSurface => {
+            assert_eq!((bytes[0], bytes[257]), (254, 253));
+            bytes[1..257].iter().map(|&byte| listed(byte)).collect()
+        }
+        Profile::SonicSurface2 => two_surfaces(bytes).1,
+        Profile::SonicSurfaceTactile => tactile(&bytes[1..257], Gateware::Published),
+        Profile::UltrainoMega64 => mega(bytes).1,
+        Profile::Acoustophoretic512 => {
+            let channel = |n: usize| pulse(128, usize::from(bytes[n] & 0x7F), usize::from(bytes[256 + n]));
+            (0..256).map(channel).collect()
+        }
+    }
+}
+
 /// The board's output after the bytes of one frame.
 pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) -> Vec<Transducer> {
     let (places, plays): (Vec<_>, Vec<_>) = match profile {
@@ -102,12 +121,16 @@ pub fn played(profile: Profile, bytes: &[u8], pitch: f64, gateware: Gateware) ->
     places.into_iter().zip(plays).map(|(place, plays)| Transducer { place, plays }).collect()
 }
 
-/// Phases in 1/256 of a period by channel (`gateware/doc/protocol.md`): the end of a COBS packet, before its CRC of 4
-/// bytes.
+/// By channel, in 1/256 of a period and 1/255 of the amplitude (`gateware/doc/protocol.md`): a COBS packet of code,
+/// address, number, four arguments, data and a CRC of 4 bytes. PHASES has one amplitude as an argument, FRAME has pairs.
 fn native(line: &[u8]) -> Vec<Complex64> {
     let packet = cobs::decode_vec(&line[..line.len() - 1]).unwrap();
-    let phases = &packet[packet.len() - 256 - 4..packet.len() - 4];
-    phases.iter().map(|&phase| pulse(256, usize::from(phase), 128)).collect()
+    let data = &packet[7..packet.len() - 4];
+    let plays = |phase: u8, amplitude: u8| pulse(256, usize::from(phase), 128) * f64::from(amplitude) / 255.0;
+    match packet[0] {
+        0x10 => data.iter().map(|&phase| plays(phase, packet[4])).collect(),
+        _ => data.as_chunks::<2>().0.iter().map(|&[phase, amplitude]| plays(phase, amplitude)).collect(),
+    }
 }
 
 /// The second board continues the rows of the first, 16 pitches further up.

@@ -36,7 +36,7 @@ fn numbered(profile: Profile, number: u16) -> Levels {
     let delay = number % profile.levels();
     let other = number / profile.levels() % profile.levels();
     let level = |n| Level { delay: if n % 2 == 0 { delay } else { other }, amplitude: full(profile) };
-    Levels { profile, elements: (0..profile.elements()).map(|n| Some(level(n))).collect() }
+    Levels { profile, channels: (0..profile.elements()).map(|n| Some(level(n))).collect() }
 }
 
 fn full(profile: Profile) -> u16 {

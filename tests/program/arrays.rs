@@ -69,6 +69,45 @@ fn invalid_tables_and_boards_are_refused_with_line_and_column() {
     }
 }
 
+/// An OpenMPD board's file of four transducers: positions, pins, phases and amplitudes.
+const PAT: &str = "FTMADEUP\n4\n128\n(-0.01,0.01,0),(0.01,0.01,0),(-0.01,-0.01,0),(0.01,-0.01,0),\n\
+                   249,248,253,252,\n40,-140,-140,40,\n1,1,1,1,\n";
+
+#[test]
+fn boards_are_sent_to_by_their_wires_and_own_files() {
+    let folder = folder_with(&[
+        ("pat.toml", &CURVED.replace("e.csv", "b.pat")),
+        ("b.pat", PAT),
+        ("grid.toml", "format = 1\n[[target]]\n"),
+        ("two.toml", "format = 1\n[[board]]\n[[board]]\nat = [0, 0, 0.3]\nnormal = [0, 0, -1]\n[[target]]\n"),
+        ("small.toml", "format = 1\n[array]\nrows = 2\ncolumns = 2\nwiring = \"w.csv\"\n[[target]]\n"),
+        ("w.csv", "element,channel\n0,255\n1,3\n"),
+        ("far.toml", "format = 1\n[array]\nrows = 2\ncolumns = 2\nwiring = \"far.csv\"\n[[target]]\n"),
+        ("far.csv", "element,channel\n0,255\n1,256\n"),
+    ]);
+    let send = |scene: &str, profile: &str, ports: usize| {
+        let port = format!("virtual:{profile}");
+        let ports = ["--port", &port].repeat(ports);
+        run(folder.path(), &[&["send", scene, "--profile", profile, "--seconds", "0.2"], &ports[..]].concat())
+    };
+    const WITHOUT: &str = "0 to 19 % of the focus";
+    for (scene, profile, ports, is_raw) in [
+        ("pat.toml", "acoustophoretic-512", 1, false),
+        ("grid.toml", "acoustophoretic-512", 1, true),
+        ("two.toml", "acoustophoretic-512", 2, true),
+        ("small.toml", "sonicsurface", 1, false),
+    ] {
+        let output = send(scene, profile, ports);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.contains(WITHOUT) == is_raw, "{scene}: {said}");
+        assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), ports, "{scene}");
+    }
+    let output = send("far.toml", "sonicsurface", 1);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("far.csv:3: channel 256 is out of range: sonicsurface has 0-255"), "{said}");
+}
+
 #[test]
 fn boards_that_face_away_and_slow_series_give_warnings() {
     let folder = folder_with(&[

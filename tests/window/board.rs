@@ -14,8 +14,9 @@ use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::health::State;
 use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
+use sonoglyph::device::wiring::Wiring;
 use sonoglyph::field::Quantity;
-use sonoglyph::scene::{Envelope, LiquidName, Motion, MotionPath};
+use sonoglyph::scene::{Envelope, LiquidName, Motion, MotionPath, Scene, Wire, Wires};
 use sonoglyph::ui::board::Plays;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::Lens;
@@ -73,7 +74,7 @@ pub fn connected_to(port: &Path, profile: Profile, scene: &str) -> Screen {
 /// The levels of the scene's solution for the board.
 fn wanted(screen: &Screen, profile: Profile) -> Levels {
     let solution = screen.state().shown().solution.as_ref().unwrap();
-    Levels::new(profile, &solution.drive, &Calibration::default()).unwrap()
+    Wiring::own(profile).levels(&solution.drive, &Calibration::default()).unwrap()
 }
 
 fn place(screen: &Screen, x: f64, y: f64) -> Pos2 {
@@ -225,6 +226,33 @@ fn a_steady_scene_is_modulated_by_one_click() {
 }
 
 #[test]
+fn a_wired_array_is_played_and_tested_by_element() {
+    let (mut screen, board, shown) = connected(Profile::SonicSurface);
+    let wire = |n: u32| (n != 9).then(|| Wire { channel: 255 - 3 * n, line: u64::from(n) + 2 });
+    let array = &mut screen.state_mut().editor_mut().document.scene.array;
+    (array.columns, array.rows) = (8, 8);
+    array.wiring = Some("w.csv".to_owned());
+    array.wires = Wires::new((0..64).map(wire).collect(), false, None);
+    screen.run_steps(8);
+    screen.get_by_label("Send").click();
+    screen.run_steps(2);
+    let drive = screen.state().shown().solution.as_ref().unwrap().drive.clone();
+    let mut levels = Levels::off(Profile::SonicSurface);
+    for n in (0..64).filter(|&n| n != 9) {
+        levels.channels[255 - 3 * n] = Profile::SonicSurface.level(1.0, drive.phases[n]);
+    }
+    arrives(&mut screen, &shown, &levels);
+    assert_eq!(drive.amplitudes[9], 0.0, "it cannot sound");
+    screen.state_mut().editor_mut().board.element = 37;
+    screen.step();
+    screen.get_by_label("Single element").click();
+    screen.run_steps(2);
+    arrives(&mut screen, &shown, &Levels::one(Profile::SonicSurface, 255 - 3 * 37));
+    screen.get_by_label("Disconnect").click();
+    until(&mut screen, "silence", |_| is_silent(&board));
+}
+
+#[test]
 fn elements_are_tested_one_by_one() {
     let (mut screen, board, shown) = connected(Profile::SonicSurface);
     screen.state_mut().editor_mut().board.element = 37;
@@ -232,10 +260,10 @@ fn elements_are_tested_one_by_one() {
     screen.get_by_label("Single element").click();
     screen.run_steps(2);
     assert_eq!(screen.state().shown().board.plays, Plays::One(37));
-    arrives(&mut screen, &shown, &Levels::one(Profile::SonicSurface, 37));
+    arrives(&mut screen, &shown, &Wiring::own(Profile::SonicSurface).one(37));
     screen.get_by_label("Checkerboard").click();
     screen.run_steps(2);
-    arrives(&mut screen, &shown, &Levels::checkerboard(Profile::SonicSurface, 16));
+    arrives(&mut screen, &shown, &Wiring::own(Profile::SonicSurface).checkerboard(16));
     screen.get_by_label("Disconnect").click();
     until(&mut screen, "silence", |_| is_silent(&board));
 }
@@ -377,7 +405,7 @@ fn a_board_is_brought_up_step_by_step() {
     screen.state_mut().editor_mut().board.bring_up.as_mut().unwrap().file = file.display().to_string();
     screen.run_steps(2);
     press(&mut screen, "Save");
-    assert_eq!(Calibration::read(&file, 256).unwrap().off(), [1]);
+    assert_eq!(Calibration::read(&file, &Scene::default()).unwrap().off(), [1]);
     assert_eq!(screen.state().editor().board.calibration, file.display().to_string());
     press(&mut screen, "End");
     until(&mut screen, "silence", |_| is_silent(&board));

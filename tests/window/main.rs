@@ -417,7 +417,7 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     rest(screen);
     let verb = match purpose {
         Purpose::Open => "Open",
-        Purpose::Elements | Purpose::Import | Purpose::Waveform => "Read",
+        Purpose::Elements | Purpose::Wiring | Purpose::Import | Purpose::Waveform => "Read",
         Purpose::SaveAs | Purpose::Export(_) => "Save",
     };
     screen.get_by_label(verb).click();

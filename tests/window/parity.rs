@@ -57,7 +57,7 @@ impl Recorder {
                 bytes.extend_from_slice(&part[..count]);
                 board.write(&part[..count]);
                 let _ = rustix::io::write(&master, &board.read());
-                shown.extend(board.frames().into_iter().map(|shown| format!("{:?}", shown.levels.elements)));
+                shown.extend(board.frames().into_iter().map(|shown| format!("{:?}", shown.levels.channels)));
                 std::thread::sleep(Duration::from_millis(1));
             }
             drop(slave);

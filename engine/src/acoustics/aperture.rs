@@ -61,13 +61,12 @@ impl Aperture {
         let (images, remainder) = face::images(&faces, &mirrors, &standing, array.reflectivity);
         faces.extend(images);
         let all = || poses.iter().flat_map(|pose| placed.iter().map(move |it| (pose, it)));
-        let off: std::collections::HashSet<_> = array.off.iter().copied().collect();
         Self {
             element,
             positions: all().map(|(pose, it)| pose.world(it.at)).collect(),
             normals: all().map(|(pose, it)| pose.world_direction(it.normal)).collect(),
             pitch: array.pitch,
-            driven: (0..scene.elements()).filter(|n| !off.contains(n)).collect(),
+            driven: scene.driven(),
             faces,
             remainder,
             mirrors,

@@ -5,6 +5,7 @@ use strum::VariantArray;
 
 use crate::scene::board::{Elements, Placed};
 use crate::scene::solver::is_zero;
+use crate::scene::wires::Wires;
 
 /// An array of equal elements, in rows and columns or at tabulated positions, radiating towards its own +z.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +30,12 @@ pub struct Array {
     /// The content of that table.
     #[serde(skip)]
     pub placed: Elements,
+    /// A table of the boards' channels, relative to the scene file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub wiring: Option<String>,
+    /// The content of that table.
+    #[serde(skip)]
+    pub wires: Wires,
     /// Pressure reflection coefficient of the array's own face.
     #[serde(skip_serializing_if = "is_zero")]
     pub reflectivity: f64,
@@ -47,6 +54,8 @@ impl Default for Array {
             off: Vec::new(),
             file: None,
             placed: Elements::default(),
+            wiring: None,
+            wires: Wires::default(),
             reflectivity: 0.0,
         }
     }

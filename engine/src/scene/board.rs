@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::scene::loaded::Loaded;
+use crate::scene::wires::{Correction, Wires};
 
 /// Sine of the largest angle between planes that count as parallel.
 pub(crate) const PARALLEL: f64 = 1e-9;
@@ -74,6 +75,9 @@ impl Reflector {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Elements {
     placed: Loaded<[Placed]>,
+    /// The board's wires, if its file has them.
+    pub wires: Wires,
+    corrections: Loaded<[Correction]>,
     /// The file of origin.
     pub from: Option<PathBuf>,
 }
@@ -89,11 +93,21 @@ pub struct Placed {
 
 impl Elements {
     pub fn new(placed: Vec<Placed>, from: Option<PathBuf>) -> Self {
-        Self { placed: Loaded::new(placed), from }
+        Self { placed: Loaded::new(placed), from, ..Self::default() }
+    }
+
+    /// The same elements with what their board's file says about driving them.
+    pub fn driven_by(self, wires: Wires, corrections: Vec<Correction>) -> Self {
+        Self { wires, corrections: Loaded::new(corrections), ..self }
     }
 
     pub fn get(&self) -> Option<&[Placed]> {
         self.placed.get()
+    }
+
+    /// The measured corrections of one board, if its file has them.
+    pub fn corrections(&self) -> Option<&[Correction]> {
+        self.corrections.get()
     }
 }
 

@@ -119,7 +119,7 @@ fn array(array: &Array) -> Result<(), KeyError> {
     within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")
 }
 
-/// Elements in `off` exist, and at least one other is on.
+/// Elements in `off` exist, and at least one other is wired and on.
 fn off(scene: &Scene) -> Result<(), KeyError> {
     let (array, elements) = (&scene.array, scene.elements());
     if array.lacks_elements() {
@@ -133,11 +133,13 @@ fn off(scene: &Scene) -> Result<(), KeyError> {
             ));
         }
     }
-    let off: std::collections::BTreeSet<_> = array.off.iter().collect();
-    if off.len() == elements {
-        return refuse("off", "every element is off: at least one must be driven");
+    if array.lacks_wires() || !scene.driven().is_empty() {
+        return Ok(());
     }
-    Ok(())
+    match array.off.is_empty() {
+        true => refuse("wiring", "no element is wired: at least one must be driven"),
+        false => refuse("off", "every element that is wired is off: at least one must be driven"),
+    }
 }
 
 fn label(key: &'static str, text: &str) -> Result<(), KeyError> {

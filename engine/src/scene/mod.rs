@@ -41,6 +41,7 @@ mod target;
 mod trap;
 mod turns;
 mod wave;
+mod wires;
 mod zone;
 
 pub use array::{Array, ElementModel};
@@ -68,4 +69,5 @@ pub use target::{Sampling, Target};
 pub use trap::Trap;
 pub use turns::Turns;
 pub use wave::{Wave, Waveform};
+pub use wires::{Correction, Wire, Wires};
 pub use zone::{Area, Zone};

@@ -1,8 +1,10 @@
 //! Boards and reflectors in space, and arrays with arbitrary element positions.
 
+use std::collections::HashSet;
+
 use crate::scene::board::{Board, PARALLEL, Placed, Reflector};
 use crate::scene::range::{Key, KeyError, direction, point, refuse, within};
-use crate::scene::{array::Array, content::Scene};
+use crate::scene::{array::Array, content::Scene, wires::Wires};
 use glam::{DMat3, DVec3};
 
 /// Limit of elements on all boards: 256 x 256.
@@ -67,6 +69,11 @@ impl Array {
         self.file.is_some() && self.placed.get().is_none()
     }
 
+    /// Whether its table of wires is not yet loaded.
+    pub fn lacks_wires(&self) -> bool {
+        self.wiring.is_some() && self.wires.get().is_none()
+    }
+
     /// Positions (m) and directions of radiation of its elements in its own coordinates.
     pub fn places(&self) -> Vec<Placed> {
         if let Some(placed) = self.placed.get() {
@@ -86,6 +93,22 @@ impl Scene {
     /// Elements of all boards, driven or not.
     pub fn elements(&self) -> usize {
         self.array.elements() * self.boards.len().max(1)
+    }
+
+    /// The wires of its elements: of the named table, or else of the board's own file. Without, a board's own order
+    /// applies.
+    pub fn wires(&self) -> Option<&Wires> {
+        let array = &self.array;
+        let wires = if array.wiring.is_some() { &array.wires } else { &array.placed.wires };
+        wires.get().map(|_| wires)
+    }
+
+    /// Elements that are wired and not off, in ascending order.
+    pub fn driven(&self) -> Vec<usize> {
+        let off: HashSet<_> = self.array.off.iter().collect();
+        let (wires, each) = (self.wires(), self.array.elements());
+        let is_wired = |n: usize| wires.is_none_or(|wires| wires.wire(n, each).is_some());
+        (0..self.elements()).filter(|n| !off.contains(n) && is_wired(*n)).collect()
     }
 
     /// The boards of the scene, or the default board.

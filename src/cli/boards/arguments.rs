@@ -1,8 +1,8 @@
 //! Arguments of the commands for boards.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use anyhow::Context;
+use anyhow::{Context, bail};
 use clap::Args;
 
 use crate::cli::arguments::seconds;
@@ -10,6 +10,7 @@ use crate::cli::arguments::seconds;
 use crate::device::board::faults::Faults;
 use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;
+use crate::scene::Scene;
 
 #[derive(Debug, Args)]
 pub struct BoardArgs {
@@ -62,8 +63,29 @@ fn parse_faults(text: &str) -> Result<Faults, String> {
     Ok(text.to_owned())
 }
 
-/// The calibration of a board, by default without corrections.
-pub fn calibration(path: Option<&Path>, profile: Profile) -> anyhow::Result<Calibration> {
-    let Some(path) = path else { return Ok(Calibration::default()) };
-    Calibration::read(path, profile.elements()).with_context(|| path.display().to_string())
+/// The calibration of a scene's elements, by default without corrections: a file for all, a file for each board, or a
+/// file for the only `board` (from 1) that is played.
+pub fn calibration(paths: &[PathBuf], scene: &Scene, board: Option<usize>) -> anyhow::Result<Calibration> {
+    let read =
+        |path: &PathBuf, scene| Calibration::read(path, scene).with_context(|| path.display().to_string());
+    let (boards, each) = (scene.boards.len().max(1), scene.array.elements());
+    let one = Scene { boards: Vec::new(), ..scene.clone() };
+    match (paths, board) {
+        ([], _) => Ok(Calibration::default()),
+        ([path], None) => read(path, scene),
+        ([path], Some(number)) => {
+            let own = Some(read(path, &one)?);
+            let of_boards = (1..=boards).map(|other| own.clone().filter(|_| other == number));
+            Ok(Calibration::of_boards(of_boards, each))
+        }
+        (paths, None) if paths.len() == boards => {
+            let of_boards = paths.iter().map(|path| read(path, &one).map(Some));
+            Ok(Calibration::of_boards(of_boards.collect::<anyhow::Result<Vec<_>>>()?, each))
+        }
+        (paths, _) => bail!(
+            "--calibration is given {} times: give one file for all elements, or one for each board of the scene, which has \
+             {boards}",
+            paths.len()
+        ),
+    }
 }

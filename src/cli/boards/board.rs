@@ -9,13 +9,16 @@ use anyhow::{Context, bail};
 use crate::cli::boards::arguments::BoardArgs;
 use crate::cli::interrupt;
 use crate::cli::scene::read_scene;
-use crate::device::board::{Board, Report, Setup};
+use crate::device::board::{Board, Playing, Report, Setup};
+use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;
+use crate::device::wiring::{Share, Wiring};
 use crate::drive::Drive;
 use crate::field::{Evaluator, Quantity, Request, Samples, Stages};
 use crate::picture::{ColourMap, export};
 use crate::rounding::pascals;
 use crate::scene::Scene;
+use crate::studio::bring_up::board_scene;
 use crate::studio::map;
 use crate::studio::output::{self, Files, note, say};
 
@@ -28,7 +31,7 @@ const SIDE: usize = 256;
 
 pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
     let mut files = Files::new();
-    let scene = scene(args, &mut files)?;
+    let (scene, wiring) = scene(args, &mut files)?;
     if let Some(path) = &args.output {
         files.writes(path)?;
     }
@@ -52,7 +55,7 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
     ));
 
     let begun = Instant::now();
-    let mut monitor = Monitor::new(scene, args.output.clone());
+    let mut monitor = Monitor::new(scene, wiring, args.output.clone());
     let mut faults = SingleFaults { first_frame: None, setup };
     let mut next_report = begun + REPORT;
     while !interrupted.is_set() && args.seconds.is_none_or(|seconds| begun.elapsed().as_secs_f64() < seconds)
@@ -77,16 +80,13 @@ pub fn run(args: &BoardArgs) -> anyhow::Result<()> {
 }
 
 /// The scene with array and plane of the field; by default an array of the board's size.
-fn scene(args: &BoardArgs, files: &mut Files) -> anyhow::Result<Scene> {
+fn scene(args: &BoardArgs, files: &mut Files) -> anyhow::Result<(Scene, Wiring)> {
     let Some(path) = &args.scene else {
-        let mut scene = Scene::default();
-        let rows = (args.profile.elements() / 16) as u32;
-        [scene.array.columns, scene.array.rows] = args.profile.shape().unwrap_or([16, rows]);
-        return Ok(scene);
+        return Ok((board_scene(args.profile), Wiring::own(args.profile)));
     };
     let scene = read_scene(path, None, files)?;
-    args.profile.drives(&scene).with_context(|| path.display().to_string())?;
-    Ok(scene)
+    let wiring = Wiring::of(args.profile, &scene, Share::default());
+    Ok((scene, wiring.with_context(|| path.display().to_string())?))
 }
 
 /// Script in the gateware's folder that builds the simulated device.
@@ -149,6 +149,9 @@ impl SingleFaults {
 /// Prints the events and the field of a board as they change.
 struct Monitor {
     scene: Scene,
+    wiring: Wiring,
+    /// Of the scene's transducers.
+    calibration: Calibration,
     output: Option<PathBuf>,
     stages: Stages,
     drive: Drive,
@@ -157,9 +160,9 @@ struct Monitor {
 }
 
 impl Monitor {
-    fn new(scene: Scene, output: Option<PathBuf>) -> Self {
-        let stages = Stages::new(Evaluator::Cpu);
-        Self { scene, output, stages, drive: Drive::default(), frames: 0, events: 0 }
+    fn new(scene: Scene, wiring: Wiring, output: Option<PathBuf>) -> Self {
+        let (stages, calibration) = (Stages::new(Evaluator::Cpu), Calibration::of(&scene));
+        Self { scene, wiring, calibration, output, stages, drive: Drive::default(), frames: 0, events: 0 }
     }
 
     /// Prints news since the last report, with the field if drive or frame count have changed.
@@ -168,7 +171,8 @@ impl Monitor {
             say!("{event}")?;
         }
         self.events = report.events.len();
-        let drive = report.playing.as_ref().map(|playing| playing.drive()).unwrap_or_default();
+        let heard = |playing: &Playing| self.calibration.sound(self.wiring.drive(&playing.drive()));
+        let drive = report.playing.as_ref().map(heard).unwrap_or_default();
         if drive == self.drive && report.frames == self.frames {
             return Ok(());
         }

@@ -1,7 +1,6 @@
 //! `sonoglyph send`: solves a scene and plays it on a board.
 
-use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
@@ -15,8 +14,9 @@ use crate::cli::{interrupt, names, progress};
 use crate::device::envelope;
 use crate::device::health::{Found, Health, State};
 use crate::device::levels;
-use crate::device::link::{Event, Settings};
+use crate::device::link::{Event, Link, Settings};
 use crate::device::profile::Profile;
+use crate::device::wiring::{Share, Wiring};
 use crate::rounding;
 use crate::scene::{Method, Scene, motion};
 use crate::studio::felt::Offer;
@@ -37,9 +37,9 @@ const REPORT: Duration = Duration::from_secs(1);
 pub struct SendArgs {
     /// Scene file
     scene: PathBuf,
-    /// Serial port of the board; `sonoglyph ports` lists them
-    #[arg(long)]
-    port: PathBuf,
+    /// Serial port of the board; `sonoglyph ports` lists them. Several play the boards of the scene, in its order
+    #[arg(long = "port", value_name = "PORT", required = true)]
+    ports: Vec<PathBuf>,
     /// Kind of board; `sonoglyph ports` lists them
     #[arg(long, value_parser = parse_profile)]
     profile: Profile,
@@ -55,9 +55,10 @@ pub struct SendArgs {
     /// Playing time (s)
     #[arg(long, value_name = "S", value_parser = seconds(1e9))]
     seconds: Option<f64>,
-    /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), and a row per element
-    #[arg(long, value_name = "FILE.csv")]
-    calibration: Option<PathBuf>,
+    /// Corrections: CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), and a row per element;
+    /// or the .pat of an OpenMPD board. One for all elements, or one for each board of the scene
+    #[arg(long = "calibration", value_name = "FILE")]
+    calibrations: Vec<PathBuf>,
     /// Play a single board of the scene, counted from 1, for boards with their own ports
     #[arg(long, value_name = "NUMBER")]
     board: Option<usize>,
@@ -66,29 +67,35 @@ pub struct SendArgs {
 pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let mut scene = read_scene(&args.scene, args.method, &mut Files::new())?;
     let name = args.scene.display().to_string();
-    let part = part(&scene, args.board)?;
-    let played = match args.board {
-        Some(_) => Scene { boards: Vec::new(), ..scene.clone() },
-        None => scene.clone(),
-    };
-    args.profile.drives(&played).with_context(|| name.clone())?;
+    let shares = shares(args, &scene)?;
+    for share in &shares {
+        Wiring::of(args.profile, &scene, *share).with_context(|| name.clone())?;
+    }
     if let Err(error) = envelope::playable(args.profile, &scene.modulation) {
         bail!("{name}: {error}");
     }
-    let calibration = calibration(args.calibration.as_deref(), args.profile)?;
+    let calibration = calibration(&args.calibrations, &scene, args.board)?;
     let interrupted = interrupt::watch()?;
-    let settings = Settings { port: args.port.clone(), profile: args.profile, baud: args.baud };
-    note(&args.profile.bandwidth(settings.baud()));
-    if let Some(offer) = Offer::new(&scene, true, args.profile, settings.baud()) {
+    let baud = args.baud.unwrap_or(args.profile.baud());
+    note(&args.profile.bandwidth(baud));
+    if let Some(offer) = Offer::new(&scene, true, args.profile, baud) {
         note(&offer.to_string());
     }
-    let mut player = Player::open(settings.clone(), calibration, Box::new(|| {}))?;
-    player.part = Some(part);
-    let found = player::ready(&player.link, || interrupted.is_set(), note)?;
-    let Some(found) = found else { return Ok(()) };
-    follow_carrier(&mut scene, found);
-    args.profile.steady(&mut scene, settings.baud()).iter().for_each(|text| note(text));
+    let mut players = Vec::new();
+    for (port, share) in args.ports.iter().zip(shares) {
+        let settings = Settings { port: port.clone(), profile: args.profile, baud: args.baud };
+        let mut player = Player::open(settings, calibration.clone(), Box::new(|| {}))?;
+        player.share = share;
+        players.push(player);
+    }
+    for player in &players {
+        let found = player::ready(&player.link, || interrupted.is_set(), note)?;
+        let Some(found) = found else { return Ok(()) };
+        follow_carrier(&mut scene, found);
+    }
+    args.profile.steady(&mut scene, baud).iter().for_each(|text| note(text));
     let cycle = motion::cycle(&scene).map(|cycle| Duration::from_secs_f64(1.0 / cycle.rate));
+    let played = scene.clone();
     // On its own thread, so that an interrupt need not wait for the solver.
     let (sender, solved) = sync_channel(1);
     let solve = move || sender.send(Performance::of(&scene, &name, progress::begin));
@@ -101,10 +108,11 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
             Err(RecvTimeoutError::Timeout) => {}
         }
     };
-    let notice = player.play(&played, performance).map_err(|error| anyhow::anyhow!(error))?;
-    notice.iter().for_each(|notice| warn(notice));
-
-    let link = player.link;
+    for (index, player) in players.iter_mut().enumerate() {
+        let notices = player.play(&played, performance.clone()).map_err(|error| anyhow::anyhow!(error))?;
+        notices.iter().filter(|_| index == 0).for_each(|notice| warn(notice));
+    }
+    let links: Vec<Link> = players.into_iter().map(|player| player.link).collect();
     let lasts = match (args.seconds, args.repeat) {
         (Some(seconds), _) => Some(Duration::from_secs_f64(seconds)),
         (None, true) => None,
@@ -117,17 +125,19 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let given_up =
         |lost: Option<Instant>| lost.is_some_and(|lost| lasts.is_some() && lost.elapsed() > LOST_TIMEOUT);
     while !interrupted.is_set() && !over(begun, lasts) && !given_up(lost) {
-        match link.event_within(Duration::from_millis(5)) {
-            Some(Event::Lost(why)) => {
-                lost.get_or_insert_with(Instant::now);
-                warn(&format!("{why}; looking for it"));
+        for link in &links {
+            match link.event_within(Duration::from_millis(5)) {
+                Some(Event::Lost(why)) => {
+                    lost.get_or_insert_with(Instant::now);
+                    warn(&format!("{why}; looking for it"));
+                }
+                Some(Event::Ready(_)) => note("the board is back"),
+                Some(Event::Notice(text)) => note(&text),
+                None => {}
             }
-            Some(Event::Ready(_)) => note("the board is back"),
-            Some(Event::Notice(text)) => note(&text),
-            None => {}
         }
-        let health = link.health();
-        if health.in_place {
+        let healths: Vec<_> = links.iter().map(Link::health).collect();
+        if healths.iter().all(|health| health.in_place) {
             begun.get_or_insert_with(Instant::now);
             lost = None;
         }
@@ -137,21 +147,29 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
         }
         if Instant::now() >= next_report {
             next_report += REPORT;
-            mention(&line(&health));
+            healths.iter().for_each(|health| mention(&line(health)));
         }
     }
-    let last = link.health();
-    let health = link.close();
-    say!("{}", line(&last))?;
-    match health.state {
+    let last: Vec<_> = links.iter().map(Link::health).collect();
+    let closed: Vec<_> = links.into_iter().map(Link::close).collect();
+    last.iter().try_for_each(|health| say!("{}", line(health)))?;
+    for ((port, last), health) in args.ports.iter().zip(&last).zip(&closed) {
+        verdict(port, last, health, interrupted.is_set())?;
+    }
+    Ok(())
+}
+
+/// The end of a board's playing: its state before and after its link was closed.
+fn verdict(port: &Path, last: &Health, health: &Health, was_interrupted: bool) -> anyhow::Result<()> {
+    match &health.state {
         State::Lost(why) => bail!("{why}: the board was lost, in an unknown state"),
         State::Connecting | State::Ready if !health.silenced => {
-            bail!("{}: the board could not be silenced: its port takes no bytes", args.port.display())
+            bail!("{}: the board could not be silenced: its port takes no bytes", port.display())
         }
-        State::Connecting | State::Ready if !last.in_place && !interrupted.is_set() => {
+        State::Connecting | State::Ready if !last.in_place && !was_interrupted => {
             bail!(
                 "{}: the board did not play{}",
-                args.port.display(),
+                port.display(),
                 match last.stopped {
                     true => ": its emergency stop was pressed",
                     false => " in this time",
@@ -167,13 +185,16 @@ fn over(begun: Option<Instant>, lasts: Option<Duration>) -> bool {
     begun.zip(lasts).is_some_and(|(begun, lasts)| begun.elapsed() >= lasts)
 }
 
-/// The played elements: of all boards, or of one, counted from 1.
-fn part(scene: &Scene, board: Option<usize>) -> anyhow::Result<Range<usize>> {
-    let (each, boards) = (scene.array.elements(), scene.boards.len().max(1));
-    match board {
-        None => Ok(0..scene.elements()),
-        Some(number) if (1..=boards).contains(&number) => Ok(each * (number - 1)..each * number),
-        Some(number) => bail!("--board {number}: the scene has {boards}, counted from 1"),
+/// The part of each port: all boards, one of several, or the only one, counted from 1.
+fn shares(args: &SendArgs, scene: &Scene) -> anyhow::Result<Vec<Share>> {
+    let (ports, boards) = (args.ports.len(), scene.boards.len().max(1));
+    match args.board {
+        None => Ok((0..ports).map(|index| Share { index, of: ports }).collect()),
+        Some(number) if (1..=boards).contains(&number) && ports == 1 => {
+            Ok(vec![Share { index: number - 1, of: boards }])
+        }
+        Some(number) if ports == 1 => bail!("--board {number}: the scene has {boards}, counted from 1"),
+        Some(number) => bail!("--board {number} plays one board: give one --port, not {ports}"),
     }
 }
 

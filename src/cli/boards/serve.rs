@@ -46,8 +46,9 @@ pub struct ServeArgs {
     /// Bits per second, instead of the board's default
     #[arg(long, requires = "port", value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
-    /// CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), and a row per element
-    #[arg(long, value_name = "FILE.csv", requires = "port")]
+    /// Corrections: CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), and a row per element;
+    /// or the .pat of an OpenMPD board
+    #[arg(long, value_name = "FILE", requires = "port")]
     calibration: Option<PathBuf>,
 }
 
@@ -114,11 +115,12 @@ fn board(args: &ServeArgs, scene: &Scene, interrupted: &Interrupted) -> anyhow::
 
     use crate::cli::boards::arguments::calibration;
     use crate::device::link;
+    use crate::device::wiring::{Share, Wiring};
 
     let (Some(port), Some(profile)) = (args.port.clone(), args.profile) else { return Ok(None) };
     let name = args.scene.as_ref().map_or_else(|| "the scene".to_owned(), |path| path.display().to_string());
-    profile.drives(scene).context(name)?;
-    let calibration = calibration(args.calibration.as_deref(), profile)?;
+    Wiring::of(profile, scene, Share::default()).context(name)?;
+    let calibration = calibration(args.calibration.as_slice(), scene, None)?;
     let settings = link::Settings { port, profile, baud: args.baud };
     Board::open(settings, calibration, || interrupted.is_set())
 }

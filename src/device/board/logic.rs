@@ -209,11 +209,11 @@ pub fn committed(packet: &Packet, reply: &Reply) -> Option<Levels> {
     let level = |phase: u8, amplitude: u8| {
         (amplitude > 0).then(|| Level { delay: u16::from(phase), amplitude: u16::from(amplitude) })
     };
-    let elements = match Kind::from_repr(packet.code) == Some(Kind::Phases) {
+    let channels = match Kind::from_repr(packet.code) == Some(Kind::Phases) {
         true => packet.payload.iter().map(|&phase| level(phase, amplitude)).collect(),
         false => packet.payload.as_chunks::<2>().0.iter().map(|&[p, a]| level(p, a)).collect(),
     };
-    Some(Levels { profile: Profile::Native, elements })
+    Some(Levels { profile: Profile::Native, channels })
 }
 
 #[cfg(test)]

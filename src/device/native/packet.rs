@@ -108,7 +108,7 @@ impl Packet {
     pub fn playing(levels: &Levels, slot: u8, commit: bool) -> Self {
         let bytes = |level: Level| [level.delay.to_le_bytes()[0], level.amplitude.to_le_bytes()[0]];
         let pairs: [[u8; 2]; 256] =
-            std::array::from_fn(|n| levels.elements.get(n).copied().flatten().map_or([0, 0], bytes));
+            std::array::from_fn(|n| levels.channels.get(n).copied().flatten().map_or([0, 0], bytes));
         let amplitude = pairs[0][1];
         if pairs.iter().all(|&[_, other]| other == amplitude) {
             Self::phases(slot, amplitude, &pairs.map(|[phase, _]| phase), commit)

@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn a_virtual_board_shows_what_its_line_has_carried() {
         let profile = Profile::SonicSurface;
-        let levels = Levels::checkerboard(profile, 16);
+        let levels = Levels::one(profile, 3);
         let mut port = finish(Port::open(&virtual_board(profile), 10_000)).unwrap();
         let gone = finish(port.write(&stock::frame(&levels))).unwrap();
         let Line::Virtual(board) = &mut port.line else { panic!("not virtual") };
@@ -262,7 +262,7 @@ mod tests {
     #[test]
     fn last_bytes_are_left_to_the_line() {
         let profile = Profile::SonicSurface;
-        let levels = Levels::checkerboard(profile, 16);
+        let levels = Levels::one(profile, 3);
         let mut port = finish(Port::open(&virtual_board(profile), 10_000)).unwrap();
         assert!(port.leave(&stock::frame(&levels)));
         let backlog = port.backlog();

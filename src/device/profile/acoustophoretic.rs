@@ -10,14 +10,16 @@ pub const ACOUSTOPHORETIC_512: Declaration = Declaration {
     strength: Strength::Duty(64),
     baud: 250_000,
     frame_bytes: FRAME,
+    order: Some("acoustophoretic-512"),
     remark: Some(
         "its USB chip must appear as a serial port; every element sounds for the first second after power-up",
     ),
+    uncalibrated: Some(
+        "acoustophoretic-512 is played without the measured phases of its transducers, which are mounted in both \
+         polarities: 0 to 19 % of the focus is left on the boards that OpenMPD publishes. Give the board's own file with \
+         `--calibration board_N.pat`, or name it as the scene's `array.elements`",
+    ),
     protocol: Some(Protocol {
-        // Rows and columns are few: the inverse is searched.
-        element_of: |channel| {
-            (0..CHANNELS).find(|&element| channel_of(element) == channel).unwrap_or(channel)
-        },
         load,
         swap: None,
         filler: None,
@@ -35,17 +37,6 @@ const CHANNELS: usize = 256;
 const FRAME: usize = 2 * CHANNELS;
 /// This bit marks the first byte of a frame, and nothing else does.
 const FIRST: u8 = 0x80;
-/// Channel of the four columns of a chip, in even and odd rows of the array.
-const EVEN: [usize; 4] = [5, 4, 6, 7];
-const ODD: [usize; 4] = [1, 0, 3, 2];
-
-/// The channel of an element. OpenMPD's pattern files list rows from the upper edge seen from the front, with y
-/// upwards.
-fn channel_of(element: usize) -> usize {
-    let (row, column) = (element / 16, element % 16);
-    let places = if row % 2 == 0 { EVEN } else { ODD };
-    64 * (3 - column / 4) + 8 * (row / 2) + places[column % 4]
-}
 
 fn load(channels: &[Option<Level>]) -> Vec<u8> {
     let delays = channels.iter().map(|level| level.map_or(0, |level| level.delay));
@@ -114,19 +105,5 @@ impl Emulation for Twin {
             (duty > 0).then(|| Level { delay: delay.into(), amplitude: duty.into() })
         };
         delays.iter().zip(duties).map(level).collect()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn channels_begin_at_the_upper_left_corner() {
-        assert_eq!([240, 241, 242, 243].map(channel_of), [249, 248, 251, 250]);
-        assert_eq!([224, 225, 226, 227].map(channel_of), [253, 252, 254, 255]);
-        assert_eq!(channel_of(15), 7);
-        let element_of = ACOUSTOPHORETIC_512.protocol.unwrap().element_of;
-        assert_eq!(element_of(249), 240);
     }
 }

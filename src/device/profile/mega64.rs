@@ -20,9 +20,10 @@ pub const ULTRAINO_MEGA64: Declaration = Declaration {
     strength: Strength::Duty(5),
     baud: 115_200,
     frame_bytes: 210,
+    order: None,
     remark: Some("every element sounds from power-up until a program connects"),
+    uncalibrated: None,
     protocol: Some(Protocol {
-        element_of: |channel| channel,
         load,
         swap: Some(SWAP),
         // It sends every other byte on to the next board, in the time of its sound.

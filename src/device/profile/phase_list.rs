@@ -6,7 +6,6 @@ use crate::device::declaration::{Declaration, Emulation, Heard, Level, Protocol,
 macro_rules! protocol {
     ($build:expr) => {
         Protocol {
-            element_of: |channel| channel,
             load: |channels| load(&$build, channels),
             swap: Some(SWAP),
             filler: Some(CLOCKS_ON),
@@ -28,8 +27,10 @@ pub const SONICSURFACE: Declaration = Declaration {
     strength: Strength::Fixed,
     baud: 230_400,
     frame_bytes: 258,
+    order: Some("sonicsurface"),
     remark: Some("every element sounds from power-up until a program connects"),
-    protocol: Some(Protocol { element_of, start: &START, ..protocol!(PLAIN) }),
+    uncalibrated: None,
+    protocol: Some(Protocol { start: &START, ..protocol!(PLAIN) }),
 };
 
 pub const SONICSURFACE_2: Declaration = Declaration {
@@ -39,7 +40,7 @@ pub const SONICSURFACE_2: Declaration = Declaration {
     shape: Some([16, 32]),
     frame_bytes: 516,
     // Once more: an interrupted list may have left any index, which only a swap resets.
-    protocol: Some(Protocol { element_of, start: &START_TWO, blanks: 3, ..protocol!(TWO) }),
+    protocol: Some(Protocol { start: &START_TWO, blanks: 3, ..protocol!(TWO) }),
     ..SONICSURFACE
 };
 
@@ -52,7 +53,6 @@ pub const SONICSURFACE_TACTILE: Declaration = Declaration {
     ),
     // It only accepts lists.
     protocol: Some(Protocol {
-        element_of,
         filler: Some(PHASES),
         modulation: Some(tactile_step),
         ..protocol!(TACTILE)
@@ -64,6 +64,7 @@ pub const ULTRAINO_SIMPLEFPGA: Declaration = Declaration {
     name: "ultraino-simplefpga",
     shape: None,
     strength: Strength::Duty(FULL),
+    order: None,
     remark: Some(
         "its gateware is not published: every element may sound from power-up until a program connects",
     ),
@@ -114,9 +115,6 @@ const TACTILE_STEPS: std::ops::RangeInclusive<u8> = 0xA0..=0xBF;
 /// Hz: of a step of 0 of that modulation.
 const TACTILE_FASTEST: f64 = 1250.0;
 const FULL: u16 = 16;
-/// Column and row of the eight channels of a shift register within their 4 x 2 elements.
-const COLUMNS: [usize; 8] = [0, 2, 3, 1, 0, 3, 2, 1];
-const ROWS: [usize; 8] = [0, 0, 0, 1, 1, 1, 1, 0];
 /// Values of a byte per period, and mask of a byte other than [`OFF`].
 const VALUES: u8 = 32;
 
@@ -134,15 +132,6 @@ const TACTILE_CORRECTION: [u8; CHANNELS] = [
     0, 0, 1, 17, 31, 2, 16, 16, 0, 0, 13, 16, 14, 16, 14, 31, 13, 13, 31, 15, 15, 15, 16, 30, 15, 0, 16, 31,
     31, 1, 0, 15, 18, 0, 31, 1, 15, 1, 0, 0, 14, 15, 1, 16, 0, 15, 18, 30, 1, 19, 2, 16, 30, 15, 15, 1, 1,
 ];
-
-/// The board counts its rows from its +z, which is this program's -y when both radiate to the front and x runs to the
-/// right; so its grid has the array's numbering.
-fn element_of(channel: usize) -> usize {
-    let (board, channel) = (channel / CHANNELS, channel % CHANNELS);
-    let column = 4 * (channel / 64) + COLUMNS[channel % 8];
-    let row = 2 * (channel % 64 / 8) + ROWS[channel % 8];
-    CHANNELS * board + 16 * row + column
-}
 
 fn load(build: &Build, channels: &[Option<Level>]) -> Vec<u8> {
     let value = |(level, correction): (&Option<Level>, &u8)| match level {
@@ -285,13 +274,6 @@ impl Emulation for Twin {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn channels_are_by_shift_registers() {
-        // The first register: columns 0, 2, 3, 1, 0, 3, 2, 1 of rows 0, 0, 0, 1, 1, 1, 1, 0.
-        assert_eq!([0, 1, 2, 3, 4, 5, 6, 7].map(element_of), [0, 2, 3, 17, 16, 19, 18, 1]);
-        assert_eq!([8, 64, 255, 256].map(element_of), [32, 4, 16 * 14 + 13, 256]);
-    }
 
     #[test]
     fn modulation_steps_are_in_range_for_any_frequency() {

@@ -86,7 +86,7 @@ impl Files {
         Ok(())
     }
 
-    /// Notes the pictures and the waveform that a scene has been read with.
+    /// Notes the pictures, the waveform and the tables that a scene has been read with.
     ///
     /// # Errors
     /// The errors of [`Self::reads`].
@@ -101,7 +101,8 @@ impl Files {
                 self.reads(path)?;
             }
         }
-        scene.array.placed.from.as_deref().map_or(Ok(()), |path| self.reads(path))
+        let tables = [&scene.array.placed.from, &scene.array.wires.from];
+        tables.into_iter().flatten().try_for_each(|path| self.reads(path))
     }
 
     /// Registers an output file.

@@ -5,7 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use egui::Ui;
 use glam::{DQuat, DVec3};
 
-use crate::scene::{Board, Elements, Reflector, Scene};
+use crate::device::wiring;
+use crate::scene::{Board, Elements, Reflector, Scene, Wires};
+use crate::studio::arrays::PRESET;
 use crate::studio::presets::KNOWN;
 use crate::ui::panels::form::{choice, coordinates};
 use crate::ui::panels::{PLAIN, caption, form, number};
@@ -39,9 +41,42 @@ pub fn known(editor: &mut Editor, ui: &mut Ui) {
         if ui.button("Rows and columns again").clicked() {
             let array = &mut editor.document.scene.array;
             (array.file, array.placed) = (None, Elements::default());
+            (array.wiring, array.wires) = (None, Wires::default());
             keep_off(&mut editor.document.scene);
         }
     }
+}
+
+/// The channels of the board that the elements are wired to.
+pub fn wiring(editor: &mut Editor, ui: &mut Ui) {
+    ui.horizontal(|ui| {
+        let menu = ui.menu_button("Wiring", |ui| {
+            let array = &mut editor.document.scene.array;
+            for name in wiring::presets() {
+                let preset = wiring::preset(name, array.elements());
+                let button = ui.add_enabled(preset.is_ok(), egui::Button::new(name));
+                let reason = preset.as_ref().err().map_or("", String::as_str);
+                if let (true, Ok(wires)) = (button.on_disabled_hover_text(reason).clicked(), &preset) {
+                    (array.wiring, array.wires) = (Some(format!("{PRESET}{name}")), wires.clone());
+                    ui.close();
+                }
+            }
+            if ui.button("From a table…").clicked() {
+                editor.dialog = Some(Dialog::path(Purpose::Wiring, &editor.document));
+            }
+        });
+        menu.response.on_hover_text("The channel of the board for each element: a known board's, or CSV");
+        let name = match &editor.scene().array.wiring {
+            Some(name) => name.clone(),
+            None if editor.scene().wires().is_some() => "the pins of the elements' file".to_owned(),
+            None => "the board's own order".to_owned(),
+        };
+        ui.label(name);
+        if editor.scene().array.wiring.is_some() && ui.small_button("Remove").clicked() {
+            let array = &mut editor.document.scene.array;
+            (array.wiring, array.wires) = (None, Wires::default());
+        }
+    });
 }
 
 fn published(editor: &mut Editor, ui: &mut Ui) {

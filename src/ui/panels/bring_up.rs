@@ -4,7 +4,7 @@ use egui::{RichText, Ui};
 
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
-use crate::studio::bring_up::{Finding, Verdict};
+use crate::studio::bring_up::{Finding, Verdict, named, tested};
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
 use crate::ui::bring_up::{BringUp, Step};
 use crate::ui::panels::form::heading;
@@ -94,7 +94,8 @@ fn line(
         if next.on_disabled_hover_text("The line has to carry frames first").clicked() {
             run.report.findings.clone_from(&surveyed.findings);
             editor.board.baud = surveyed.baud.unwrap_or(editor.board.baud);
-            editor.board.element = 0;
+            run.element = tested(editor.board.profile, editor.scene()).1.wired().next().unwrap_or(0);
+            editor.board.element = run.element as u32;
             run.step = Step::Elements;
             ask(BoardCommand::Connect);
         }
@@ -108,28 +109,27 @@ fn elements(
     ui: &mut Ui,
     ask: &mut impl FnMut(BoardCommand),
 ) {
-    let profile = editor.board.profile;
     if !is_ready(board.health.as_ref()) {
         ui.label("Waiting for the board.");
         return;
     }
-    let elements = profile.elements();
-    let columns = profile.shape().map_or(editor.scene().array.columns, |[columns, _]| columns) as usize;
-    let (row, column) = (run.element / columns.max(1), run.element % columns.max(1));
-    ui.label(format!("Element {} of {elements} sounds alone: row {row}, column {column}.", run.element));
+    let (scene, wiring) = tested(editor.board.profile, editor.scene());
+    let name = named(&scene, run.element);
+    ui.label(format!("Of {} elements, {name} sounds alone.", wiring.wired().count()));
     let before = run.element;
     ui.horizontal_wrapped(|ui| {
         if ui.button("Heard").clicked() {
-            run.heard(profile, Some(true));
+            run.heard(&wiring, Some(true));
         }
         if ui.button("Silent").on_hover_text("It is left out by the calibration").clicked() {
-            run.heard(profile, Some(false));
+            run.heard(&wiring, Some(false));
         }
-        if ui.add_enabled(run.element > 0, egui::Button::new("Back")).clicked() {
-            run.element -= 1;
+        let back = wiring.wired().rev().find(|&n| n < run.element);
+        if ui.add_enabled(back.is_some(), egui::Button::new("Back")).clicked() {
+            run.element = back.unwrap_or(run.element);
         }
         if ui.button("Skip the rest").clicked() {
-            run.heard(profile, None);
+            run.heard(&wiring, None);
         }
     });
     let element = run.element as u32;
@@ -198,7 +198,8 @@ fn done(editor: &mut Editor, run: &mut BringUp, ui: &mut Ui, ask: &mut impl FnMu
         ui.add(egui::TextEdit::singleline(&mut run.file).desired_width(150.0)).labelled_by(label.id);
         let tip = "Leaves the silent elements out from the next connection on";
         if ui.button("Save").on_hover_text(tip).clicked() {
-            let text = run.calibration.to_csv(editor.board.profile.elements());
+            let (_, wiring) = tested(editor.board.profile, editor.scene());
+            let text = run.calibration.to_csv(wiring.elements());
             ask(BoardCommand::SaveCalibration(text));
         }
     });

@@ -4,8 +4,10 @@ use egui::{RichText, Ui};
 
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
+use crate::device::wiring::{Share, Wiring};
 use crate::rounding;
 use crate::scene::motion;
+use crate::studio::bring_up::tested;
 use crate::studio::felt::Offer;
 use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
 use crate::ui::panels::form::{choice, count, heading};
@@ -78,6 +80,11 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
     if let Some(remark) = profile.remark() {
         ui.label(RichText::new(format!("{}: {remark}", profile.name())).color(theme::warning(ui.visuals())));
     }
+    let has_corrections =
+        !editor.board.calibration.trim().is_empty() || editor.scene().array.placed.corrections().is_some();
+    if let Some(warning) = profile.uncalibrated().filter(|_| !has_corrections) {
+        ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
+    }
     ui.horizontal(|ui| {
         if is_open {
             if ui.button("Disconnect").on_hover_text("The board falls silent").clicked() {
@@ -102,9 +109,10 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
 }
 
 fn calibration(editor: &mut Editor, ui: &mut Ui) {
-    let tip = "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1); may be empty";
+    let tip = "CSV with the columns element, offset (degrees), gain (0 to 1), off (0 or 1), or an OpenMPD board's PAT; may \
+               be empty";
     let label = caption(ui, "Calibration").on_hover_text(tip);
-    ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV file"))
+    ui.add(egui::TextEdit::singleline(&mut editor.board.calibration).hint_text("CSV or PAT file"))
         .labelled_by(label.id)
         .on_hover_text(tip);
     ui.end_row();
@@ -289,7 +297,8 @@ fn trial(
     ask: &mut impl FnMut(BoardCommand),
 ) {
     heading(ui, "Element test");
-    let last = editor.board.profile.elements().saturating_sub(1) as u32;
+    let (_, wiring) = tested(editor.board.profile, editor.scene());
+    let last = wiring.elements().saturating_sub(1) as u32;
     form(ui, "trial", |ui| {
         let tip = "From 0, row by row, starting at smallest x and y";
         let before = editor.board.element;
@@ -366,12 +375,9 @@ fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
             fact(ui, ("As played", tip), part);
         }),
         None => {
-            let (array, elements) = (editor.scene().elements(), editor.board.profile.elements());
-            if array != elements {
-                ui.label(
-                    RichText::new(format!("The scene's array has {array} elements, the board {elements}."))
-                        .color(theme::warning(ui.visuals())),
-                );
+            let wiring = Wiring::of(editor.board.profile, editor.scene(), Share::default());
+            if let Err(error) = wiring {
+                ui.label(RichText::new(error.to_string()).color(theme::warning(ui.visuals())));
             }
         }
     }

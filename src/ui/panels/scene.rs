@@ -5,7 +5,7 @@ use glam::DVec3;
 use strum::VariantArray;
 
 use crate::acoustics::Air;
-use crate::scene::{ElementModel, Listener, Target};
+use crate::scene::{ElementModel, Listener, Target, Wires};
 use crate::studio::probe;
 use crate::ui::panels::form::{choice, count, given, heading};
 use crate::ui::panels::{MM, PLAIN, Unit, boards, fact, form, number, target};
@@ -254,6 +254,7 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
             if before != array.columns {
                 // Numbers count row by row and would now mean other elements.
                 array.off.clear();
+                (array.wiring, array.wires) = (None, Wires::default());
             }
             let elements = array.elements() * boards;
             array.off.retain(|&element| element < elements);
@@ -279,36 +280,37 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
         choice(ui, ("Directivity", "Of one element"), &mut array.element, &models);
     });
     boards::known(editor, ui);
+    boards::wiring(editor, ui);
     ui.label("Click or drag to switch elements on and off:");
     switches(editor, ui);
 }
 
 /// The array as a map of switches. A drag sets every element like the first.
 fn switches(editor: &mut Editor, ui: &mut Ui) {
-    let off: std::collections::HashSet<_> = editor.scene().array.off.iter().copied().collect();
+    let driven: std::collections::HashSet<_> = editor.scene().driven().into_iter().collect();
     let (response, under) =
         element_map::show(ui, "Elements that play", editor.scene(), Sense::click_and_drag(), |n| {
-            (!off.contains(&n)).then_some(theme::ACCENT)
+            driven.contains(&n).then_some(theme::ACCENT)
         });
     let elements = editor.scene().elements();
     let array = &mut editor.document.scene.array;
     let id = response.id.with("switching");
     let pressed = response.is_pointer_button_down_on() && ui.input(|input| input.pointer.primary_pressed());
     if let (true, Some(n)) = (pressed, under) {
-        ui.data_mut(|data| data.insert_temp(id, !off.contains(&n)));
+        ui.data_mut(|data| data.insert_temp(id, driven.contains(&n)));
     }
     let switching = ui.data(|data| data.get_temp::<bool>(id));
     if let (true, Some(n), Some(to_off)) = (response.is_pointer_button_down_on(), under, switching) {
         array.off.retain(|&element| element != n);
         // At least one element must play.
-        if to_off && array.off.len() + 1 < elements {
+        if to_off && driven.iter().any(|&other| other != n) {
             array.off.push(n);
             array.off.sort_unstable();
         }
     }
     ui.horizontal(|ui| {
         let off = array.off.len();
-        ui.label(format!("{} of {elements} elements on", elements - off));
+        ui.label(format!("{} of {elements} elements on", driven.len()));
         if ui.add_enabled(off > 0, egui::Button::new("All on")).clicked() {
             array.off.clear();
         }

@@ -32,7 +32,7 @@ fn program() -> Option<PathBuf> {
 /// A frame with delays that depend on element and frame number.
 fn frame(number: usize) -> Levels {
     let level = |n: usize| Level { delay: ((n * 3 + number * 16) % 256) as u16, amplitude: 255 };
-    Levels { profile: Profile::Native, elements: (0..256).map(|n| Some(level(n))).collect() }
+    Levels { profile: Profile::Native, channels: (0..256).map(|n| Some(level(n))).collect() }
 }
 
 /// The largest deviation (of 256) of the output pulses from a frame's delays; `None` while any output is silent.

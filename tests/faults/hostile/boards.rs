@@ -23,8 +23,8 @@ fn an_array_of_another_shape_is_refused_with_the_boards_own() {
         (Profile::SonicSurface2, [32, 16], "sonicsurface-2 is 16 x 32"),
         (Profile::UltrainoMega64, [16, 4], "ultraino-mega64 is 8 x 8"),
         (Profile::Acoustophoretic512, [32, 8], "acoustophoretic-512 is 16 x 16"),
-        (Profile::UltrainoSimpleFpga, [15, 17], "drives 256 elements in any rows and columns"),
-        (Profile::Native, [8, 8], "native drives 256 elements in any rows and columns"),
+        (Profile::UltrainoSimpleFpga, [16, 17], "drives up to 256 elements in any rows and columns"),
+        (Profile::Native, [8, 33], "native drives up to 256 elements in any rows and columns"),
     ] {
         let scene = format!("{SCENE}[array]\nrows = {rows}\ncolumns = {columns}\n");
         let folder = folder_with(&[("a.toml", &scene)]);
@@ -43,6 +43,7 @@ fn an_array_of_another_shape_is_refused_with_the_boards_own() {
 fn every_shape_of_a_board_is_played() {
     for (profile, [columns, rows]) in [
         (Profile::Native, [32, 8]),
+        (Profile::Native, [7, 1]),
         (Profile::UltrainoSimpleFpga, [256, 1]),
         (Profile::SonicSurface2, [16, 32]),
         (Profile::UltrainoMega64, [8, 8]),

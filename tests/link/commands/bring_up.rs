@@ -9,6 +9,7 @@ use sonoglyph::device::board::faults::Faults;
 use sonoglyph::device::board::{Board, Setup};
 use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::profile::Profile;
+use sonoglyph::studio::bring_up::board_scene;
 
 use crate::commands::sonoglyph;
 use crate::running::Running;
@@ -98,12 +99,12 @@ fn silent_elements_are_written_into_the_calibration() {
         "{}",
         said(&output)
     );
-    let calibration = Calibration::read(&path, Profile::UltrainoMega64.elements()).unwrap();
+    let calibration = Calibration::read(&path, &board_scene(Profile::UltrainoMega64)).unwrap();
     assert_eq!(calibration.off(), [2]);
     // The next run starts from this file.
     let output = check(&board, folder.path(), Profile::UltrainoMega64, &more, "\n\n\nq\n\n");
     assert!(output.status.success(), "{}", said(&output));
-    let calibration = Calibration::read(&path, Profile::UltrainoMega64.elements()).unwrap();
+    let calibration = Calibration::read(&path, &board_scene(Profile::UltrainoMega64)).unwrap();
     assert!(calibration.off().is_empty());
 }
 

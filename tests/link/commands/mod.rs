@@ -10,6 +10,7 @@ use sonoglyph::device::board::Setup;
 use sonoglyph::device::calibration::Calibration;
 use sonoglyph::device::levels::Levels;
 use sonoglyph::device::profile::Profile;
+use sonoglyph::device::wiring::Wiring;
 use sonoglyph::scene::{Scene, file};
 use sonoglyph::solver;
 
@@ -53,7 +54,7 @@ fn read(path: &Path) -> Scene {
 
 fn levels(scene: &Scene, profile: Profile) -> Levels {
     let drive = solver::solve(scene).unwrap().drive;
-    Levels::new(profile, &drive, &Calibration::default()).unwrap()
+    Wiring::own(profile).levels(&drive, &Calibration::default()).unwrap()
 }
 
 #[test]
@@ -131,7 +132,7 @@ fn drives_in_turn_are_sent_in_turn() {
         assert!(output.status.success(), "{}", said(&output.stderr));
         let seen: Vec<_> = shown.try_iter().map(|shown| shown.levels).collect();
         for drive in solver::solve(&read(&scene)).unwrap().drives() {
-            let levels = Levels::new(profile, &drive, &Calibration::default()).unwrap();
+            let levels = Wiring::own(profile).levels(&drive, &Calibration::default()).unwrap();
             let times = seen.iter().filter(|seen| **seen == levels).count();
             // A native board plays them faster than its output is sampled.
             assert!(profile == Profile::Native || times > 0, "{profile:?} never showed one of them");

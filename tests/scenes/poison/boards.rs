@@ -12,6 +12,7 @@ use sonoglyph::device::native::packet::{Packet, Reply};
 use sonoglyph::device::pace::Pace;
 use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock::{self, Twin};
+use sonoglyph::device::wiring::Wiring;
 use sonoglyph::drive::Drive;
 
 use crate::poison::{POISON, SIZES, panics};
@@ -51,26 +52,26 @@ fn drives_of_the_wrong_length_are_refused() {
         for (amplitudes, phases) in [(0, 0), (count, count - 1), (count - 1, count), (count + 1, count)] {
             let drive = Drive { amplitudes: vec![1.0; amplitudes], phases: vec![0.0; phases] };
             assert!(
-                Levels::new(profile, &drive, &Calibration::default()).is_err(),
+                Wiring::own(profile).levels(&drive, &Calibration::default()).is_err(),
                 "{amplitudes} and {phases}"
             );
         }
         for poison in POISON {
             let drive = Drive { amplitudes: vec![poison; count], phases: vec![poison; count] };
-            let levels = Levels::new(profile, &drive, &Calibration::default()).unwrap();
+            let levels = Wiring::own(profile).levels(&drive, &Calibration::default()).unwrap();
             let is_level = |level: &Level| level.delay < profile.levels() && level.amplitude <= most(profile);
-            assert!(levels.elements.iter().flatten().all(is_level), "{profile:?} {poison}");
+            assert!(levels.channels.iter().flatten().all(is_level), "{profile:?} {poison}");
             assert!(levels.drive().amplitudes.iter().all(|amplitude| (0.0..=1.0).contains(amplitude)));
             levels::amplitude_notice(profile, &drive, &Calibration::default());
         }
         for size in SIZES {
-            assert!(Levels::one(profile, size).elements.len() == count);
-            assert!(Levels::checkerboard(profile, size).elements.len() == count);
+            assert!(Wiring::own(profile).one(size).channels.len() == count);
+            assert!(Wiring::own(profile).checkerboard(size).channels.len() == count);
         }
         if profile == Profile::Native {
             assert!(panics(|| Twin::new(profile)) && panics(|| stock::load(&Levels::off(profile))));
         } else {
-            let short = Levels { profile, elements: Vec::new() };
+            let short = Levels { profile, channels: Vec::new() };
             assert!(panics(|| stock::load(&short)) || stock::load(&short).len() <= 1024, "{profile:?}");
         }
     }

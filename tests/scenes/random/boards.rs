@@ -9,6 +9,7 @@ use sonoglyph::device::native::model::Model;
 use sonoglyph::device::native::packet::{Kind, Outcome, Packet, Splitter};
 use sonoglyph::device::profile::Profile;
 use sonoglyph::device::stock::{self, Twin};
+use sonoglyph::device::wiring::Wiring;
 use sonoglyph::drive::Drive;
 
 use crate::random::tally::{count, within};
@@ -18,7 +19,11 @@ pub fn hold(drive: &Drive) {
     let elements = drive.phases.len();
     for profile in Profile::ALL {
         if profile.elements() != elements {
-            assert!(Levels::new(profile, drive, &Calibration::default()).is_err(), "{}", profile.name());
+            assert!(
+                Wiring::own(profile).levels(drive, &Calibration::default()).is_err(),
+                "{}",
+                profile.name()
+            );
         }
         if profile.elements() < elements {
             continue;
@@ -26,8 +31,8 @@ pub fn hold(drive: &Drive) {
         let mut played = drive.clone();
         played.amplitudes.resize(profile.elements(), 0.0);
         played.phases.resize(profile.elements(), 0.0);
-        let levels = Levels::new(profile, &played, &Calibration::default()).unwrap();
-        levels_are_the_nearest(&levels, &played);
+        let levels = Wiring::own(profile).levels(&played, &Calibration::default()).unwrap();
+        levels_are_the_nearest(&levels, &by_channel(profile, &played));
         if profile == Profile::Native {
             the_native_device_plays(&levels);
         } else {
@@ -37,12 +42,23 @@ pub fn hold(drive: &Drive) {
     }
 }
 
+/// A drive by the channels of the board's own array.
+fn by_channel(profile: Profile, drive: &Drive) -> Drive {
+    let (wiring, mut channels) = (Wiring::own(profile), drive.clone());
+    for element in 0..profile.elements() {
+        let channel = wiring.one(element).channels.iter().position(Option::is_some).unwrap();
+        channels.amplitudes[channel] = drive.amplitudes[element];
+        channels.phases[channel] = drive.phases[element];
+    }
+    channels
+}
+
 /// The nearest phase, wrapped before it is rounded, and the nearest amplitude; off where nothing is to sound.
 fn levels_are_the_nearest(levels: &Levels, drive: &Drive) {
     let profile = levels.profile;
     let steps = f64::from(profile.levels());
     let sounds = levels.drive();
-    for (n, level) in levels.elements.iter().enumerate() {
+    for (n, level) in levels.channels.iter().enumerate() {
         let (amplitude, phase) = (drive.amplitudes[n], drive.phases[n]);
         // The smallest that sounds: half a step.
         let least = match profile.strength() {
@@ -108,7 +124,7 @@ fn the_native_device_plays(levels: &Levels) {
         Kind::Frame => packet.payload.as_chunks::<2>().0.to_vec(),
         kind => panic!("{kind:?}"),
     };
-    for (pair, level) in pairs.iter().zip(&levels.elements) {
+    for (pair, level) in pairs.iter().zip(&levels.channels) {
         let expected = level.map_or([0, 0], |level| [level.delay, level.amplitude]);
         let is_off = pair[1] == 0 && level.is_none();
         assert!(is_off || pair.map(u16::from) == expected, "{pair:?} is not {level:?}");
@@ -120,7 +136,7 @@ fn the_native_device_plays(levels: &Levels) {
     for _ in 0..3 {
         model.period();
     }
-    for (pulse, level) in model.played().iter().zip(&levels.elements) {
+    for (pulse, level) in model.played().iter().zip(&levels.channels) {
         let Some(level) = level else {
             assert_eq!(pulse.width, 0);
             continue;

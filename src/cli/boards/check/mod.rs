@@ -5,21 +5,23 @@ mod answers;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::Args;
 
 use crate::cli::boards::arguments::{calibration, parse_profile};
 use crate::cli::boards::check::answers::{Answer, Answers};
 use crate::cli::interrupt::{self, Interrupted};
+use crate::cli::scene::read_scene;
 use crate::device::calibration::Calibration;
 use crate::device::health::{Found, Health, State};
 use crate::device::levels::Levels;
 use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::profile::Profile;
 use crate::device::task::finish;
-use crate::scene::{Envelope, Modulation};
+use crate::device::wiring::{Share, Wiring};
+use crate::scene::{Envelope, Modulation, Scene};
 use crate::solver;
-use crate::studio::bring_up::{HEIGHT, Report, Verdict, focus_scene, survey_line};
+use crate::studio::bring_up::{HEIGHT, Report, Verdict, board_scene, focus_scene, named, survey_line};
 use crate::studio::output::{self, Files, note, say, warn};
 use crate::studio::player;
 
@@ -46,6 +48,9 @@ pub struct CheckArgs {
     /// Ask after each element whether it is audible; answers are read from standard input
     #[arg(long)]
     listen: bool,
+    /// Scene with the tested array and its wiring [default: the board's own array]
+    #[arg(long)]
+    scene: Option<PathBuf>,
     /// Calibration: read if it exists, and written with the silent elements
     #[arg(long, value_name = "FILE.csv")]
     calibration: Option<PathBuf>,
@@ -62,19 +67,40 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<()> {
     if let Some(path) = &args.output {
         files.writes(path)?;
     }
-    let elements = args.profile.elements();
-    let known = args.calibration.as_deref().filter(|path| path.exists());
+    let (scene, wiring) = match &args.scene {
+        Some(path) => {
+            let scene = read_scene(path, None, &mut files)?;
+            let wiring = Wiring::of(args.profile, &scene, Share::default());
+            (scene, wiring.with_context(|| path.display().to_string())?)
+        }
+        None => (board_scene(args.profile), Wiring::own(args.profile)),
+    };
+    if let Some(path) =
+        args.calibration.as_ref().filter(|path| path.extension().is_some_and(|it| it == "pat"))
+    {
+        bail!(
+            "{}: the calibration is written as CSV; a .pat is named by the scene as `array.elements`",
+            path.display()
+        );
+    }
+    let known: Vec<_> = args.calibration.iter().filter(|path| path.exists()).cloned().collect();
+    let calibration = match calibration(&known, &scene, None)? {
+        given if given.elements() > 0 => given,
+        _ => Calibration::of(&scene),
+    };
     let mut check = Check {
         report: Report::default(),
         answers: Answers::new(args.listen),
         interrupted: interrupt::watch()?,
         profile: args.profile,
-        calibration: calibration(known, args.profile)?,
+        scene,
+        wiring,
+        calibration,
     };
     let baud = check.line(args)?;
     check.board(args, baud)?;
     if let Some(path) = &args.calibration {
-        output::write(path, check.calibration.to_csv(elements).as_bytes())?;
+        output::write(path, check.calibration.to_csv(check.wiring.elements()).as_bytes())?;
         note(&format!("{}: {} elements are off", path.display(), check.calibration.off().len()));
     }
     if let Some(path) = &args.output {
@@ -91,6 +117,8 @@ struct Check {
     answers: Answers,
     interrupted: Interrupted,
     profile: Profile,
+    scene: Scene,
+    wiring: Wiring,
     calibration: Calibration,
 }
 
@@ -163,53 +191,51 @@ impl Check {
 
     /// Plays one element at a time, in the array's numbering.
     fn walk(&mut self, link: &Link) -> anyhow::Result<()> {
-        let elements = self.profile.elements();
-        let columns = self.profile.shape().map_or(16, |[columns, _]| columns as usize);
+        let wired: Vec<_> = self.wiring.wired().collect();
         if self.answers.listen() {
             say!(
                 "One element plays at a time. Enter: audible, n: silent, r: repeat, b: back, q: skip the rest."
             )?;
         }
-        let mut element = 0;
+        let mut next = 0;
         let mut silent = Vec::new();
-        while element < elements && !self.interrupted.is_set() {
-            if !self.plays(link, Content::Still(Levels::one(self.profile, element))) {
+        while let Some(&element) = wired.get(next).filter(|_| !self.interrupted.is_set()) {
+            if !self.plays(link, Content::Still(self.wiring.one(element))) {
                 return self.note(Verdict::Failed, format!("element {element} was not played"));
             }
             if !self.answers.listen() {
                 std::thread::sleep(ELEMENT);
-                element += 1;
+                next += 1;
                 continue;
             }
-            let question =
-                format!("element {element} (row {}, column {})? ", element / columns, element % columns);
+            let question = format!("{}? ", named(&self.scene, element));
             match self.answers.ask(&question, &self.interrupted)? {
                 Answer::Yes => {
-                    self.calibration.set_off(element, elements, false);
+                    self.calibration.set_off(element, self.wiring.elements(), false);
                     silent.retain(|&other| other != element);
-                    element += 1;
+                    next += 1;
                 }
                 Answer::No => {
-                    self.calibration.set_off(element, elements, true);
+                    self.calibration.set_off(element, self.wiring.elements(), true);
                     silent.push(element);
-                    element += 1;
+                    next += 1;
                 }
                 Answer::Again => {}
-                Answer::Back => element = element.saturating_sub(1),
+                Answer::Back => next = next.saturating_sub(1),
                 Answer::End => break,
             }
         }
         match (self.answers.listen(), silent.is_empty()) {
             (false, _) => self.note(
                 self.of_sent(),
-                format!("{elements} elements were sent one by one; --listen asks which are audible"),
+                format!("{} elements were sent one by one; --listen asks which are audible", wired.len()),
             ),
-            (true, true) if element < elements => self.note(
+            (true, true) if next < wired.len() => self.note(
                 Verdict::Unverified,
-                format!("{element} of {elements} elements were heard, and the rest skipped"),
+                format!("{next} of {} elements were heard, and the rest skipped", wired.len()),
             ),
             (true, true) => {
-                self.note(Verdict::Passed, format!("{element} of {elements} elements were heard"))
+                self.note(Verdict::Passed, format!("{next} of {} elements were heard", wired.len()))
             }
             (true, false) => {
                 let list: Vec<_> = silent.iter().map(ToString::to_string).collect();
@@ -222,9 +248,8 @@ impl Check {
     }
 
     fn focus(&mut self, link: &Link, found: Found) -> anyhow::Result<()> {
-        let scene = focus_scene(self.profile, found.carrier);
-        let solution = solver::solve(&scene)?;
-        let levels = Levels::new(self.profile, &solution.drive, &self.calibration)?;
+        let solution = solver::solve(&focus_scene(&self.scene, found.carrier))?;
+        let levels = self.wiring.levels(&solution.drive, &self.calibration)?;
         link.modulate(Modulation { shape: Envelope::Sine, ..Modulation::default() });
         if !self.plays(link, Content::Still(levels)) {
             return self.note(Verdict::Failed, "the focus was not played");
@@ -268,8 +293,8 @@ impl Check {
             }
             std::thread::sleep(POLL);
         }
-        let one = Content::Still(Levels::one(self.profile, 0));
-        if self.plays(link, one) {
+        let one = self.wiring.wired().next().map(|element| self.wiring.one(element));
+        if self.plays(link, Content::Still(one.unwrap_or_else(|| Levels::off(self.profile)))) {
             self.note(
                 Verdict::Passed,
                 "emergency stop: silent until the next send, and sounds again after it",

@@ -34,8 +34,8 @@ pub fn run(bytes: &[u8]) {
 
 /// Amplitudes and phases are in their ranges.
 fn sounds(levels: &Levels) {
-    assert_eq!(levels.elements.len(), levels.profile.elements());
-    for Level { delay, .. } in levels.elements.iter().flatten() {
+    assert_eq!(levels.channels.len(), levels.profile.elements());
+    for Level { delay, .. } in levels.channels.iter().flatten() {
         assert!(*delay < levels.profile.levels(), "{delay}");
     }
     let drive = levels.drive();
@@ -48,6 +48,6 @@ fn sounds(levels: &Levels) {
 fn levels(profile: Profile, bytes: &[u8]) -> Levels {
     let mut bytes = bytes.iter().cycle().map(|&byte| f64::from(byte) / 255.0);
     let mut next = || bytes.next().unwrap_or(0.0);
-    let elements = (0..profile.elements()).map(|_| profile.level(next(), TAU * (next() - 0.5))).collect();
-    Levels { profile, elements }
+    let channels = (0..profile.elements()).map(|_| profile.level(next(), TAU * (next() - 0.5))).collect();
+    Levels { profile, channels }
 }

@@ -86,10 +86,16 @@ pub fn calibration(bytes: &[u8]) {
 }
 
 pub fn elements(bytes: &[u8]) {
-    let placed = match elements::read(bytes) {
-        Ok(placed) => placed,
+    let read = match elements::read(bytes) {
+        Ok(read) => read,
         Err(error) => return names_a_line(bytes, &error),
     };
+    let placed = read.get().unwrap_or_default().to_vec();
+    for one in read.corrections().unwrap_or_default() {
+        assert!(one.offset.abs() <= 360.0 && (0.0..=1.0).contains(&one.gain), "{one:?}");
+    }
+    let wires = read.wires.get().unwrap_or_default();
+    assert!([0, placed.len()].contains(&wires.len()) && wires.iter().all(Option::is_some), "{wires:?}");
     assert!((1..=MOST_ELEMENTS as usize).contains(&placed.len()), "{} elements", placed.len());
     for it in &placed {
         assert!(it.at.abs().max_element() <= 100.0 && (it.normal.length() - 1.0).abs() < 1e-12, "{it:?}");
@@ -101,6 +107,7 @@ pub fn elements(bytes: &[u8]) {
     let scene = Scene { array, ..Scene::default() };
     let written =
         elements::read(elements::of_scene(&scene).as_bytes()).expect("the written table can be read");
+    let written = written.get().unwrap_or_default();
     let apart =
         written.iter().zip(&placed).map(|(a, b)| a.at.distance(b.at).max(a.normal.distance(b.normal)));
     assert!(written.len() == placed.len() && apart.fold(0.0, f64::max) < 1e-9, "{placed:?}");

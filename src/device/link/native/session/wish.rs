@@ -232,5 +232,5 @@ fn is_of_modulation(task: &Task) -> bool {
 
 /// Delays of the elements; 0 for silent ones.
 fn delays(levels: &Levels) -> Vec<u8> {
-    levels.elements.iter().map(|level| level.map_or(0, |level| level.delay.to_le_bytes()[0])).collect()
+    levels.channels.iter().map(|level| level.map_or(0, |level| level.delay.to_le_bytes()[0])).collect()
 }

@@ -201,7 +201,7 @@ fn frame(profile: Profile, number: usize) -> Levels {
     let delay = |n: usize| (number as u16 / if n.is_multiple_of(2) { 1 } else { levels }) % levels;
     Levels {
         profile,
-        elements: (0..profile.elements()).map(|n| Some(Level { delay: delay(n), amplitude })).collect(),
+        channels: (0..profile.elements()).map(|n| Some(Level { delay: delay(n), amplitude })).collect(),
     }
 }
 

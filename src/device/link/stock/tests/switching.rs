@@ -426,7 +426,7 @@ fn the_longest_frame_of_a_motion_sets_its_rhythm() {
     let profile = Profile::UltrainoSimpleFpga;
     let mut frames: Vec<_> = (0..3).map(|number| frame(profile, number)).collect();
     // A frame with amplitudes has twice the bytes.
-    frames[1].elements[0] = profile.level(0.5, 0.0);
+    frames[1].channels[0] = profile.level(0.5, 0.0);
     let longest = stock::frame(&frames[1]).len();
     assert!(longest > 500 && stock::frame(&frames[0]).len() < 300);
     let (shared, _events) = shared();

@@ -172,7 +172,7 @@ fn is_wish(line: &Line<'_>, from: Instant) -> Result<(), String> {
         matches!(stock::modulated(line.profile, &line.wanted.modulation, line.baud), Modulated::FromHere(_));
     let is_of = |levels: &Levels| content.frames().contains(levels) || is_switched && *levels == dark;
     if let Some((levels, _)) = shown.iter().find(|(levels, _)| !is_of(levels)) {
-        return Err(format!("another frame: {:?}", &levels.elements[..4]));
+        return Err(format!("another frame: {:?}", &levels.channels[..4]));
     }
     let sound = line.sound_since(from);
     let expected = if is_switched { 0.2..0.56 } else { 0.999..1.1 };

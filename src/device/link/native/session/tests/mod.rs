@@ -214,7 +214,7 @@ fn frame(profile: Profile, number: usize) -> Levels {
         delay: (number * if n.is_multiple_of(2) { 1 } else { 3 } % 256) as u16,
         amplitude: 255,
     };
-    Levels { profile, elements: (0..profile.elements()).map(|n| Some(level(n % 256))).collect() }
+    Levels { profile, channels: (0..profile.elements()).map(|n| Some(level(n % 256))).collect() }
 }
 
 fn still(profile: Profile, number: usize) -> Content {
@@ -231,5 +231,5 @@ fn notices(events: &Receiver<Event>) -> String {
 }
 
 fn bytes(levels: &Levels) -> Vec<u8> {
-    levels.elements.iter().flat_map(|level| [level.unwrap().delay as u8, 255]).collect()
+    levels.channels.iter().flat_map(|level| [level.unwrap().delay as u8, 255]).collect()
 }
