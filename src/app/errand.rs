@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use egui::Context;
 
 use crate::import::Drawing;
-use crate::scene::{Array, Wave};
+use crate::scene::{Array, DriveFile, Wave};
 use crate::studio::later;
 use crate::ui::{Folder, Purpose};
 
@@ -124,6 +124,8 @@ pub enum Outcome {
     Heard(Result<Wave, String>),
     /// An array with loaded elements.
     Placed(Result<Box<Array>, String>),
+    /// The drives of a file, read.
+    Driven(Result<Box<DriveFile>, String>),
     /// The motion was exported, if it was not called off.
     Filmed(PathBuf, anyhow::Result<Option<()>>),
 }

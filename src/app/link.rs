@@ -311,8 +311,9 @@ impl Board {
         }
         self.compared = Some((solution.clone(), profile));
         let aperture = Aperture::new(editor.scene());
-        let fits =
-            aperture.positions.len() == solution.drive.phases.len() && profile.drives(editor.scene()).is_ok();
+        let fits = !solution.foci.is_empty()
+            && aperture.positions.len() == solution.drive.phases.len()
+            && profile.drives(editor.scene()).is_ok();
         let levels = Levels::new(profile, &solution.drive, &Calibration::default());
         shown.board.pressures = levels.ok().filter(|_| fits).map(|levels| {
             let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;

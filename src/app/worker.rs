@@ -13,7 +13,7 @@ use wasm_bindgen::prelude::{Closure, JsValue, wasm_bindgen};
 use web_sys::{MessageEvent, Worker, WorkerOptions, WorkerType};
 
 use crate::app::job::{CompareMethods, Follow, Job, Solve};
-use crate::scene::{Elements, Grey, Pixels, Placed, Scene, file};
+use crate::scene::{DriveFile, DriveTable, Elements, Grey, Pixels, Placed, Scene, file};
 
 const SCRIPT: &str = "./worker.js";
 
@@ -33,6 +33,7 @@ struct Parcel {
     /// Pixels of pictures, in their order.
     pixels: Vec<Option<Grey>>,
     elements: Option<Vec<Placed>>,
+    drives: Option<DriveTable>,
 }
 
 impl Parcel {
@@ -40,7 +41,8 @@ impl Parcel {
         let pictures = scene.targets.iter().filter_map(|target| target.shape.picture());
         let pixels = pictures.map(|(_, _, pixels)| pixels.get().cloned());
         let elements = scene.array.placed.get().map(<[_]>::to_vec);
-        Self { text: file::write(scene), pixels: pixels.collect(), elements }
+        let drives = scene.drive.table().cloned();
+        Self { text: file::write(scene), pixels: pixels.collect(), elements, drives }
     }
 
     fn scene(self) -> Option<Scene> {
@@ -53,6 +55,9 @@ impl Parcel {
         }
         if let Some(elements) = self.elements {
             scene.array.placed = Elements::new(elements, None);
+        }
+        if let Some(drives) = self.drives {
+            scene.drive = DriveFile::new(std::mem::take(&mut scene.drive.name), drives, None);
         }
         Some(scene)
     }

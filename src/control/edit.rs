@@ -153,7 +153,8 @@ pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     scene.targets.iter().try_for_each(refuse_file_of)?;
     let table = scene.array.file.iter().filter(|name| !name.starts_with(arrays::PRESET));
     let wave = Some(&scene.modulation.file).filter(|name| !name.is_empty());
-    if let Some(name) = table.chain(wave).next() {
+    let drive = Some(&scene.drive.name).filter(|name| !name.is_empty());
+    if let Some(name) = table.chain(wave).chain(drive).next() {
         return Err(EditError::NamesFile(echo::value(name)));
     }
     opening::load(&mut scene, Path::new(""))?;

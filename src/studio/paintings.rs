@@ -25,7 +25,7 @@ pub struct Placed {
 }
 
 impl Paintings {
-    /// Names the pictures, waveform and element table of a scene for `path`. Unsaved pictures get a file beside it
+    /// Names the pictures, waveform, drives and element table of a scene for `path`. Unsaved pictures get a file beside it
     /// that does not exist or `may_replace`; files in other folders get absolute paths.
     pub fn place(&self, scene: &Scene, path: &Path, may_replace: impl Fn(&Path) -> bool) -> Placed {
         let mut placed = Placed { scene: scene.clone(), files: Vec::new() };
@@ -60,6 +60,10 @@ impl Paintings {
         let array = &mut placed.scene.array;
         if let (Some(name), Some(place)) = (&mut array.file, &array.placed.from) {
             *name = name_from(&path, &absolute(place), name);
+        }
+        let drive = &mut placed.scene.drive;
+        if let Some(place) = &drive.from {
+            drive.name = name_from(&path, &absolute(place), &drive.name);
         }
         if let Some(samples) = scene.modulation.wave.get() {
             let file = &mut placed.scene.modulation.file;

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::drive;
 use crate::picture::figure::Format;
 use crate::scene::Scene;
+use crate::source;
 use crate::studio::animate::Kind;
 use crate::studio::opening;
 use crate::ui::board::BoardCommand;
@@ -12,6 +14,8 @@ use crate::ui::board::BoardCommand;
 pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
 /// Endings of tables of elements.
 pub const ELEMENTS: &[&str] = &["csv", "pat"];
+/// Endings of files of drives.
+const DRIVES: &[&str] = &["csv", "tsv", "txt"];
 
 /// Commands beyond the user interface.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,6 +34,8 @@ pub enum Command {
     Import(PathBuf),
     /// Uses an element table as the array.
     TakeElements(PathBuf),
+    /// Plays the drives of a file instead of solved ones.
+    OpenDrive(PathBuf),
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
@@ -90,6 +96,11 @@ pub enum Export {
     Motion(Kind),
 }
 
+/// Whether a file is a table of drives, by its columns.
+fn is_drive(path: &Path) -> bool {
+    source::open(path).is_ok_and(drive::is_table)
+}
+
 /// The purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
@@ -99,6 +110,8 @@ pub enum Purpose {
     Import,
     /// A table of elements that becomes the array.
     Elements,
+    /// Drives to be played instead of solved ones.
+    Drive,
     /// Waveform of the modulation.
     Waveform,
     Export(Export),
@@ -110,6 +123,7 @@ impl Purpose {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match ending.as_str() {
             drawing if IMPORTED.contains(&drawing) => Self::Import,
+            table if DRIVES.contains(&table) && is_drive(path) => Self::Drive,
             table if ELEMENTS.contains(&table) => Self::Elements,
             _ => Self::Open,
         }
@@ -120,6 +134,7 @@ impl Purpose {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
             Self::Elements => "Take a table of elements (CSV, or PAT of OpenMPD)",
+            Self::Drive => "Open a drive: phases and amplitudes of the elements (CSV)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Waveform => "Open a waveform of the modulation (WAV)",
             Self::Export(Export::Figure(_)) => "Export the figure",
@@ -139,6 +154,7 @@ impl Purpose {
             Self::Open | Self::SaveAs => opening::ENDINGS,
             Self::Import => IMPORTED,
             Self::Elements => ELEMENTS,
+            Self::Drive => DRIVES,
             Self::Waveform => &["wav"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
@@ -151,12 +167,12 @@ impl Purpose {
 
     /// Whether the file must exist.
     pub fn reads(self) -> bool {
-        matches!(self, Self::Open | Self::Import | Self::Elements | Self::Waveform)
+        matches!(self, Self::Open | Self::Import | Self::Elements | Self::Drive | Self::Waveform)
     }
 
     pub(super) fn verb(self) -> &'static str {
         match self {
-            Self::Open => "Open",
+            Self::Open | Self::Drive => "Open",
             Self::SaveAs => "Save",
             Self::Import | Self::Elements | Self::Waveform => "Read",
             Self::Export(_) => "Export",
@@ -169,6 +185,7 @@ impl Purpose {
             Self::SaveAs => Command::SaveAs(path),
             Self::Import => Command::Import(path),
             Self::Elements => Command::TakeElements(path),
+            Self::Drive => Command::OpenDrive(path),
             Self::Waveform => Command::Waveform(path),
             Self::Export(export) => Command::Export(export, path),
         }

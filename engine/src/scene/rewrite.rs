@@ -5,7 +5,7 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
-use crate::scene::{board::Elements, content::Scene, file, pixels::Pixels, wave::Wave};
+use crate::scene::{board::Elements, content::Scene, drive::DriveFile, file, pixels::Pixels, wave::Wave};
 
 /// Repeated tables.
 const REPEATED: [&str; 4] = ["board", "reflector", "target", "quiet"];
@@ -24,10 +24,11 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
     rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
-/// The scene as in its file: without pixels, element tables and waveform samples.
+/// The scene as in its file: without pixels, drives, element tables and waveform samples.
 fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.array.placed = Elements::default();
+    scene.drive = DriveFile::named(std::mem::take(&mut scene.drive.name));
     for target in &mut scene.targets {
         if let Some((_, pixels)) = target.shape.picture_mut() {
             *pixels = Pixels::default();

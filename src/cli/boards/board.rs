@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 
 use crate::cli::boards::arguments::BoardArgs;
 use crate::cli::interrupt;
-use crate::cli::scene::read_scene;
+use crate::cli::scene::{Source, read_scene};
 use crate::device::board::{Board, Report, Setup};
 use crate::device::profile::Profile;
 use crate::drive::Drive;
@@ -84,7 +84,7 @@ fn scene(args: &BoardArgs, files: &mut Files) -> anyhow::Result<Scene> {
         [scene.array.columns, scene.array.rows] = args.profile.shape().unwrap_or([16, rows]);
         return Ok(scene);
     };
-    let scene = read_scene(path, None, files)?;
+    let scene = read_scene(path, Source::default(), files)?;
     args.profile.drives(&scene).with_context(|| path.display().to_string())?;
     Ok(scene)
 }
