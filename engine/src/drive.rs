@@ -18,7 +18,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-pub use crate::scene::{Drive, DriveTable};
+pub use crate::scene::drive::{Drive, DriveTable};
 use crate::table::{Table, TableError};
 
 /// Wavelengths by which a file's positions may differ from the array's: a sixteenth of a turn.
@@ -225,6 +225,7 @@ pub fn read(csv: impl Read, aperture: &Aperture) -> Result<DriveTable, TableErro
 }
 
 /// Whether a file has the columns of drives.
+#[doc(hidden)]
 pub fn is_table(csv: impl Read) -> bool {
     Table::<_, 0, 10>::open(csv, [], COLUMNS).is_ok_and(|table| {
         table.has("phase") || (table.has("re") && table.has("im")) || !table.series(PHASES).is_empty()

@@ -63,7 +63,8 @@ impl Paintings {
         }
         let drive = &mut placed.scene.drive;
         if let Some(place) = &drive.from {
-            drive.name = name_from(&path, &absolute(place), &drive.name);
+            let before = if Path::new(&drive.name).is_absolute() { "" } else { &*drive.name };
+            drive.name = name_from(&path, &absolute(place), before);
         }
         if let Some(samples) = scene.modulation.wave.get() {
             let file = &mut placed.scene.modulation.file;

@@ -73,11 +73,13 @@ impl Default for Scene {
 
 impl Scene {
     /// Whether a target is visible.
+    #[doc(hidden)]
     pub fn has_foci(&self) -> bool {
         self.targets.iter().any(|target| target.visible)
     }
 
     /// Whether targets or a file give it a drive.
+    #[doc(hidden)]
     pub fn has_drive(&self) -> bool {
         !self.targets.is_empty() || self.drive.is_named()
     }

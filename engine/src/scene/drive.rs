@@ -50,11 +50,13 @@ impl DriveFile {
         !self.is_absent()
     }
 
+    #[doc(hidden)]
     pub fn is_absent(&self) -> bool {
         self.name.is_empty()
     }
 
     /// Whether it is named but not yet loaded.
+    #[doc(hidden)]
     pub fn is_missing(&self) -> bool {
         self.is_named() && self.table.get().is_none()
     }
@@ -65,6 +67,7 @@ impl DriveFile {
     }
 
     /// The file by its name alone.
+    #[doc(hidden)]
     pub fn named(name: String) -> Self {
         Self { name, ..Self::default() }
     }
