@@ -1,6 +1,6 @@
 //! Numeric CSV files: columns found by name, and errors with line numbers.
 
-use std::io::{Chain, Read};
+use std::io::{self, BufRead, BufReader, Chain, Cursor, Read};
 
 use csv::{ReaderBuilder, StringRecord, Terminator, Trim};
 
@@ -14,12 +14,24 @@ pub struct TableError {
     pub reason: String,
 }
 
+/// Characters that may separate columns: the first of these that the line of names has. Blanks may be repeated.
+const SEPARATORS: [u8; 4] = [b',', b';', b'\t', BLANK];
+const BLANK: u8 = b' ';
+/// Bytes before the end of the line of names, at most.
+const LONGEST_HEAD: u64 = 1 << 20;
+
+/// The file, after the part in which the separator was found, and before a line feed: the last row ends with one,
+/// too, so that the lines can be counted.
+type Rows<R> = Chain<Chain<Cursor<Vec<u8>>, BufReader<R>>, &'static [u8]>;
+
 /// A table read row by row: `N` required and `M` optional columns, in any order, besides others.
 ///
-/// Empty lines and lines that begin with `#` are counted but ignored.
+/// Columns are separated by commas, semicolons (numbers may then have decimal commas), tabs or blanks. Names have
+/// letters of either case. Empty lines and lines that begin with `#` are counted but ignored.
 #[derive(Debug)]
 pub struct Table<R, const N: usize, const M: usize> {
-    reader: csv::Reader<Chain<R, &'static [u8]>>,
+    reader: csv::Reader<Rows<R>>,
+    separator: u8,
     record: StringRecord,
     /// Line of the record.
     line: u64,
@@ -45,16 +57,20 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         required: [&'static str; N],
         optional: [&'static str; M],
     ) -> Result<Self, TableError> {
-        // Every row ends with a line feed, also the last one, so that the lines can be counted.
+        let mut csv = BufReader::new(csv);
+        let unreadable = |error: io::Error| TableError { line: 1, reason: error.to_string() };
+        let (head, separator) = head(&mut csv).map_err(unreadable)?;
         let reader = ReaderBuilder::new()
+            .delimiter(separator)
             .has_headers(false)
             .flexible(true)
             .trim(Trim::All)
             .comment(Some(b'#'))
             .terminator(Terminator::Any(b'\n'))
-            .from_reader(csv.chain(&b"\n"[..]));
+            .from_reader(Cursor::new(head).chain(csv).chain(&b"\n"[..]));
         let mut table = Self {
             reader,
+            separator,
             record: StringRecord::new(),
             line: 1,
             columns: 0,
@@ -71,7 +87,8 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
     fn find_columns(&mut self) -> Result<(), TableError> {
         self.columns = self.record.len();
         let named = |name: &str| {
-            let mut places = (0..self.columns).filter(|&place| &self.record[place] == name);
+            let is_named = |&place: &usize| self.record[place].eq_ignore_ascii_case(name);
+            let mut places = (0..self.columns).filter(is_named);
             (places.next(), places.next().is_some())
         };
         let wanted = self.required.iter().map(|(name, _)| *name);
@@ -120,10 +137,34 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         TableError { line: self.line, reason: reason.into() }
     }
 
+    /// Whether an optional column exists.
+    pub fn has(&self, name: &str) -> bool {
+        self.optional.iter().any(|(column, place)| *column == name && place.is_some())
+    }
+
+    /// The places of the columns `prefix0`, `prefix1` and so on. Only the line of names has them, before any row.
+    pub fn series(&self, prefix: &str) -> Vec<usize> {
+        let place = |name: String| self.record.iter().position(|column| column.eq_ignore_ascii_case(&name));
+        (0..).map_while(|number: usize| place(format!("{prefix}{number}"))).collect()
+    }
+
+    /// A row's value in a column of a [`Self::series`]; `None` for `nan`.
+    ///
+    /// # Errors
+    /// The errors of [`Self::next_row`].
+    pub fn value(&self, name: &str, place: usize) -> Result<Option<f64>, TableError> {
+        let is_nan = self.record[place].eq_ignore_ascii_case("nan");
+        if is_nan { Ok(None) } else { self.number(name, place).map(Some) }
+    }
+
     fn number(&self, name: &str, place: usize) -> Result<f64, TableError> {
+        let parsed = |text: &str| match self.separator {
+            b';' => text.replace(',', ".").parse::<f64>(),
+            _ => text.parse::<f64>(),
+        };
         match &self.record[place] {
             "" => Err(self.refusal(format!("{name} is empty: must be a number in every row"))),
-            text => match text.parse::<f64>() {
+            text => match parsed(text) {
                 Ok(number) if number.is_finite() => Ok(number),
                 _ => Err(self.refusal(format!("{name} = `{}`: not a finite number", echo::value(text)))),
             },
@@ -140,10 +181,32 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
             // The reader's position is the beginning of the next line.
             self.line = self.reader.position().line().saturating_sub(1).max(1);
             read.map_err(|error| self.refusal(reason(&error)))?;
+            if self.separator == BLANK {
+                self.record = self.record.iter().filter(|field| !field.is_empty()).collect();
+                if self.record.is_empty() {
+                    continue;
+                }
+            }
             if self.record.len() > 1 || !self.record[0].is_empty() {
                 return Ok(true);
             }
         }
+    }
+}
+
+/// The beginning of a table up to the line of names, and the separator of its columns.
+fn head(csv: &mut impl BufRead) -> io::Result<(Vec<u8>, u8)> {
+    let mut head = Vec::new();
+    loop {
+        let start = head.len();
+        let read = csv.by_ref().take(LONGEST_HEAD - start as u64).read_until(b'\n', &mut head)?;
+        let line = head[start..].trim_ascii();
+        let line = line.strip_prefix("\u{feff}".as_bytes()).unwrap_or(line);
+        if read > 0 && (line.is_empty() || line.starts_with(b"#")) {
+            continue;
+        }
+        let separator = SEPARATORS.into_iter().find(|separator| line.contains(separator));
+        return Ok((head, separator.unwrap_or(SEPARATORS[0])));
     }
 }
 
@@ -174,6 +237,21 @@ mod tests {
         let text = "\u{feff}# by hand\r\n\r\n\"x\",remark,gain,y\r\n1,left,0.5,2\r\n\r\n-0.0,,1,1e-3\r\n";
         assert_eq!(rows(text), Ok(vec![row(1.0, 2.0, Some(0.5)), row(-0.0, 1e-3, Some(1.0))]));
         assert_eq!(rows("x,y\n"), Ok(vec![]));
+    }
+
+    #[test]
+    fn columns_of_any_usual_separator_are_told_apart() {
+        let both = Ok(vec![row(1.5, 2.0, None), row(-3.0, 4e-3, None)]);
+        for text in [
+            "x;y\n1,5;2\n-3;4e-3\n",
+            "X\tY\n1.5\t2\n-3\t4e-3\n",
+            "# made, by; hand\n\n  y   x\n\n 2  1.5\n4e-3 -3  \n",
+            "\u{feff}x y\r\n1.5 2\r\n-3 4e-3\r\n",
+        ] {
+            assert_eq!(rows(text), both, "{text:?}");
+        }
+        assert_eq!(rows("x;y\n\n1;2;3\n").unwrap_err().line, 3);
+        assert_eq!(rows("x,y\n1;5,2\n").unwrap_err().to_string(), "2: x = `1;5`: not a finite number");
     }
 
     #[test]

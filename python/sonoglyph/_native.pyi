@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 _Size: TypeAlias = int | tuple[int, int]
-_Drive: TypeAlias = Solution | Motion | ArrayLike
+_Drive: TypeAlias = Solution | Motion | ArrayLike | os.PathLike[str]
 _Progress: TypeAlias = Callable[[float], object]
 _Folder: TypeAlias = str | os.PathLike[str]
 
@@ -51,7 +51,12 @@ class Scene:
     @property
     def warnings(self) -> list[str]: ...
     def solve(
-        self, method: str | None = None, *, search: float | None = None, progress: _Progress | None = None
+        self,
+        method: str | None = None,
+        *,
+        drive: _Drive | None = None,
+        search: float | None = None,
+        progress: _Progress | None = None,
     ) -> Solution: ...
     def field(
         self,

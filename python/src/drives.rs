@@ -1,21 +1,31 @@
-//! The argument `drive`: a solution, a motion, or numbers per element.
+//! The argument `drive`: a solution, a motion, numbers per element, or a file of them.
+
+use std::path::{Path, PathBuf};
 
 use num_complex::Complex64;
 use numpy::{PyUntypedArray, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use sonoglyph::drive::Drive;
+use sonoglyph::scene::Scene;
+use sonoglyph::studio::opening;
 
 use crate::convert;
 use crate::motion::Motion;
 use crate::solution::Solution;
 
 /// Drives in turn: of a solution, of all frames of a motion, or phases (rad) or complex excitations (of modulus 1 at most),
-/// shape (elements,) or (drives, elements).
+/// shape (elements,) or (drives, elements); or of a file, named relative to the folder.
 ///
 /// # Errors
-/// Another shape, or numbers that are not finite.
-pub fn of(argument: &Bound<'_, PyAny>, elements: usize) -> PyResult<Vec<Drive>> {
+/// Another shape, numbers that are not finite, or errors of [`opening::read_drive`].
+pub fn of(argument: &Bound<'_, PyAny>, scene: &Scene, folder: &Path) -> PyResult<Vec<Drive>> {
+    let elements = scene.elements();
+    if let Ok(path) = argument.extract::<PathBuf>() {
+        let read = opening::read_drive(&folder.join(&path), path.display().to_string(), scene);
+        let read = read.map_err(|error| PyValueError::new_err(format!("drive: {error}")))?;
+        return Ok(read.table().map_or_else(Vec::new, |table| table.drives.clone()));
+    }
     let drives = match (argument.cast::<Solution>(), argument.cast::<Motion>()) {
         (Ok(solution), _) => solution.get().solution.drives(),
         (_, Ok(motion)) => motion.get().drives(),

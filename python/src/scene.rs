@@ -19,7 +19,7 @@ use sonoglyph::field::Request;
 use sonoglyph::field::volume::{Block, Lattice, MOST_POINTS, MOST_POINTS_ALONG};
 use sonoglyph::force::Levitation;
 use sonoglyph::gauge::Gauge;
-use sonoglyph::scene::{self, FORMAT, Method, file, motion};
+use sonoglyph::scene::{self, DriveFile, DriveTable, FORMAT, Method, file, motion};
 use sonoglyph::solver::{self, frames};
 use sonoglyph::studio::{opening, output, probe, reach, space};
 use strum::VariantNames;
@@ -95,7 +95,7 @@ impl Scene {
     ) -> PyResult<Vec<Drive>> {
         let this = slf.get();
         if let Some(drive) = drive {
-            return drives::of(drive, this.scene.elements());
+            return drives::of(drive, &this.scene, &this.folder);
         }
         if frames && motion::moves(&this.scene) {
             return Ok(Self::frames(slf, progress)?.drives());
@@ -226,19 +226,30 @@ impl Scene {
     /// Finds the drive.
     ///
     /// `method` (the scene's own by default): focus, pinv, weighted, naive, gs, gspat, wgs, greedy or best. `search`: time of a further search, s.
-    #[pyo3(signature = (method=None, *, search=None, progress=None))]
+    /// With a `drive`, as of `field`, nothing is solved: the result has its figures.
+    #[pyo3(signature = (method=None, *, drive=None, search=None, progress=None))]
     fn solve(
         slf: &Bound<'_, Self>,
         method: Option<&str>,
+        drive: Option<&Bound<'_, PyAny>>,
         search: Option<f64>,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Solution> {
         let mut scene = Arc::clone(&slf.get().scene);
+        if let Some(drive) = drive {
+            if method.is_some() || search.is_some() {
+                return Err(PyValueError::new_err("drive: nothing is solved: leave method and search out"));
+            }
+            let drives = drives::of(drive, &scene, &slf.get().folder)?;
+            let table = DriveTable { drives, rate: None, left_out: 0 };
+            Arc::make_mut(&mut scene).drive = DriveFile::new("drive".to_owned(), table, None);
+        }
         if let Some(name) = method {
-            Arc::make_mut(&mut scene).solver.method = name.parse().map_err(|_| {
+            let method = name.parse().map_err(|_| {
                 let names = Method::VARIANTS.join(", ");
                 PyValueError::new_err(format!("method = {name:?}: must be one of {names}"))
             })?;
+            Arc::make_mut(&mut scene).solve_by(method);
         }
         if let Some(search) = search {
             Arc::make_mut(&mut scene).solver.search = search;

@@ -69,6 +69,9 @@ impl Solution {
     fn judged(&self) -> PyResult<Value> {
         let scene = &self.scene.get().scene;
         let mut solution = (*self.solution).clone();
+        if solution.foci.is_empty() {
+            return Ok(json::solution(&solution, None)["quality"].take());
+        }
         let _room = room::of_limits(scene, solution.foci.len()).map_err(|error| error::of_solving(&error))?;
         let aperture = Aperture::new(scene);
         let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());
@@ -132,10 +135,10 @@ impl Solution {
         convert::python(py, self.quality.get().unwrap_or(&Value::Null))
     }
 
-    /// The method's name.
+    /// The method's name, or `drive` if the scene names a file of drives.
     #[getter]
     fn method(&self) -> &'static str {
-        self.solution.method.into_str()
+        self.solution.method_name()
     }
 
     #[getter]
@@ -197,7 +200,7 @@ impl Solution {
         };
         format!(
             "<sonoglyph.Solution by {}: {} foci, mean {:.0} Pa, least {:.0} Pa (peak), {} elements, {:.1} ms{warnings}>",
-            self.solution.method.into_str(),
+            self.solution.method_name(),
             self.solution.foci.len(),
             quality.mean_pressure,
             quality.min_pressure,

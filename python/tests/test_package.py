@@ -189,6 +189,27 @@ def test_every_layout_of_numbers_is_a_drive_and_a_point():
     assert np.array_equal(scene.pressure(packed(points, ("f8", 3)), one), scene.pressure(points, one))
 
 
+def test_own_drives_are_played_and_judged(tmp_path):
+    phases = np.random.default_rng(6).uniform(-3, 3, 256)
+    rows = [f"{element};{phase!r};0.5\n" for element, phase in enumerate(phases.tolist())]
+    (tmp_path / "own.csv").write_text("element;phase;amplitude\n" + "".join(reversed(rows)))
+    text = "format = 1\n[[target]]\nat = [0.01, 0, 0.1]\n"
+    scene = sg.Scene.loads(text, folder=tmp_path)
+    named = sg.Scene.loads("drive = 'own.csv'\n" + text, folder=tmp_path)
+    u = 0.5 * np.exp(1j * phases)
+    at = scene.transfer([(0.01, 0, 0.1)])[0] @ u
+    for judged in (scene.solve(drive=u), scene.solve(drive="own.csv"), named.solve()):
+        assert judged.method == "drive" and np.allclose(judged.phases, phases)
+        assert np.isclose(judged.quality["mean_pressure"], abs(at))
+    assert np.array_equal(scene.field(size=16, drive="own.csv"), named.field(size=16))
+    assert np.isclose(scene.pressure((0.01, 0, 0.1), "own.csv"), at)
+    assert named.solve("naive").method == "naive"
+    with pytest.raises(ValueError, match="gone.csv"):
+        scene.field(drive="gone.csv")
+    with pytest.raises(ValueError, match="nothing is solved"):
+        scene.solve("naive", drive=u)
+
+
 # --- scenes
 
 

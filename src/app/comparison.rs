@@ -121,14 +121,14 @@ impl Comparison {
         beside: &mut Beside,
         ctx: &Context,
     ) -> Option<Source> {
-        if method == editor.scene().solver.method {
+        if method == editor.scene().solver.method && !editor.scene().drive.is_named() {
             return Some(source.clone());
         }
         let (mut scene, moves) = match &source.performance {
             Performance::Still(_) => (posed(editor.scene()), false),
             Performance::Motion(_) => (posed_in_motion(editor.scene()), true),
         };
-        scene.solver.method = method;
+        scene.solve_by(method);
         let wanted = (scene, moves);
         self.solving.ask(&wanted, wake(ctx), |(scene, moves)| match moves {
             false => solving::solve(scene, &mut |_| {}).map(Performance::Still),

@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use egui::Context;
 
 use crate::import::Drawing;
-use crate::scene::{Array, Wave};
+use crate::scene::{Array, DriveFile, Wave};
 use crate::studio::later;
 use crate::ui::{Folder, Purpose};
 
@@ -126,6 +126,8 @@ pub enum Outcome {
     Placed(Result<Box<Array>, String>),
     /// An array with loaded wires.
     Wired(Result<Box<Array>, String>),
+    /// The drives of a file, read.
+    Driven(Result<Box<DriveFile>, String>),
     /// The motion was exported, if it was not called off.
     Filmed(PathBuf, anyhow::Result<Option<()>>),
 }

@@ -132,7 +132,6 @@ impl Window {
         ctx: &egui::Context,
         _: &mut Vec<Command>,
     ) {
-        let purpose = Purpose::of_dropped(file.path());
         let file = Arc::clone(file);
         let read = async move {
             let bytes = file.bytes_async().await?;
@@ -140,7 +139,7 @@ impl Window {
         };
         let outcome = async move {
             match read.await {
-                Ok(path) => Outcome::Chosen(purpose, Ok(path)),
+                Ok(path) => Outcome::Chosen(Purpose::of_dropped(&path), Ok(path)),
                 Err(reason) => Outcome::Unreadable(reason),
             }
         };
@@ -310,6 +309,14 @@ impl Window {
             }
             Outcome::Wired(Err(error)) => self.refuse("The table holds no wiring", &anyhow!(error)),
             Outcome::Placed(Err(error)) => self.refuse("The table holds no array", &anyhow!(error)),
+            Outcome::Driven(Ok(drive)) => {
+                let name = drive.name.clone();
+                self.editor.document.scene.drive = *drive;
+                self.tell(&format!("The drive is that of {name}: nothing is solved"), false);
+            }
+            Outcome::Driven(Err(error)) => {
+                self.refuse("The file holds no drive of this array", &anyhow!(error))
+            }
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {
                 self.tell(&format!("Called off: {} is not written", path.display()), false);
@@ -462,6 +469,15 @@ impl Window {
             let read = opening::load_wires(&mut scene, Path::new(""));
             let read = read.and_then(|()| check::check(&scene));
             Outcome::Wired(read.map(|()| Box::new(scene.array)).map_err(|error| error.message))
+        });
+    }
+
+    /// Reads drives, then plays them instead of solved ones.
+    pub(super) fn read_drive(&mut self, path: PathBuf, ctx: &egui::Context) {
+        let scene = self.editor.scene().clone();
+        self.send(ctx, move |_| {
+            let name = path.to_string_lossy().into_owned();
+            Outcome::Driven(opening::read_drive(&path, name, &scene).map(Box::new))
         });
     }
 

@@ -55,7 +55,7 @@ impl Job for CompareMethods {
     fn make(scene: &Scene) -> Vec<MethodRow> {
         let row = |&method: &Method| {
             let mut scene = scene.clone();
-            scene.solver.method = method;
+            scene.solve_by(method);
             MethodRow { method, solution: solving::solve(&scene, &mut |_| {}) }
         };
         Method::VARIANTS.iter().map(row).collect()

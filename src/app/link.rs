@@ -317,9 +317,11 @@ impl Board {
         if self.compared.as_ref().is_some_and(same) {
             return;
         }
+        let aperture = Aperture::new(editor.scene());
+        let fits =
+            !solution.foci.is_empty() && aperture.positions.len() == solution.drive.phases.len();
         let levels = wiring.levels(&solution.drive, &Calibration::default());
-        shown.board.pressures = levels.ok().map(|levels| {
-            let aperture = Aperture::new(editor.scene());
+        shown.board.pressures = levels.ok().filter(|_| fits).map(|levels| {
             let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;
             let played = transfer.pressure(&wiring.drive(&levels.drive()).excitation(&aperture.driven));
             let mean = played.iter().map(|p| p.norm()).sum::<f64>() / played.len().max(1) as f64;

@@ -170,6 +170,7 @@ fn merged(base: &Scene, theirs: &Scene, own: &Scene) -> Scene {
     }
     let Scene {
         format,
+        drive,
         medium,
         array,
         boards,
@@ -186,6 +187,7 @@ fn merged(base: &Scene, theirs: &Scene, own: &Scene) -> Scene {
     } = base;
     Scene {
         format: *format,
+        drive: newer(drive, &theirs.drive, &own.drive),
         medium: newer(medium, &theirs.medium, &own.medium),
         array: newer(array, &theirs.array, &own.array),
         boards: newer(boards, &theirs.boards, &own.boards),

@@ -211,6 +211,7 @@ impl Window {
             Command::Import(path) => self.import(path, ctx),
             Command::TakeElements(path) => self.read_elements(&path, ctx),
             Command::TakeWiring(path) => self.read_wiring(&path, ctx),
+            Command::OpenDrive(path) => self.read_drive(path, ctx),
             Command::Waveform(path) => self.read_waveform(path, ctx),
             Command::Export(export, path) => self.export(export, &path, ctx),
             Command::CopyFigure => self.copy_figure(ctx),

@@ -13,7 +13,7 @@ use wasm_bindgen::prelude::{Closure, JsValue, wasm_bindgen};
 use web_sys::{MessageEvent, Worker, WorkerOptions, WorkerType};
 
 use crate::app::job::{CompareMethods, Follow, Job, Solve};
-use crate::scene::{Elements, Grey, Pixels, Placed, Scene, Wire, Wires, file};
+use crate::scene::{DriveFile, DriveTable, Elements, Grey, Pixels, Placed, Scene, Wire, Wires, file};
 
 const SCRIPT: &str = "./worker.js";
 
@@ -34,6 +34,7 @@ struct Parcel {
     pixels: Vec<Option<Grey>>,
     elements: Option<Vec<Placed>>,
     wires: Option<(Vec<Option<Wire>>, bool)>,
+    drives: Option<DriveTable>,
 }
 
 impl Parcel {
@@ -42,7 +43,8 @@ impl Parcel {
         let pixels = pictures.map(|(_, _, pixels)| pixels.get().cloned());
         let elements = scene.array.placed.get().map(<[_]>::to_vec);
         let wires = scene.wires().and_then(|wires| Some((wires.get()?.to_vec(), wires.repeats)));
-        Self { text: file::write(scene), pixels: pixels.collect(), elements, wires }
+        let drives = scene.drive.table().cloned();
+        Self { text: file::write(scene), pixels: pixels.collect(), elements, wires, drives }
     }
 
     fn scene(self) -> Option<Scene> {
@@ -60,6 +62,9 @@ impl Parcel {
             // Those of the elements' file count only without a table of their own.
             let wires = Wires::new(wires, repeats, None);
             (scene.array.placed.wires, scene.array.wires) = (wires.clone(), wires);
+        }
+        if let Some(drives) = self.drives {
+            scene.drive = DriveFile::new(std::mem::take(&mut scene.drive.name), drives, None);
         }
         Some(scene)
     }

@@ -215,7 +215,7 @@ impl Workshop {
     fn solve(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let scene = editor.scene();
         shown.board.steadied = None;
-        if scene.targets.is_empty() {
+        if !scene.has_drive() {
             self.solved.keep(None);
             self.solving.clear();
             shown.solution = None;
@@ -304,7 +304,9 @@ impl Workshop {
         shown.is_comparing = self.wants_methods.is_some();
         // A comparison is only valid for its scene; the chosen method does not matter.
         let this = posed(editor.scene());
-        let is_of_this = |scene: &Scene| Scene { solver: this.solver.clone(), ..scene.clone() } == this;
+        let is_of_this = |scene: &Scene| {
+            Scene { solver: this.solver.clone(), drive: this.drive.clone(), ..scene.clone() } == this
+        };
         if self.methods.latest().is_none_or(|scene| !is_of_this(scene)) {
             shown.methods.clear();
         }
@@ -317,7 +319,7 @@ impl Workshop {
         let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Device)
             || editor.playback.frame.is_some()
             || presses;
-        let moves = motion::moves(scene) && !scene.targets.is_empty();
+        let moves = motion::moves(scene) && scene.has_drive();
         shown.round = None;
         shown.is_following = false;
         if !moves || !is_wanted {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::error::Error;
@@ -28,6 +28,18 @@ impl fmt::Display for BadArguments {
 }
 
 impl std::error::Error for BadArguments {}
+
+/// The argument `--drive`.
+#[derive(Args, Clone, Debug)]
+pub struct DriveArgs {
+    /// Drive of your own, instead of the solver's: CSV as of `solve --csv`
+    ///
+    /// A row per element: phase (rad) or re and im; optionally element, amplitude (0 to 1), x, y and z, which must be the
+    /// scene's, and frame for several drives. Or a row per drive, as of `solve --motion --csv`. Nothing is solved. Several
+    /// drives take turns, or are the frames of the motion if the scene moves or the file has a column time (s).
+    #[arg(long, value_name = "FILE.csv")]
+    pub drive: Option<PathBuf>,
+}
 
 /// Prints clap's help, version or error.
 ///

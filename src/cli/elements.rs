@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::scene::{read_scene, write_or_print};
+use crate::cli::scene::{Source, read_scene, write_or_print};
 use crate::studio::elements;
 use crate::studio::output::Files;
 
@@ -19,7 +19,7 @@ pub struct ElementsArgs {
 
 pub fn run(args: &ElementsArgs) -> anyhow::Result<()> {
     let mut files = Files::new();
-    let scene = read_scene(&args.scene, None, &mut files)?;
+    let scene = read_scene(&args.scene, Source::default(), &mut files)?;
     if let Some(path) = &args.output {
         files.writes(path)?;
     }

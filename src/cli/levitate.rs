@@ -6,11 +6,12 @@ use anyhow::bail;
 use clap::Args;
 use glam::DVec3;
 
+use crate::cli::arguments::DriveArgs;
 use crate::cli::scene::read_scene;
 use crate::cli::{arguments, progress};
 use crate::studio::flight::{self, Course};
 use crate::studio::levitation;
-use crate::studio::motion::SOLVING;
+use crate::studio::motion::{SOLVING, at_rest};
 use crate::studio::output::{self, Files, say, warn};
 
 /// Name of the step in progress reports.
@@ -23,6 +24,8 @@ const CYCLES: f64 = 2.0;
 pub struct LevitateArgs {
     /// Scene file
     scene: PathBuf,
+    #[command(flatten)]
+    drive: DriveArgs,
     /// Target number of the trap, counted from 1 [default: the first trap, or the first focus]
     #[arg(long, value_name = "N")]
     target: Option<usize>,
@@ -45,7 +48,7 @@ pub struct LevitateArgs {
 
 pub fn run(args: &LevitateArgs) -> anyhow::Result<()> {
     let mut files = Files::new();
-    let scene = read_scene(&args.scene, None, &mut files)?;
+    let scene = read_scene(&args.scene, args.drive.source(), &mut files)?;
     if let Some(path) = &args.output {
         files.writes(path)?;
     }
@@ -58,7 +61,7 @@ pub fn run(args: &LevitateArgs) -> anyhow::Result<()> {
     };
     let course = Course::new(&scene, &name, target, &progress::begin(SOLVING))?;
     if args.fastest && !course.moves() {
-        bail!("{name}: --fastest: nothing moves (`path` in [motion] is \"none\")");
+        bail!("{name}: --fastest: nothing moves ({})", at_rest(&scene));
     }
     levitation::warning(&scene).iter().for_each(|warning| warn(warning));
     let from = args.from.unwrap_or_else(|| course.start());

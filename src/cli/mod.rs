@@ -73,6 +73,8 @@ enum Command {
     ///
     ///   sonoglyph render hit.toml -o hit.pdf --figure --contours -6 --targets --scale-bar
     ///
+    ///   sonoglyph render levitator.toml -o own.png --drive own.csv
+    ///
     ///   sonoglyph render hit.toml -o hit.vti --volume 64,64,64
     ///
     ///   sonoglyph render hit.toml -o hit.png --view 3d --camera iso --iso -6
@@ -95,6 +97,8 @@ enum Command {
     ///   sonoglyph solve assets/scenes/water-moving-square.toml --motion --csv frames.csv
     ///
     ///   sonoglyph solve hit.toml --listener 0,-0.4,0.3
+    ///
+    ///   sonoglyph solve levitator.toml --drive own.csv
     #[command(verbatim_doc_comment)]
     Solve(SolveArgs),
     /// Compute the complex pressure at points from a CSV file
@@ -143,6 +147,8 @@ enum Command {
     ///   sonoglyph levitate trap.toml --from 0,0.002,0.1 --seconds 0.5 -o flight.csv
     ///
     ///   sonoglyph levitate moving-trap.toml --fastest
+    ///
+    ///   sonoglyph levitate levitator.toml --drive own.csv
     #[command(verbatim_doc_comment)]
     Levitate(LevitateArgs),
     /// List GPU adapters and field evaluators, and the automatic choice
@@ -155,6 +161,8 @@ enum Command {
     /// The board is silenced whenever the command ends. Examples:
     ///
     ///   sonoglyph send hit.toml --port /dev/ttyUSB0 --profile sonicsurface --loop
+    ///
+    ///   sonoglyph send hit.toml --port /dev/ttyUSB0 --profile sonicsurface --drive own.csv
     ///
     ///   sonoglyph send moving.toml --port /dev/ttyUSB0 --profile native --baud 3000000 --seconds 20
     #[command(verbatim_doc_comment)]

@@ -5,7 +5,7 @@ use std::io::{BufWriter, Write};
 use anyhow::bail;
 
 use crate::cli::progress;
-use crate::cli::scene::{COLUMN, read_scene};
+use crate::cli::scene::{COLUMN, Source, read_scene};
 use crate::cli::solve::{Methods, SolveArgs};
 use crate::rounding::{millimetres, milliseconds, pascals};
 use crate::scene::motion::{Cycle, Group};
@@ -25,7 +25,7 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         None => None,
     };
     let mut files = Files::new();
-    let scene = read_scene(&args.scene, method, &mut files)?;
+    let scene = read_scene(&args.scene, Source { method, drive: None }, &mut files)?;
     if let Some(path) = &args.csv {
         files.writes(path)?;
     }

@@ -9,7 +9,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::Aperture;
-use crate::cli::arguments::BackendArgs;
+use crate::cli::arguments::{BackendArgs, DriveArgs};
 use crate::cli::scene::{read_scene, write_or_print};
 use crate::cli::time_course::TimeArgs;
 use crate::cli::{progress, time_course};
@@ -33,9 +33,8 @@ pub struct ProbeArgs {
     pub points: PathBuf,
     #[command(flatten)]
     pub backend: BackendArgs,
-    /// Drive in the format of `solve --csv`, instead of the solver's
-    #[arg(long, value_name = "FILE.csv")]
-    pub drive: Option<PathBuf>,
+    #[command(flatten)]
+    pub drive: DriveArgs,
     /// Computed quantity
     ///
     /// `force`: Gor'kov potential, radiation force on the scene's `[bead]` without its weight, and the symmetric part
@@ -59,24 +58,19 @@ pub enum Probed {
 
 pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     let mut files = Files::new();
-    let scene = read_scene(&args.scene, None, &mut files)?;
-    for path in [&args.points].into_iter().chain(&args.drive) {
-        files.reads(path)?;
-    }
+    let scene = read_scene(&args.scene, args.drive.source(), &mut files)?;
+    files.reads(&args.points)?;
     for path in args.output.iter().chain(&args.time.spectrum) {
         files.writes(path)?;
     }
     let samples = read_table(&args.points, Samples::read)?;
-    let drives = match &args.drive {
-        Some(path) => vec![read_table(path, |csv| Drive::read(csv, scene.elements()))?],
-        None if args.time.time => {
-            Performance::of(&scene, &args.scene.display().to_string(), progress::begin)?.drives()
-        }
-        None => {
-            let solution = solver::solve(&scene).with_context(|| args.scene.display().to_string())?;
-            solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
-            solution.drives()
-        }
+    let name = args.scene.display().to_string();
+    let drives = if args.time.time {
+        Performance::of(&scene, &name, progress::begin)?.drives()
+    } else {
+        let solution = solver::solve(&scene).with_context(|| name)?;
+        solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
+        solution.drives()
     };
     let aperture = Aperture::new(&scene);
     if args.quantity == Probed::Force {

@@ -9,19 +9,21 @@ use glam::DVec3;
 use strum::VariantArray;
 
 use crate::acoustics::Aperture;
-use crate::cli::scene::{COLUMN, read_scene};
-use crate::cli::{arguments, names};
+use crate::cli::arguments::{self, DriveArgs};
+use crate::cli::names;
+use crate::cli::scene::{COLUMN, Source, read_scene};
 use crate::drive::Drive;
+use crate::echo;
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
 use crate::rounding::{
     millimetres, milliseconds, pascals, pascals_at_most, percent, percent_at_least, percent_at_most,
 };
-use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, Turns, check};
+use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, Turns, check, motion};
 use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::findings::{Findings, Played};
 use crate::studio::levitation::{self, Held};
-use crate::studio::output::{self, Files, say, warn};
+use crate::studio::output::{self, Files, note, say, warn};
 
 /// Replaces the figures that compare pressures if the foci are silent, in these rows.
 const SILENT: &str = "no sound reaches the foci";
@@ -34,8 +36,10 @@ pub struct SolveArgs {
     /// Scene file
     pub scene: PathBuf,
     /// Solver method, instead of the scene's
-    #[arg(long, value_parser = methods())]
+    #[arg(long, value_parser = methods(), conflicts_with = "drive")]
     pub method: Option<Methods>,
+    #[command(flatten)]
+    pub drive: DriveArgs,
     /// Print JSON; an array of objects for `--method all`
     #[arg(long)]
     pub json: bool,
@@ -49,10 +53,10 @@ pub struct SolveArgs {
     ///
     /// --csv then writes a row per frame: frame, time (s), and phase_0, phase_1, ... (rad), `nan` for elements that are
     /// off. --json prints one object whose `frames` hold time, foci, pressures (Pa, peak) and phases.
-    #[arg(long, conflicts_with = "levels")]
+    #[arg(long, conflicts_with_all = ["levels", "drive"])]
     pub motion: bool,
     /// Duration of the further search (s), instead of the scene's
-    #[arg(long, value_name = "S", conflicts_with = "motion", allow_negative_numbers = true, value_parser = arguments::parse_search)]
+    #[arg(long, value_name = "S", conflicts_with_all = ["motion", "drive"], allow_negative_numbers = true, value_parser = arguments::parse_search)]
     pub search: Option<f64>,
     /// Exposure at a listener's position (m), instead of the scene's
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = arguments::parse_listener)]
@@ -77,7 +81,8 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         Some(Methods::All) | None => None,
     };
     let mut files = Files::new();
-    let mut scene = read_scene(&args.scene, one, &mut files)?;
+    let source = Source { method: one, drive: args.drive.drive.as_deref() };
+    let mut scene = read_scene(&args.scene, source, &mut files)?;
     if let Some(listener) = &args.listener {
         check::listener(listener, &scene.front())
             .map_err(|error| anyhow::anyhow!("--listener {}", error.message))?;
@@ -107,6 +112,9 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         }
     }
     let solution = solver::solve(&scene).map_err(in_file)?;
+    if scene.drive.is_named() && motion::moves(&scene) {
+        note("these figures are of the targets at rest, and of the mean of all frames");
+    }
     let aperture = Aperture::new(&scene);
     let mut stages = Stages::new(Evaluator::Cpu);
     let findings = Findings::of_scene(&scene, &mut stages, solution).map_err(in_file)?;
@@ -177,7 +185,7 @@ fn compare(
         let mut scene = scene.clone();
         // The scene's iteration count applies to its own method.
         scene.solver.iterations = if scene.solver.method == method { scene.solver.iterations } else { 0 };
-        scene.solver.method = method;
+        scene.solve_by(method);
         match solver::solve(&scene) {
             Ok(solution) => solutions.push(solution),
             // `focus` solves single foci only.
@@ -215,7 +223,7 @@ fn report_warnings(findings: &[Findings]) {
         let concerned: Vec<_> = findings
             .iter()
             .filter(|other| other.warnings.contains(warning))
-            .map(|other| other.solution.method.into_str())
+            .map(|other| other.solution.method_name())
             .collect();
         if concerned.len() == findings.len() {
             warn(warning);
@@ -243,7 +251,7 @@ fn comparison(findings: &[Findings]) -> Table {
     for Findings { solution, limits, side_lobe, heard, .. } in findings {
         let quality = &solution.quality;
         let mut row = vec![
-            solution.method.into_str().to_owned(),
+            solution.method_name().to_owned(),
             pascals(quality.mean_pressure),
             pascals(quality.min_pressure),
             if quality.is_silent() { "-".to_owned() } else { percent(quality.spread) },
@@ -266,10 +274,35 @@ fn align_numbers(table: &mut Table) {
     }
 }
 
+/// The method, or the file of the drive.
+fn source_row(scene: &Scene, solution: &Solution) -> (&'static str, String) {
+    match solution.method {
+        Some(method) => {
+            let (iterations, time) = (solution.iterations, milliseconds(solution.seconds, 2));
+            ("method", format!("{}, {iterations} iterations, {time}", method.into_str()))
+        }
+        None => {
+            let turns = match solution.others.len() {
+                0 => String::new(),
+                others => format!("{} drives whose mean counts, ", others + 1),
+            };
+            ("drive", format!("{}, {turns}nothing is solved", echo::value(&scene.drive.name)))
+        }
+    }
+}
+
 /// Number and amplitudes of the driven elements.
 fn drive_row(scene: &Scene, solution: &Solution) -> String {
     let driven = solution.drive.amplitudes.iter().filter(|&&amplitude| amplitude > 0.0).count();
     let part = percent(solution.turned_down);
+    if solution.method.is_none() {
+        let amplitudes = solution.drive.amplitudes.iter().copied().filter(|&amplitude| amplitude > 0.0);
+        let [least, most] =
+            [amplitudes.clone().fold(1.0, f64::min), amplitudes.fold(0.0, f64::max)].map(percent);
+        let how = if least == most { format!("at {most}") } else { format!("at {least} to {most}") };
+        let how = if driven > 0 { format!(", {how} of full drive") } else { String::new() };
+        return format!("{driven} of {}{how}", solution.drive.phases.len());
+    }
     let how = match (scene.solver.amplitudes, scene.solver.pressures) {
         (Amplitudes::Uniform, Pressures::Relative) => String::new(),
         (Amplitudes::Uniform, Pressures::Pascal) => format!(", each at {part} of full drive"),
@@ -301,15 +334,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
     };
     let at_full = if solution.turned_down < 1.0 { ", at full drive" } else { "" };
     let mut rows = vec![
-        (
-            "method",
-            format!(
-                "{}, {} iterations, {}",
-                solution.method.into_str(),
-                solution.iterations,
-                milliseconds(solution.seconds, 2)
-            ),
-        ),
+        source_row(scene, solution),
         ("elements driven", drive_row(scene, solution)),
         ("mean pressure", pascals(quality.mean_pressure)),
         ("weakest focus", pascals(quality.min_pressure)),

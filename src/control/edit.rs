@@ -154,7 +154,8 @@ pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     let tables = scene.array.file.iter().chain(&scene.array.wiring);
     let table = tables.filter(|name| !name.starts_with(arrays::PRESET));
     let wave = Some(&scene.modulation.file).filter(|name| !name.is_empty());
-    if let Some(name) = table.chain(wave).next() {
+    let drive = Some(&scene.drive.name).filter(|name| !name.is_empty());
+    if let Some(name) = table.chain(wave).chain(drive).next() {
         return Err(EditError::NamesFile(echo::value(name)));
     }
     opening::load(&mut scene, Path::new(""))?;

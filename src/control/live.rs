@@ -117,7 +117,7 @@ impl Live {
 
     /// The most urgent work.
     fn unsolved(&mut self, scene: &Scene, wish: &Wish) -> Option<Work> {
-        if scene.targets.is_empty() {
+        if !scene.has_drive() {
             self.solving.clear();
             self.frames = None;
             return None;
@@ -139,7 +139,7 @@ impl Live {
     /// Plays the result; returns the reason if the board cannot.
     fn play(&mut self, scene: &Scene, wish: &Wish) -> Option<String> {
         let board = self.board.as_mut()?;
-        if !wish.sends || scene.targets.is_empty() {
+        if !wish.sends || !scene.has_drive() {
             board.stop();
             return None;
         }

@@ -116,6 +116,10 @@ fn amount(foci: &[Focus]) -> String {
 /// Method and foci, and the figures of the solution.
 fn summary(scene: &Scene, solution: &Solution) -> [String; 2] {
     let quality = &solution.quality;
+    let title = solution.method.map_or("drive of a file", |method| method.title());
+    if solution.foci.is_empty() {
+        return [title.to_owned(), String::new()];
+    }
     let aperture = Aperture::new(scene);
     let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
     let figures = format!(
@@ -126,7 +130,7 @@ fn summary(scene: &Scene, solution: &Solution) -> [String; 2] {
         100.0 * quality.efficiency,
         percent_at_least(solution.certified(bound), 0),
     );
-    [format!("{}, {}", solution.method.title(), amount(&solution.foci)), figures]
+    [format!("{title}, {}", amount(&solution.foci)), figures]
 }
 
 /// Pixels in a millimetre of a page.
@@ -176,7 +180,8 @@ impl<'a> Page<'a> {
         let (scene, solution) = (self.scene, self.solution);
         let plane = &scene.plane;
         let (frame, axes) = (frame(self.density, cell, plane.size), axes(plane));
-        let title = format!("Targets ({})", amount(&solution.foci));
+        let amount = Some(amount(&solution.foci)).filter(|amount| !amount.is_empty());
+        let title = format!("Targets ({})", amount.as_deref().unwrap_or("none"));
         self.panel(&frame, &title, &axes, None, plain(&frame, [255; 3]));
         let place = |point| on_plane(plane, point).map(|DVec2 { x, y }| frame.place(&axes, [x, y]));
         let room @ [left, top, right, bottom] = frame.room();
@@ -218,7 +223,11 @@ impl<'a> Page<'a> {
         let amplitudes = &self.solution.excitation;
         let colour = |n: usize| table[(amplitudes[n] * 255.0).round() as usize];
         let bar = Bar { table, ends: [0.0, 1.0], label: "amplitude".to_owned(), numbers: None };
-        self.elements(cell, "Amplitude per element, before it is made uniform", bar, colour);
+        let title = match self.solution.method {
+            Some(_) => "Amplitude per element, before it is made uniform",
+            None => "Amplitude per element",
+        };
+        self.elements(cell, title, bar, colour);
     }
 
     /// The array seen from the front, every driven element a disk of its colour.

@@ -6,7 +6,7 @@ use crate::acoustics::Aperture;
 use crate::drive::{Drive, delay_level};
 use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::rounding::percent_at_most;
-use crate::scene::{Pressures, Scene};
+use crate::scene::{Pressures, Scene, outline};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{Limits, Problem, Solution, SolveError, room, shape};
 use crate::studio::levitation::{self, Held};
@@ -66,8 +66,12 @@ impl Findings {
     /// The same from a scene and its solution, whose figures it completes.
     ///
     /// # Errors
-    /// A scene too large for memory.
+    /// A scene without targets, or too large for memory.
     pub fn of_scene(scene: &Scene, stages: &mut Stages, mut solution: Solution) -> Result<Self, SolveError> {
+        if solution.foci.is_empty() {
+            // Without foci there are no figures: the error says so.
+            outline::foci(scene)?;
+        }
         let _room = room::of_limits(scene, solution.foci.len())?;
         let aperture = Aperture::new(scene);
         let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());

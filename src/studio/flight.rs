@@ -48,6 +48,9 @@ impl Course {
             let solution = solver::solve(scene).map_err(|error| anyhow!("{name}: {error}"))?;
             (vec![solution.drives()], vec![solution.foci], f64::INFINITY)
         };
+        if foci.iter().any(Vec::is_empty) {
+            bail!("{name}: target: the scene has no target, and a bead needs its place");
+        }
         let wanted = foci.iter().map(|foci| place(foci, target));
         let Some(wanted) = wanted.collect::<Option<Vec<_>>>() else {
             bail!("{name}: target {} is no trap of every frame", target.map_or(1, |target| target + 1));

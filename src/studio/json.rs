@@ -29,7 +29,7 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
     };
     let foci: Vec<_> = solution.foci.iter().zip(&solution.pressures).map(focus).collect();
     let mut value = json!({
-        "method": solution.method.into_str(),
+        "method": solution.method_name(),
         "elements": solution.drive.phases.len(),
         "foci": foci,
         "quality": {

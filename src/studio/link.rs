@@ -38,6 +38,8 @@ pub enum LinkError {
     Wave(String),
     #[error("a link holds no tables: the array has “{}”", echo::value(.0))]
     Table(String),
+    #[error("a link holds no drives: the scene plays “{}”", echo::value(.0))]
+    Drive(String),
 }
 
 /// Whether a text looks like a link, possibly a broken one.
@@ -59,12 +61,15 @@ pub fn of_page(link: &str, page: &str) -> String {
 /// The link of a scene.
 ///
 /// # Errors
-/// A scene with pictures, a waveform or tables, which are separate files.
+/// A scene with pictures, drives, a waveform or tables, which are separate files.
 pub fn write(scene: &Scene) -> Result<String, LinkError> {
     for target in &scene.targets {
         if let Some((file, ..)) = target.shape.picture() {
             return Err(LinkError::Picture(file.to_owned()));
         }
+    }
+    if scene.drive.is_named() {
+        return Err(LinkError::Drive(scene.drive.name.clone()));
     }
     if !scene.modulation.file.is_empty() {
         return Err(LinkError::Wave(scene.modulation.file.clone()));

@@ -5,7 +5,7 @@ use crate::gauge::Gauge;
 use crate::rounding::pascals;
 use crate::scene::{Pressures, Scene, motion};
 use crate::solver::frames::{self, Frame, Sequence};
-use crate::solver::warnings_of_foci;
+use crate::solver::{warning_of_drive, warnings_of_foci};
 use crate::studio::output::{note, warn};
 
 /// Name of the solving step in progress messages.
@@ -19,16 +19,25 @@ pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Seq
     let sequence =
         frames::follow_with(scene, progress).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
     if !motion::moves(scene) && sequence.frames.len() == 1 {
-        note("nothing moves: `path` in [motion] is \"none\", so there is one frame");
+        note(&format!("nothing moves: {}, so there is one frame", at_rest(scene)));
     }
+    warning_of_drive(scene).iter().for_each(|warning| warn(&warning.to_string()));
     for warning in warnings_of_foci(&Aperture::new(scene), &sequence.frames[0].foci) {
         warn(&format!("in the first frame, {warning}"));
     }
-    if scene.solver.pressures == Pressures::Pascal {
+    if scene.solver.pressures == Pressures::Pascal && !scene.drive.is_named() {
         warn_of_shortfall(&sequence);
     }
     warn_of_rates(scene);
     Ok(sequence)
+}
+
+/// The reason why nothing moves.
+pub fn at_rest(scene: &Scene) -> &'static str {
+    match scene.drive.is_named() {
+        true => "the file of the drive has a single one, or drives without times",
+        false => "`path` in [motion] is \"none\"",
+    }
 }
 
 /// Warns of targets with a rate other than requested.

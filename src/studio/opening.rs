@@ -1,20 +1,26 @@
-//! Opens scenes: the file, and the pictures, waveform, elements and wires that it names.
+//! Opens scenes: the file, and the pictures, waveform, drives, elements and wires that it names.
 //!
 //! A scene file names a picture; opening loads the pixels, which the scene then shares and the file never contains.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use crate::acoustics::Aperture;
 use crate::device::{pat, wiring};
+use crate::drive;
 use crate::picture::grey;
 use crate::scene::check::check;
 use crate::scene::file::{self, FileError};
-use crate::scene::{Array, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Target, Wires};
+use crate::scene::{
+    Array, DriveFile, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Target, Wires,
+};
 use crate::source;
 use crate::studio::{arrays, elements, waveform};
 
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
+/// The same of a file of drives.
+const MOST_BYTES_OF_DRIVES: u64 = 512 << 20;
 
 /// Extensions of scene files, the default first. Desktops recognise the other, and `.sonoglyph.toml`, as scenes.
 pub const ENDINGS: &[&str] = &["toml", "sonoglyph"];
@@ -25,10 +31,10 @@ pub fn stem(path: &Path) -> String {
     stem.strip_suffix(".sonoglyph").filter(|name| !name.is_empty()).unwrap_or(&stem).to_owned()
 }
 
-/// The scene of a file, with its pictures, its waveform and its tables of elements and wires.
+/// The scene of a file, with its pictures, its waveform, its drives and its tables of elements and wires.
 ///
 /// # Errors
-/// The errors of [`file::read`], and a picture, a waveform or a table that cannot be read.
+/// The errors of [`file::read`], and a picture, a waveform, drives or a table that cannot be read.
 pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
@@ -44,15 +50,15 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures, waveform, elements and wires named by a scene, relative to a folder, and checks the scene again
-/// if there are pictures or a table.
+/// Loads the pictures, waveform, drives, elements and wires named by a scene, relative to a folder, and checks the scene
+/// again if there are pictures, drives or a table.
 ///
 /// # Errors
 /// A missing, unreadable or black picture, errors of [`waveform::read`], a missing or invalid table, and errors of
 /// [`check()`] and [`file::targets_in_motion`].
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     load_wave(&mut scene.modulation, folder)?;
-    let lacks_table = scene.array.lacks_elements() || scene.array.lacks_wires();
+    let lacks_table = scene.array.lacks_elements() || scene.array.lacks_wires() || scene.drive.is_missing();
     if !scene.targets.iter().any(Target::lacks_pixels) && !lacks_table {
         return Ok(());
     }
@@ -60,6 +66,11 @@ pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     load_elements(&mut scene.array, folder)?;
     load_wires(scene, folder)?;
     check(scene)?;
+    if scene.drive.is_missing() {
+        let name = scene.drive.name.clone();
+        let read = read_drive(&folder.join(&name), name, scene);
+        scene.drive = read.map_err(|message| KeyError::new([Key::from("drive")], message))?;
+    }
     if scene.lacks_pixels() { Ok(()) } else { file::targets_in_motion(scene) }
 }
 
@@ -120,6 +131,18 @@ fn placed(name: &str, folder: &Path) -> Result<Elements, String> {
     let mut elements = elements::read(&bytes).map_err(|error| format!("{}:{error}", path.display()))?;
     (elements.wires.from, elements.from) = (Some(path.clone()), Some(path));
     Ok(elements)
+}
+
+/// The drives of a file for a scene's array, named as in the scene.
+///
+/// # Errors
+/// A missing file, or errors of [`drive::read`]; the message names file and line.
+pub fn read_drive(path: &Path, name: String, scene: &Scene) -> Result<DriveFile, String> {
+    let bytes =
+        source::read(path, MOST_BYTES_OF_DRIVES).map_err(|error| format!("{}: {error}", path.display()))?;
+    let table = drive::read(&bytes[..], &Aperture::new(scene));
+    let table = table.map_err(|error| format!("{}:{error}", path.display()))?;
+    Ok(DriveFile::new(name, table, Some(path.to_owned())))
 }
 
 /// Loads the waveform of a modulation, if named and not loaded.

@@ -25,7 +25,7 @@ pub struct Placed {
 }
 
 impl Paintings {
-    /// Names the pictures, waveform and tables of a scene for `path`. Unsaved pictures get a file beside it
+    /// Names the pictures, waveform, drives and tables of a scene for `path`. Unsaved pictures get a file beside it
     /// that does not exist or `may_replace`; files in other folders get absolute paths.
     pub fn place(&self, scene: &Scene, path: &Path, may_replace: impl Fn(&Path) -> bool) -> Placed {
         let mut placed = Placed { scene: scene.clone(), files: Vec::new() };
@@ -63,6 +63,11 @@ impl Paintings {
         }
         if let (Some(name), Some(place)) = (&mut array.wiring, &array.wires.from) {
             *name = name_from(&path, &absolute(place), name);
+        }
+        let drive = &mut placed.scene.drive;
+        if let Some(place) = &drive.from {
+            let before = if Path::new(&drive.name).is_absolute() { "" } else { &*drive.name };
+            drive.name = name_from(&path, &absolute(place), before);
         }
         if let Some(samples) = scene.modulation.wave.get() {
             let file = &mut placed.scene.modulation.file;

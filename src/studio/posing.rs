@@ -5,6 +5,7 @@ use crate::scene::{Liquid, Method, Plane, Scene, Solver, Target, Turns, motion, 
 /// The part of a scene that its drive follows from.
 pub fn posed(scene: &Scene) -> Scene {
     Scene {
+        drive: scene.drive.clone(),
         medium: scene.medium.clone(),
         array: scene.array.clone(),
         boards: scene.boards.clone(),

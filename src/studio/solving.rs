@@ -127,9 +127,12 @@ impl Solving {
     }
 }
 
-/// Foci times elements.
+/// Foci times elements; with drives of a file, elements.
 fn amount(scene: &Scene) -> Result<usize, String> {
     check::check(scene).map_err(|error| error.to_string())?;
+    if scene.drive.is_named() {
+        return Ok(scene.elements());
+    }
     let foci = outline::foci(scene).map_err(|error| error.to_string())?;
     Ok(foci.len() * scene.elements())
 }

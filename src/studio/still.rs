@@ -242,7 +242,7 @@ impl Rendered {
 pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Result<Rendered> {
     let Solved { name, scene, solution } = solved;
     let page = look.pixels(scene)?;
-    let time = format!("{} took {}", solution.method.into_str(), milliseconds(solution.seconds, 1));
+    let time = format!("{} took {}", solution.method_name(), milliseconds(solution.seconds, 1));
     let drives = look.drives(solved)?;
     let quantity = match look.diagram {
         Diagram::Drive => return drive(solved, look, page, time),

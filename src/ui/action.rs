@@ -28,6 +28,7 @@ pub enum Action {
     Save,
     SaveAs,
     Import,
+    OpenDrive,
     CopyLink,
     Quit,
     Undo,
@@ -100,6 +101,7 @@ impl Action {
             A::Save,
             A::SaveAs,
             A::Import,
+            A::OpenDrive,
             A::CopyLink,
             A::Quit,
             A::Undo,
@@ -139,6 +141,7 @@ impl Action {
             Self::Save => "Save",
             Self::SaveAs => "Save as…",
             Self::Import => "Import drawing…",
+            Self::OpenDrive => "Open drive…",
             Self::CopyLink => "Copy scene as link",
             Self::Quit => "Quit",
             Self::Undo => "Undo",
@@ -192,6 +195,7 @@ impl Action {
             | Self::Save
             | Self::SaveAs
             | Self::Import
+            | Self::OpenDrive
             | Self::CopyLink
             | Self::Quit => Group::File,
             Self::Undo
@@ -259,6 +263,7 @@ impl Action {
             Self::Palette => vec![ctrl(Key::P)],
             Self::Help => vec![plain(Key::F1)],
             Self::Import
+            | Self::OpenDrive
             | Self::CopyLink
             | Self::Export(_)
             | Self::ShowPanel(_)
@@ -351,6 +356,7 @@ impl Action {
             Self::Save => commands.push(Command::Save),
             Self::SaveAs => ask_for_file(Purpose::SaveAs),
             Self::Import => ask_for_file(Purpose::Import),
+            Self::OpenDrive => ask_for_file(Purpose::Drive),
             Self::CopyLink => commands.push(Command::CopyLink),
             Self::Quit => editor.ask(Command::Close, commands),
             Self::Undo => editor.undo(),

@@ -67,11 +67,11 @@ impl Compare {
     }
 
     /// Names of both sides, from what the first map shows.
-    pub fn names(&self, method: Method, levels: Option<u32>, cut: Cut) -> [String; 2] {
+    pub fn names(&self, own: &str, levels: Option<u32>, cut: Cut) -> [String; 2] {
         let drive =
             |levels: Option<u32>| levels.map_or("ideal drive".to_owned(), |n| format!("{n} phase levels"));
         match self.with {
-            With::Method => [method.title().to_owned(), self.method.title().to_owned()],
+            With::Method => [own.to_owned(), self.method.title().to_owned()],
             With::Levels => [drive(levels), drive(Some(self.levels))],
             With::Plane => [cut.into_str().to_owned(), self.cut.into_str().to_owned()],
         }

@@ -2,8 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::drive;
 use crate::picture::figure::Format;
 use crate::scene::Scene;
+use crate::source;
 use crate::studio::animate::Kind;
 use crate::studio::opening;
 use crate::ui::board::BoardCommand;
@@ -12,6 +14,8 @@ use crate::ui::board::BoardCommand;
 pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
 /// Endings of tables of elements.
 pub const ELEMENTS: &[&str] = &["csv", "pat"];
+/// Endings of files of drives.
+const DRIVES: &[&str] = &["csv", "tsv", "txt"];
 
 /// Commands beyond the user interface.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +36,8 @@ pub enum Command {
     TakeElements(PathBuf),
     /// Uses a table of wires.
     TakeWiring(PathBuf),
+    /// Plays the drives of a file instead of solved ones.
+    OpenDrive(PathBuf),
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
@@ -92,6 +98,11 @@ pub enum Export {
     Motion(Kind),
 }
 
+/// Whether a file is a table of drives, by its columns.
+fn is_drive(path: &Path) -> bool {
+    source::open(path).is_ok_and(drive::is_table)
+}
+
 /// The purpose of a file dialog.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Purpose {
@@ -103,6 +114,8 @@ pub enum Purpose {
     Elements,
     /// A table of the board's channels.
     Wiring,
+    /// Drives to be played instead of solved ones.
+    Drive,
     /// Waveform of the modulation.
     Waveform,
     Export(Export),
@@ -114,6 +127,7 @@ impl Purpose {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match ending.as_str() {
             drawing if IMPORTED.contains(&drawing) => Self::Import,
+            table if DRIVES.contains(&table) && is_drive(path) => Self::Drive,
             table if ELEMENTS.contains(&table) => Self::Elements,
             _ => Self::Open,
         }
@@ -125,6 +139,7 @@ impl Purpose {
             Self::SaveAs => "Save the scene as",
             Self::Elements => "Take a table of elements (CSV, or PAT of OpenMPD)",
             Self::Wiring => "Take a wiring (CSV with element and channel, or PAT of OpenMPD)",
+            Self::Drive => "Open a drive: phases and amplitudes of the elements (CSV)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Waveform => "Open a waveform of the modulation (WAV)",
             Self::Export(Export::Figure(_)) => "Export the figure",
@@ -144,6 +159,7 @@ impl Purpose {
             Self::Open | Self::SaveAs => opening::ENDINGS,
             Self::Import => IMPORTED,
             Self::Elements | Self::Wiring => ELEMENTS,
+            Self::Drive => DRIVES,
             Self::Waveform => &["wav"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
@@ -156,12 +172,15 @@ impl Purpose {
 
     /// Whether the file must exist.
     pub fn reads(self) -> bool {
-        matches!(self, Self::Open | Self::Import | Self::Elements | Self::Wiring | Self::Waveform)
+        matches!(
+            self,
+            Self::Open | Self::Import | Self::Elements | Self::Wiring | Self::Drive | Self::Waveform
+        )
     }
 
     pub(super) fn verb(self) -> &'static str {
         match self {
-            Self::Open => "Open",
+            Self::Open | Self::Drive => "Open",
             Self::SaveAs => "Save",
             Self::Import | Self::Elements | Self::Wiring | Self::Waveform => "Read",
             Self::Export(_) => "Export",
@@ -175,6 +194,7 @@ impl Purpose {
             Self::Import => Command::Import(path),
             Self::Elements => Command::TakeElements(path),
             Self::Wiring => Command::TakeWiring(path),
+            Self::Drive => Command::OpenDrive(path),
             Self::Waveform => Command::Waveform(path),
             Self::Export(export) => Command::Export(export, path),
         }

@@ -204,7 +204,9 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, first: &Canvas, second: &S
         (None, Some(map)) => legend::paint(editor, map, ui, lens),
         (None, None) => {}
     }
-    let [own, other] = compare.names(editor.scene().solver.method, editor.levels, editor.view.cut);
+    let scene = editor.scene();
+    let own = if scene.drive.is_named() { "drive of a file" } else { scene.solver.method.title() };
+    let [own, other] = compare.names(own, editor.levels, editor.view.cut);
     let other = if difference.is_some() { "left minus right".to_owned() } else { other };
     if is_flat && let Some(point) = compare.pointer {
         cross(

@@ -32,7 +32,7 @@ const MOST_STEPS: f64 = 4096.0;
 /// Whether the timeline is shown: the scene moves, and its motion is edited or played.
 pub fn is_wanted(editor: &Editor) -> bool {
     let is_looked_at = editor.panel == Panel::Motion || editor.playback.frame.is_some();
-    is_looked_at && motion::moves(editor.scene()) && !editor.scene().targets.is_empty()
+    is_looked_at && motion::moves(editor.scene()) && editor.scene().has_drive()
 }
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {

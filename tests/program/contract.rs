@@ -309,7 +309,7 @@ fn bad_arguments_and_files_are_refused() {
         (&["probe", "a.toml", "--points", "empty.csv"], "there are no points"),
         (
             &["probe", "a.toml", "--points", "points.csv", "--drive", "drive.csv"],
-            "element 2 of 256 is missing",
+            "drive.csv:3: the file has 2 rows, and the scene has 256 elements",
         ),
         (
             &["probe", "a.toml", "--points", "points.csv", "--drive", "gap.csv"],

@@ -8,6 +8,7 @@ mod contract;
 #[path = "../dice/mod.rs"]
 #[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
+mod drives;
 mod examples;
 mod figures;
 #[cfg(unix)]

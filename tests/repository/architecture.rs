@@ -16,7 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("rounding", &[]),
     ("simd", &[]),
     ("acoustics", &["glam", "libm", "num_complex", "rayon"]),
-    ("drive", &["num_complex", "serde"]),
+    ("drive", &["glam", "num_complex"]),
     ("force", &["glam", "num_complex", "rayon"]),
     ("surface", &["num_complex", "rayon", "sonoglyph_fourier"]),
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "serde", "thiserror"]),

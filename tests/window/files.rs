@@ -272,3 +272,70 @@ fn settings_are_restored_at_the_next_start() {
     rest(&mut screen);
     assert_eq!(screen.state().editor().document.path(), Some(saved.as_path()));
 }
+
+#[test]
+fn an_own_drive_is_played_until_solve_instead() {
+    let folder = tempfile::tempdir().unwrap();
+    let [own, elements, wrong] =
+        ["own.csv", "elements.csv", "wrong.csv"].map(|name| folder.path().join(name));
+    let rows: String = (0..256).map(|element| format!("{element};{}\n", 0.01 * f64::from(element))).collect();
+    std::fs::write(&own, format!("element;phase\n{rows}")).unwrap();
+    std::fs::write(&wrong, "element,phase\n7,0\n7,1\n").unwrap();
+    std::fs::write(&elements, "x,y,z,nx,ny,nz\n0,0,0,0,0,1\n0.01,0,0,0,0,1\n").unwrap();
+    let mut screen = open();
+    screen.get_by_label("Solver").click();
+    rest(&mut screen);
+    let drive = |screen: &Screen| screen.state().shown().sound.as_ref().unwrap().drives[0].clone();
+    let solved = drive(&screen);
+    for label in ["File", "Open drive…"] {
+        screen.get_by_label(label).click();
+        rest(&mut screen);
+    }
+    answer(&mut screen, Purpose::Drive, &own);
+    assert!((drive(&screen).phases[100] - 1.0).abs() < 1e-12, "{:?}", drive(&screen).phases[100]);
+    assert!(screen.query_by_label("own.csv").is_some() && screen.query_by_label("Iterations").is_none());
+    let judged = |screen: &Screen| screen.state().shown().solution.as_ref().unwrap().clone();
+    let before = judged(&screen);
+    assert_eq!(before.method, None);
+    // A moved target is judged with the same drive.
+    press(&mut screen, Modifiers::COMMAND, Key::A);
+    key(&mut screen, Key::ArrowRight);
+    assert_eq!(drive(&screen), before.drive);
+    assert_ne!(judged(&screen).quality.mean_pressure, before.quality.mean_pressure);
+    // Without targets it is still shown.
+    clear(&mut screen);
+    assert_eq!(drive(&screen), before.drive);
+    assert!(screen.state().shown().map.is_some() && screen.state().shown().problem.is_none());
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    // The scene's file names it, and is read with it.
+    let saved = folder.path().join("scene.toml");
+    press(&mut screen, Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
+    answer(&mut screen, Purpose::SaveAs, &saved);
+    let text = std::fs::read_to_string(&saved).unwrap();
+    assert!(text.contains("drive = \"own.csv\"\n"), "{text}");
+    assert_eq!(sonoglyph::studio::opening::open(&saved).unwrap(), *scene(&screen));
+    // A file without a drive leaves it, and a table of elements is none.
+    drop_file(&mut screen, &wrong);
+    match &screen.state().editor().dialog {
+        Some(Dialog::Message { text, .. }) => {
+            assert!(text.contains("wrong.csv:3: element 7 is given twice"), "{text}")
+        }
+        other => panic!("{other:?}"),
+    }
+    screen.state_mut().editor_mut().dialog = None;
+    rest(&mut screen);
+    assert!(scene(&screen).drive.is_named());
+    screen.get_by_label("Solve instead").click();
+    rest(&mut screen);
+    assert_eq!(drive(&screen).phases, solved.phases);
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert_eq!(drive(&screen), before.drive);
+    press(&mut screen, Modifiers::COMMAND, Key::Y);
+    drop_file(&mut screen, &own);
+    assert_eq!(drive(&screen), before.drive);
+    screen.get_by_label("Solve instead").click();
+    rest(&mut screen);
+    drop_file(&mut screen, &elements);
+    assert_eq!(scene(&screen).elements(), 2);
+}

@@ -416,7 +416,7 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
     rest(screen);
     let verb = match purpose {
-        Purpose::Open => "Open",
+        Purpose::Open | Purpose::Drive => "Open",
         Purpose::Elements | Purpose::Wiring | Purpose::Import | Purpose::Waveform => "Read",
         Purpose::SaveAs | Purpose::Export(_) => "Save",
     };

@@ -57,6 +57,9 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     medium(&scene.medium).map_err(|e| e.under(&["medium".into()]))?;
     array(&scene.array).and_then(|()| disk(scene)).map_err(|e| e.under(&["array".into()]))?;
     off(scene).map_err(|e| e.under(&["array".into()]))?;
+    if !scene.array.lacks_elements() {
+        scene.drive.check(scene.elements())?;
+    }
     if scene.targets.len() > MOST_TARGETS {
         let message =
             format!("{} are more than the {MOST_TARGETS} that a scene may have", scene.targets.len());

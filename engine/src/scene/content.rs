@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::array::Array;
 use crate::scene::bead::Bead;
 use crate::scene::board::{Board, Reflector};
+use crate::scene::drive::DriveFile;
 use crate::scene::liquid::Liquid;
 use crate::scene::medium::Medium;
 use crate::scene::modulation::Modulation;
@@ -22,6 +23,9 @@ pub const FORMAT: u32 = 1;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Scene {
     pub format: u32,
+    /// The drives that are played instead of solved ones, if a file is named.
+    #[serde(skip_serializing_if = "DriveFile::is_absent")]
+    pub drive: DriveFile,
     pub medium: Medium,
     pub array: Array,
     /// The boards of the array; element numbers continue from board to board. Without boards the array lies in z = 0.
@@ -49,6 +53,7 @@ impl Default for Scene {
     fn default() -> Self {
         Self {
             format: FORMAT,
+            drive: DriveFile::default(),
             medium: Medium::default(),
             array: Array::default(),
             boards: Vec::new(),
@@ -67,6 +72,23 @@ impl Default for Scene {
 }
 
 impl Scene {
+    /// Whether a target is visible.
+    #[doc(hidden)]
+    pub fn has_foci(&self) -> bool {
+        self.targets.iter().any(|target| target.visible)
+    }
+
+    /// Whether targets or a file give it a drive.
+    #[doc(hidden)]
+    pub fn has_drive(&self) -> bool {
+        !self.targets.is_empty() || self.drive.is_named()
+    }
+
+    /// Lets a method find the drive, instead of a file.
+    pub fn solve_by(&mut self, method: Method) {
+        (self.solver.method, self.drive) = (method, DriveFile::default());
+    }
+
     /// Whether the targets prescribe a liquid's depression.
     pub fn aims_at_depression(&self) -> bool {
         self.solver.target == Aim::Depression && self.solver.method == Method::Best

@@ -316,11 +316,14 @@ fn broad([columns, rows]: [usize; 2], strokes: &[Vec<DVec2>], width: f64) -> Vec
 }
 
 impl Scene {
-    /// Numbers of drives in turn of a drag's frame and of a whole search. Without a number in the scene, areas at rest
+    /// Numbers of solved drives in turn of a drag's frame and of a whole search. Without a number in the scene, areas at rest
     /// have as many as pay, since their |p|² counts in the mean.
     pub fn drives_in_turn(&self) -> RangeInclusive<usize> {
         /// Frames that pay: two more lower the error of a portrait by 1 % and the side lobe by 4 %, for a third more time.
         const PAY: usize = 6;
+        if self.drive.is_named() {
+            return 1..=1;
+        }
         match self.solver.frames {
             Turns::Count(count) => count as usize..=count as usize,
             Turns::Auto if self.solver.method == Method::Best && self.has_areas() && !motion::moves(self) => {

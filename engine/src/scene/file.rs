@@ -9,6 +9,7 @@ use crate::scene::board::{Board, Reflector};
 use crate::scene::check::check;
 use crate::scene::content::FORMAT;
 use crate::scene::content::{Listener, Scene};
+use crate::scene::drive::DriveFile;
 use crate::scene::inline;
 use crate::scene::location::misread;
 pub use crate::scene::location::{FileError, located};
@@ -100,7 +101,7 @@ fn checked(scene: Scene) -> Result<Scene, KeyError> {
 /// # Errors
 /// The errors of [`motion::check`].
 pub fn targets_in_motion(scene: &Scene) -> Result<(), KeyError> {
-    if scene.targets.iter().any(|target| target.visible) { motion::check(scene) } else { Ok(()) }
+    if scene.has_foci() { motion::check(scene) } else { Ok(()) }
 }
 
 /// The file as written, before the keys of each target are assigned.
@@ -108,6 +109,8 @@ pub fn targets_in_motion(scene: &Scene) -> Result<(), KeyError> {
 #[serde(deny_unknown_fields)]
 struct SceneTable {
     format: u32,
+    #[serde(default)]
+    drive: DriveFile,
     #[serde(default)]
     medium: Medium,
     #[serde(default)]
@@ -139,6 +142,7 @@ impl SceneTable {
     fn into_scene(self) -> Result<Scene, KeyError> {
         let Self {
             format,
+            drive,
             medium,
             array,
             board: boards,
@@ -169,6 +173,7 @@ impl SceneTable {
         let motion = motion.into_motion().map_err(|e| e.under(&["motion".into()]))?;
         Ok(Scene {
             format,
+            drive,
             medium,
             array,
             boards,

@@ -12,6 +12,7 @@ pub mod chart;
 pub mod check;
 mod content;
 mod cover;
+pub(crate) mod drive;
 pub mod file;
 mod focus;
 #[doc(hidden)]
@@ -50,6 +51,9 @@ pub use board::{Board, Elements, Placed, Reflector};
 pub use content::{FORMAT, Listener, Scene};
 #[doc(hidden)]
 pub use cover::Cover;
+pub use drive::DriveFile;
+#[doc(hidden)]
+pub use drive::{Drive, DriveTable};
 pub use focus::{Focus, Part};
 pub use liquid::{Light, Liquid, LiquidName};
 pub use medium::Medium;

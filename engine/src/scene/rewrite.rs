@@ -5,7 +5,9 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
-use crate::scene::{board::Elements, content::Scene, file, pixels::Pixels, wave::Wave, wires::Wires};
+use crate::scene::{
+    board::Elements, content::Scene, drive::DriveFile, file, pixels::Pixels, wave::Wave, wires::Wires,
+};
 
 /// Repeated tables.
 const REPEATED: [&str; 4] = ["board", "reflector", "target", "quiet"];
@@ -24,10 +26,11 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
     rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
-/// The scene as in its file: without pixels, tables of elements and wires, and waveform samples.
+/// The scene as in its file: without pixels, drives, tables of elements and wires, and waveform samples.
 fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     (scene.array.placed, scene.array.wires) = (Elements::default(), Wires::default());
+    scene.drive = DriveFile::named(std::mem::take(&mut scene.drive.name));
     for target in &mut scene.targets {
         if let Some((_, pixels)) = target.shape.picture_mut() {
             *pixels = Pixels::default();

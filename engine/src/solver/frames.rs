@@ -23,9 +23,10 @@ use crate::drive::Drive;
 use crate::gauge::{Counter, Gauge};
 use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
 use crate::solver::problem::{Excitation, Problem};
-use crate::solver::run::{Played, unless_cancelled};
+use crate::solver::run::Played;
+use crate::solver::solution::unless_cancelled;
 use crate::solver::steps::{PhaseSteps, phase_steps};
-use crate::solver::{self, room, solution::SolveError, statistics};
+use crate::solver::{self, own, room, solution::SolveError, statistics};
 
 /// Limit of a focus' displacement between keyframes, in wavelengths, if there are frames between them.
 const STRIDE: f64 = 0.15;
@@ -60,19 +61,19 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// Pa, peak.
+    /// Pa, peak; 0 without foci, as the next two.
     pub fn mean_pressure(&self) -> f64 {
-        statistics::mean(self.pressures.iter().map(|p| p.norm()))
+        if self.foci.is_empty() { 0.0 } else { statistics::mean(self.pressures.iter().map(|p| p.norm())) }
     }
 
     /// Pressure of the weakest focus, Pa, peak.
     pub fn min_pressure(&self) -> f64 {
-        self.pressures.iter().map(|p| p.norm()).fold(f64::INFINITY, f64::min)
+        self.pressures.iter().map(|p| p.norm()).reduce(f64::min).unwrap_or(0.0)
     }
 
     /// Standard deviation over mean of pressure/target.
     pub fn spread(&self) -> f64 {
-        statistics::spread(&self.relative().collect::<Vec<_>>())
+        if self.foci.is_empty() { 0.0 } else { statistics::spread(&self.relative().collect::<Vec<_>>()) }
     }
 
     fn relative(&self) -> impl Iterator<Item = f64> {
@@ -80,7 +81,7 @@ impl Frame {
     }
 }
 
-/// Solves every frame of the scene's motion with the scene's method. `best` continues from frame to frame; the other
+/// Solves every frame of the scene's motion with the scene's method, unless a file has its drives. `best` continues from frame to frame; the other
 /// methods solve each frame independently.
 ///
 /// # Errors
@@ -95,6 +96,9 @@ pub fn follow(scene: &Scene) -> Result<Sequence, SolveError> {
 /// The errors of [`follow`].
 pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveError> {
     let start = Instant::now();
+    if scene.drive.is_named() {
+        return progress.lead(|| of_file(scene));
+    }
     if !motion::moves(scene) && *scene.drives_in_turn().end() > 1 {
         return turns_of(scene, progress);
     }
@@ -143,6 +147,23 @@ fn limited<T>(
     solve: impl FnOnce() -> Result<T, SolveError>,
 ) -> Result<T, SolveError> {
     all.share(of).lead(|| unless_cancelled(solve()?))
+}
+
+/// The drives of the scene's file, as frames of its motion or of the scene at rest.
+fn of_file(scene: &Scene) -> Result<Sequence, SolveError> {
+    let start = Instant::now();
+    let aperture = Aperture::new(scene);
+    let foci = if scene.has_foci() { motion::frames(scene)? } else { vec![Vec::new()] };
+    let frame = |(index, drive): (usize, Drive)| {
+        let foci = foci[index % foci.len()].clone();
+        let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
+        let pressures = aperture.pressures(&points, &drive.excitation(&aperture.driven));
+        unless_cancelled(Frame { foci, drive, pressures, cold: true })
+    };
+    let drives = own::drives(scene, &aperture)?;
+    let frames: Vec<_> = drives.into_par_iter().enumerate().map(frame).collect::<Result<_, _>>()?;
+    let steps = phase_steps(&phases(&frames), &aperture.driven, frames.len());
+    Ok(Sequence { frames, steps, seconds: start.elapsed().as_secs_f64() })
 }
 
 /// The drives in turn, as frames.

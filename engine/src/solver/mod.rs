@@ -30,6 +30,7 @@ mod iteration;
 pub mod levels;
 mod matrix;
 mod method;
+mod own;
 mod problem;
 mod quality;
 #[doc(hidden)]
@@ -61,4 +62,4 @@ pub use steps::PhaseSteps;
 pub use trap::Traps;
 pub use warning::Warning;
 #[doc(hidden)]
-pub use warning::of_foci as warnings_of_foci;
+pub use warning::{of_drive as warning_of_drive, of_foci as warnings_of_foci};

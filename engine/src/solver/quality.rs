@@ -14,7 +14,7 @@ use crate::solver::statistics::{evenness, mean, spread};
 use crate::solver::{inverse, iteration, singular, warning::Warning};
 
 /// Figures of a solution. Pressures in Pa (peak), of the played drive.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Quality {
     pub mean_pressure: f64,
     pub min_pressure: f64,

@@ -5,23 +5,17 @@ use web_time::{Duration, Instant};
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::gauge;
 use crate::scene::{Amplitudes, Method, Pressures, Scene, Solver, outline};
 use crate::solver::method::{excite, excite_from};
 use crate::solver::problem::{Excitation, Problem};
 use crate::solver::quality::Quality;
 use crate::solver::shape::Search;
-use crate::solver::solution::{Solution, SolveError};
+use crate::solver::solution::{Solution, SolveError, unless_cancelled};
 use crate::solver::warning::Warning;
-use crate::solver::{iteration, room, shape, trap, warning};
+use crate::solver::{iteration, own, room, shape, trap, warning};
 
-/// The result of a step, unless it was cancelled.
-pub fn unless_cancelled<T>(made: T) -> Result<T, SolveError> {
-    if gauge::is_cancelled() { Err(SolveError::Cancelled) } else { Ok(made) }
-}
-
-/// Solves the scene with its method, including its further search. [`gauge`] can cancel it, and bound the time of its
-/// iterations.
+/// Solves the scene with its method, including its further search, or takes the drives of its file.
+/// [`crate::gauge`] can cancel it, and bound the time of its iterations.
 ///
 /// # Errors
 /// A scene without usable focal points, `focus` with several, or a cancelled solver.
@@ -35,6 +29,9 @@ pub fn solve(scene: &Scene) -> Result<Solution, SolveError> {
 /// # Errors
 /// The errors of [`solve`].
 pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solution)) -> Result<Solution, SolveError> {
+    if scene.drive.is_named() {
+        return own::solution(scene, true);
+    }
     let start = Instant::now();
     let aperture = Aperture::new(scene);
     let foci = outline::foci(scene)?;
@@ -71,13 +68,19 @@ pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solution)) -> Result<Sol
 pub fn solve_on(scene: &Scene, before: Option<&Solution>) -> Result<Solution, SolveError> {
     /// Calls without a previous drive: the strokes alone, then with little weight on the quiet region.
     const CALLS: usize = 2;
+    if scene.drive.is_named() {
+        return own::solution(scene, false);
+    }
     let start = Instant::now();
     let aperture = Aperture::new(scene);
     let mut problem = Problem::of_scene(scene, &aperture, outline::foci(scene)?);
     let drives = *problem.drives.start();
     let are_like = std::mem::replace(&mut problem.drives, drives..=drives);
+    // A file's drive is no start: it may be silent.
     let is_like = |before: &&Solution| {
-        before.drive.phases.len() == aperture.positions.len() && are_like.contains(&(before.others.len() + 1))
+        before.method.is_some()
+            && before.drive.phases.len() == aperture.positions.len()
+            && are_like.contains(&(before.others.len() + 1))
     };
     let surroundings = problem.surroundings.as_ref().filter(|_| scene.solver.method == Method::Best);
     let excitation = match (before.filter(is_like), surroundings) {
@@ -109,7 +112,7 @@ pub fn solution(scene: &Scene, problem: &Problem<'_>, excitation: &Excitation, s
         warnings.push(Warning::TooLoud { asked, brought: quality.mean_pressure });
     }
     Solution {
-        method: scene.solver.method,
+        method: Some(scene.solver.method),
         drive: drives.next().unwrap_or_default(),
         others: drives.collect(),
         turned_down: needed.min(1.0),

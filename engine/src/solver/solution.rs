@@ -7,6 +7,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Drive;
+use crate::gauge;
 use crate::scene::{Focus, KeyError, Method, Part, Scene};
 use crate::solver::problem::Problem;
 use crate::solver::quality::Quality;
@@ -18,14 +19,16 @@ use crate::solver::warning::Warning;
 /// A drive and its pressures and figures at the foci.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Solution {
-    pub method: Method,
+    /// `None` if a file has the drives.
+    pub method: Option<Method>,
     /// The played drive: uniform amplitude on every driven element, unless the scene requests otherwise.
     pub drive: Drive,
     /// The other drives in turn.
     pub others: Vec<Drive>,
     /// Factor on the drive, 0 to 1, for targets in pascals.
     pub turned_down: f64,
-    /// |u| of the method's own excitation over its largest, per element of the array; 0 for elements that are off.
+    /// |u| of the method's own excitation over its largest, or the file's amplitude, per element of the array; 0 for
+    /// elements that are off.
     pub excitation: Vec<f64>,
     pub foci: Vec<Focus>,
     /// Complex pressure (Pa, peak) at each focus; for several drives in turn, the modulus is the root mean square
@@ -51,6 +54,11 @@ impl Solution {
 }
 
 impl Solution {
+    /// The method's short name, or `drive` of a file's.
+    pub fn method_name(&self) -> &'static str {
+        self.method.map_or("drive", |method| method.into_str())
+    }
+
     /// All that take turns.
     pub fn drives(&self) -> Vec<Drive> {
         std::iter::once(&self.drive).chain(&self.others).cloned().collect()
@@ -77,7 +85,7 @@ impl Solution {
         let figures = shape::figures(problem, &surroundings, &u);
         self.figures = Some(figures);
         let is_stroked = self.foci.iter().any(|focus| focus.part == Part::Stroke);
-        if self.method == Method::Best && is_stroked && figures.side_lobe > ASTRAY {
+        if self.method == Some(Method::Best) && is_stroked && figures.side_lobe > ASTRAY {
             self.warnings.push(Warning::OutOfReach(figures.side_lobe));
         }
     }
@@ -103,6 +111,11 @@ pub fn turn(drive: &mut Drive, other: &Drive) -> f64 {
     let angle = drive.phases.iter().zip(&other.phases).map(ahead).sum::<Complex64>().arg();
     drive.phases.iter_mut().for_each(|phase| *phase -= angle);
     angle
+}
+
+/// The result of a step, unless it was cancelled.
+pub fn unless_cancelled<T>(made: T) -> Result<T, SolveError> {
+    if gauge::is_cancelled() { Err(SolveError::Cancelled) } else { Ok(made) }
 }
 
 /// Errors of solving.

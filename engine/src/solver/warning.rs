@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Aperture;
-use crate::scene::{Focus, Part};
+use crate::echo;
+use crate::scene::{Focus, Part, Scene};
 
 /// A warning; as text, a sentence without its full stop.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, thiserror::Error)]
@@ -38,6 +39,16 @@ pub enum Warning {
         "the {foci} foci have only {rank} independent directions (condition {condition:.1e}): the rest is a compromise"
     )]
     Dependent { foci: usize, rank: usize, condition: f64 },
+    /// Elements that the file of a drive leaves out.
+    #[error("the drive of `{name}` leaves {elements} of {of} elements out: they are silent")]
+    LeftOut { name: String, elements: usize, of: usize },
+}
+
+/// The warning about the file of a scene's drive.
+pub fn of_drive(scene: &Scene) -> Option<Warning> {
+    let elements = scene.drive.table().map_or(0, |table| table.left_out);
+    let name = || echo::value(&scene.drive.name).to_string();
+    (elements > 0).then(|| Warning::LeftOut { name: name(), elements, of: scene.elements() })
 }
 
 /// Warnings about foci in front of an array. Samples of continuous strokes may be arbitrarily close.

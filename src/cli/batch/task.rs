@@ -83,7 +83,9 @@ impl Task {
         let mut scene = file::from_tables(tables)?;
         opening::load(&mut scene, Path::new(""))?;
         self.files().reads_files_of(&scene)?;
-        scene.solver.method = self.method.unwrap_or(scene.solver.method);
+        if let Some(method) = self.method {
+            scene.solve_by(method);
+        }
         let (solution, aperture) = (solver::solve(&scene)?, Aperture::new(&scene));
         let drives = solution.drives();
         let has_field = self.field || self.data.is_some();

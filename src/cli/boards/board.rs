@@ -8,7 +8,7 @@ use anyhow::{Context, bail};
 
 use crate::cli::boards::arguments::BoardArgs;
 use crate::cli::interrupt;
-use crate::cli::scene::read_scene;
+use crate::cli::scene::{Source, read_scene};
 use crate::device::board::{Board, Playing, Report, Setup};
 use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;
@@ -84,7 +84,7 @@ fn scene(args: &BoardArgs, files: &mut Files) -> anyhow::Result<(Scene, Wiring)>
     let Some(path) = &args.scene else {
         return Ok((board_scene(args.profile), Wiring::own(args.profile)));
     };
-    let scene = read_scene(path, None, files)?;
+    let scene = read_scene(path, Source::default(), files)?;
     let wiring = Wiring::of(args.profile, &scene, Share::default());
     Ok((scene, wiring.with_context(|| path.display().to_string())?))
 }

@@ -1,4 +1,4 @@
-//! `sonoglyph send`: solves a scene and plays it on a board.
+//! `sonoglyph send`: solves a scene, or takes the drives of a file, and plays them on a board.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, sync_channel};
@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use anyhow::{Context, bail};
 use clap::Args;
 
-use crate::cli::arguments::seconds;
+use crate::cli::arguments::{DriveArgs, seconds};
 use crate::cli::boards::arguments::{calibration, parse_profile};
-use crate::cli::scene::read_scene;
+use crate::cli::scene::{Source, read_scene};
 use crate::cli::{interrupt, names, progress};
 use crate::device::envelope;
 use crate::device::health::{Found, Health, State};
@@ -47,8 +47,10 @@ pub struct SendArgs {
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
     /// Solver method, instead of the scene's
-    #[arg(long, value_parser = names::method())]
+    #[arg(long, value_parser = names::method(), conflicts_with = "drive")]
     method: Option<Method>,
+    #[command(flatten)]
+    drive: DriveArgs,
     /// Play until Ctrl-C
     #[arg(long = "loop")]
     repeat: bool,
@@ -65,7 +67,8 @@ pub struct SendArgs {
 }
 
 pub fn run(args: &SendArgs) -> anyhow::Result<()> {
-    let mut scene = read_scene(&args.scene, args.method, &mut Files::new())?;
+    let source = Source { method: args.method, drive: args.drive.drive.as_deref() };
+    let mut scene = read_scene(&args.scene, source, &mut Files::new())?;
     let name = args.scene.display().to_string();
     let shares = shares(args, &scene)?;
     for share in &shares {

@@ -8,7 +8,7 @@ use clap::Args;
 
 use crate::cli::boards::arguments::parse_profile;
 use crate::cli::interrupt::{self, Interrupted};
-use crate::cli::scene::read_scene;
+use crate::cli::scene::{Source, read_scene};
 use crate::control::board::Board;
 use crate::control::desk::Desk;
 use crate::control::live::Live;
@@ -54,7 +54,7 @@ pub struct ServeArgs {
 
 pub fn run(args: &ServeArgs) -> anyhow::Result<()> {
     let scene = match &args.scene {
-        Some(path) => read_scene(path, None, &mut Files::new())?,
+        Some(path) => read_scene(path, Source::default(), &mut Files::new())?,
         None => Scene::default(),
     };
     let interrupted = interrupt::watch()?;

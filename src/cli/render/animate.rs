@@ -44,7 +44,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         bail!("--view shaded draws a liquid's surface: add --quantity depression")
     }
     let mut files = Files::new();
-    let mut scene = read_scene(path, args.method, &mut files)?;
+    let mut scene = read_scene(path, args.source(), &mut files)?;
     scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
     let mut look = look(args);
     if is_shaded && look.size.is_none() {

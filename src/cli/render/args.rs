@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use glam::{DVec3, UVec3};
 
-use crate::cli::arguments::{self, BackendArgs, between, numbers};
+use crate::cli::arguments::{self, BackendArgs, DriveArgs, between, numbers};
+use crate::cli::scene::Source;
 use crate::cli::{names, progress};
 use crate::field::Quantity;
 use crate::field::volume::camera::Standard;
@@ -51,8 +52,10 @@ pub struct RenderArgs {
     #[arg(long, value_enum, default_value_t = View::Flat)]
     pub view: View,
     /// Solver method, instead of the scene's
-    #[arg(long, value_parser = names::method())]
+    #[arg(long, value_parser = names::method(), conflicts_with = "drive")]
     pub method: Option<Method>,
+    #[command(flatten)]
+    pub drive: DriveArgs,
     #[command(flatten)]
     pub backend: BackendArgs,
     /// Error tolerance relative to the map's peak, or `exact`, instead of the scene's
@@ -176,6 +179,13 @@ pub struct VolumeArgs {
     /// Box of --volume and --view 3d: size, then centre (m) [default: plane, targets, most of the way to the boards]
     #[arg(long = "box", value_name = "SX,SY,SZ,CX,CY,CZ", allow_hyphen_values = true, value_parser = parse_block)]
     pub block: Option<Block>,
+}
+
+impl RenderArgs {
+    /// The source of the drive.
+    pub fn source(&self) -> Source<'_> {
+        Source { method: self.method, drive: self.drive.drive.as_deref() }
+    }
 }
 
 /// The options common to all pictures.

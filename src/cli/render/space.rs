@@ -68,7 +68,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
             .map_err(|error| anyhow!("{error}; --volume writes .vti and .npy"))?;
     }
     for path in &args.scenes {
-        scenes.push(Solved::new(read_scene(path, args.method, &mut files)?, path)?);
+        scenes.push(Solved::new(read_scene(path, args.source(), &mut files)?, path)?);
     }
     still::make_folder(args, &outputs)?;
     outputs.iter().try_for_each(|path| output::check_writable(path))?;

@@ -41,7 +41,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         }
     }
     for path in &args.scenes {
-        let mut scene = read_scene(path, args.method, &mut files)?;
+        let mut scene = read_scene(path, args.source(), &mut files)?;
         scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
         if wish.is_none() {
             look.pixels(&scene)?;

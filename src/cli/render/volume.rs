@@ -27,7 +27,7 @@ pub fn run(args: &RenderArgs, counts: UVec3) -> anyhow::Result<()> {
     let wish = Wish { quantity, counts, block: args.volume.block, output: &args.output };
     wish.check()?;
     let mut files = Files::new();
-    let mut scene = read_scene(path, args.method, &mut files)?;
+    let mut scene = read_scene(path, args.source(), &mut files)?;
     scene.plane.tolerance = args.tolerance.unwrap_or(scene.plane.tolerance);
     files.writes(&args.output)?;
     let solved = Solved::new(scene, path)?;

@@ -94,6 +94,9 @@ impl Files {
         if let Some(samples) = scene.modulation.wave.get() {
             self.reads(&samples.file)?;
         }
+        if let Some(path) = &scene.drive.from {
+            self.reads(path)?;
+        }
         for target in &scene.targets {
             if let Some((_, _, pixels)) = target.shape.picture()
                 && let Some(path) = pixels.get().and_then(|grey| grey.file.as_deref())

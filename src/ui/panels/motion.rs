@@ -19,7 +19,10 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     if !motion::moves(editor.scene()) {
         editor.playback.frame = None;
         editor.playback.playing = false;
-        ui.label("The scene is static. Choose a path that all targets follow.");
+        ui.label(match editor.scene().drive.is_named() {
+            true => "Nothing moves: the drive is that of a file, which has no frames.",
+            false => "The scene is static. Choose a path that all targets follow.",
+        });
         return;
     }
     if editor.scene().motion.path == MotionPath::Steps {

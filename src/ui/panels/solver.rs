@@ -1,16 +1,22 @@
 //! The Solver page: the method, its settings and its figures.
 
+use std::path::Path;
+
 use egui::Ui;
 
+use crate::echo;
 use crate::rounding::{millimetres, milliseconds, percent_at_least};
-use crate::scene::{Aim, Amplitudes, Method, Pressures, Turns};
+use crate::scene::{Aim, Amplitudes, DriveFile, Method, Pressures, Turns, motion};
 use crate::solver::{Figures, Quality, Solution};
 use crate::ui::panels::form::{choice, count, heading, variants};
 use crate::ui::panels::{PLAIN, fact, form, number, profile};
 use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
-    settings(editor, ui);
+    match editor.scene().drive.is_named() {
+        true => drive(editor, ui),
+        false => settings(editor, ui),
+    }
     if let Some(solution) = &shown.solution {
         quality(editor, shown, solution, ui);
     }
@@ -32,6 +38,35 @@ fn describe(method: Method) -> &'static str {
         Method::Wgs => "Weighted Gerchberg-Saxton: weights level the points",
         Method::Greedy => "Coordinate descent: the best phase of one element after the other",
         Method::Best => "Levelled Gauss-Newton from several starts",
+    }
+}
+
+/// The file of the drive, and the way back to the solver.
+fn drive(editor: &mut Editor, ui: &mut Ui) {
+    let file = &editor.scene().drive;
+    let name = Path::new(&file.name).file_name().unwrap_or_default().to_string_lossy();
+    heading(ui, "Drive of a file");
+    form(ui, "drive", |ui| {
+        let place = file.from.as_ref().map_or_else(String::new, |place| place.display().to_string());
+        fact(
+            ui,
+            ("From file", &format!("{place}: its drives are played, and nothing is solved")),
+            echo::value(&name).to_string(),
+        );
+        let Some(table) = file.table() else { return };
+        let count = match (table.drives.len(), motion::cycle(editor.scene())) {
+            (count, Some(cycle)) => format!("{count}, {:.1} per second", cycle.frames_per_second()),
+            (1, None) => "1".to_owned(),
+            (count, None) => format!("{count}, in turn"),
+        };
+        fact(ui, ("Drives", "Of the file"), count);
+    });
+    if ui
+        .button("Solve instead")
+        .on_hover_text("Lets the solver find the drive of the targets again")
+        .clicked()
+    {
+        editor.document.scene.drive = DriveFile::default();
     }
 }
 
@@ -68,6 +103,10 @@ fn quality(editor: &Editor, shown: &Shown, solution: &Solution, ui: &mut Ui) {
     let convention = editor.view.convention;
     let quality = &solution.quality;
     heading(ui, "Quality");
+    if solution.foci.is_empty() {
+        ui.label("No targets at which the drive could be judged");
+        return;
+    }
     if quality.is_silent() {
         ui.label("No sound reaches the foci");
         return;
@@ -179,15 +218,16 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
             ui.strong(title).on_hover_text(tip);
         }
         ui.end_row();
-        let current = editor.scene().solver.method;
+        let solver = &editor.scene().solver;
+        let current = (!editor.scene().drive.is_named()).then_some(solver.method);
         for row in &shown.methods {
-            let chosen = current == row.method;
+            let chosen = current == Some(row.method);
             let response =
                 ui.selectable_label(chosen, row.method.title()).on_hover_text(describe(row.method));
             match &row.solution {
                 Ok(solution) => {
                     if response.clicked() {
-                        editor.document.scene.solver.method = row.method;
+                        editor.document.scene.solve_by(row.method);
                     }
                     ui.label(editor.view.convention.pressure(solution.quality.min_pressure));
                     ui.label(format!("{:.1} %", 100.0 * solution.quality.spread));

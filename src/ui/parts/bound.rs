@@ -16,7 +16,7 @@ impl Part for Bound {
 
     fn input(&self, now: &Now<'_>) -> Option<Self::Input> {
         let (scene, solution) = now.solved.filter(|_| now.panel == Some(Panel::Solver))?;
-        Some((scene.clone(), solution.foci.clone()))
+        (!solution.foci.is_empty()).then(|| (scene.clone(), solution.foci.clone()))
     }
 
     fn may_begin(&self, now: &Now<'_>) -> bool {

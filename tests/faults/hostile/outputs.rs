@@ -53,6 +53,8 @@ fn an_output_that_is_an_input_is_refused_by_every_command() {
         "probe still.toml --points points.csv -o still.toml",
         "probe still.toml --points points.csv -o soft-points.csv",
         "probe still.toml --points points.csv --drive drive.csv -o hard-drive.csv",
+        "solve still.toml --drive drive.csv --csv hard-drive.csv",
+        "render still.toml --drive drive.csv -o x.png --data soft-drive.csv",
         "board --scene still.toml -o still.toml --seconds 0.1",
     ] {
         // A scene named p would be drawn over the picture p.png.

@@ -47,9 +47,14 @@ impl Group<'_> {
     }
 }
 
-/// Whether a scene has more than one frame.
+/// Whether a scene has more than one frame. Several drives of a file are frames if they have times or the scene moves,
+/// and otherwise take turns; a single drive stands still.
 pub fn moves(scene: &Scene) -> bool {
-    paths(scene).any(|path| path != MotionPath::None)
+    let has_path = || paths(scene).any(|path| path != MotionPath::None);
+    match scene.drive.table() {
+        None => has_path(),
+        Some(table) => table.drives.len() > 1 && (table.rate.is_some() || has_path()),
+    }
 }
 
 /// Whether foci run along outlines.
@@ -70,8 +75,12 @@ fn paths(scene: &Scene) -> impl Iterator<Item = MotionPath> {
 }
 
 /// The scene's own motion sets the cycle, or else the slowest of its targets'; the others are repeated a whole number
-/// of times. `None` for a scene at rest.
+/// of times. The drives of a file are the frames of the cycle, at their own rate if they have times. `None` for a scene
+/// at rest.
 pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
+    if !moves(scene) {
+        return None;
+    }
     let own = scene.targets.iter().enumerate().filter(|(_, target)| target.visible);
     let own = own.filter_map(|(index, target)| Some((Some(index), target.motion.as_ref()?)));
     let moving = std::iter::once((None, &scene.motion)).chain(own);
@@ -80,14 +89,22 @@ pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
         .map(|(target, motion)| Group { target, motion, length: length(scene, target, motion), rounds: 1 })
         .collect();
     let slower = |&a: &usize, &b: &usize| groups[a].asked().total_cmp(&groups[b].asked());
-    let leader = match groups.first()?.target {
+    let leader = match groups.first().and_then(|group| group.target) {
         None => 0,
         Some(_) => (0..groups.len()).min_by(slower)?,
     };
-    let (rate, frames) = (groups[leader].asked(), groups[leader].motion.frames);
+    // Without motions only the times of drives make a cycle.
+    let (asked, frames) = groups.get(leader).map_or((1.0, 1), |group| (group.asked(), group.motion.frames));
     for group in &mut groups {
-        group.rounds = (group.asked() / rate).round().max(1.0) as u64;
+        group.rounds = (group.asked() / asked).round().max(1.0) as u64;
     }
+    let (rate, frames) = match scene.drive.table() {
+        None => (asked, frames),
+        Some(table) => {
+            let count = table.drives.len() as u32;
+            (table.rate.map_or(asked, |rate| rate / f64::from(count)), count)
+        }
+    };
     Some(Cycle { rate, frames, groups, leader })
 }
 

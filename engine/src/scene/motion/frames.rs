@@ -187,7 +187,7 @@ impl<'a> Score<'a> {
             let message = format!("a frame has {foci} with those of other targets: the limit is {MOST_FOCI}");
             return refuse(group.target, "foci", message);
         }
-        let leader = cycle.groups[cycle.leader].target;
+        let leader = cycle.groups.get(cycle.leader).and_then(|group| group.target);
         check_memory(self.scene, self.frames, foci)
             .map_err(|message| KeyError::new(key(leader, "frames"), message))
     }

@@ -57,7 +57,7 @@ pub fn check_steps(scene: &Scene) -> Result<(), KeyError> {
 
 /// Several drives in turn are for scenes at rest only.
 pub fn check_turns(scene: &Scene, moves: bool) -> Result<(), KeyError> {
-    if !scene.solver.frames.are_several() || !moves {
+    if !scene.solver.frames.are_several() || !moves || scene.drive.is_named() {
         return Ok(());
     }
     let message = "several drives take turns only where nothing moves: every frame of a motion is one drive";

@@ -11,7 +11,7 @@ use clap::Args;
 use crate::cli::boards::arguments::{calibration, parse_profile};
 use crate::cli::boards::check::answers::{Answer, Answers};
 use crate::cli::interrupt::{self, Interrupted};
-use crate::cli::scene::read_scene;
+use crate::cli::scene::{Source, read_scene};
 use crate::device::calibration::Calibration;
 use crate::device::health::{Found, Health, State};
 use crate::device::levels::Levels;
@@ -69,7 +69,7 @@ pub fn run(args: &CheckArgs) -> anyhow::Result<()> {
     }
     let (scene, wiring) = match &args.scene {
         Some(path) => {
-            let scene = read_scene(path, None, &mut files)?;
+            let scene = read_scene(path, Source::default(), &mut files)?;
             let wiring = Wiring::of(args.profile, &scene, Share::default());
             (scene, wiring.with_context(|| path.display().to_string())?)
         }

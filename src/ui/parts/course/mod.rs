@@ -103,6 +103,7 @@ impl Part for TimeCourse {
 fn timed(scene: &Scene) -> Scene {
     Scene {
         targets: if motion::moves(scene) { scene.targets.clone() } else { Vec::new() },
+        drive: scene.drive.clone(),
         motion: scene.motion.clone(),
         modulation: scene.modulation.clone(),
         ..Scene::default()

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::device::calibration::{Calibration, CalibrationError};
-use sonoglyph::drive::Drive;
+use sonoglyph::drive::{self, Drive};
 use sonoglyph::field::{Evaluator, Samples};
 use sonoglyph::scene::check::MOST_ELEMENTS;
 use sonoglyph::scene::{Array, Elements, Scene};
@@ -56,14 +56,19 @@ pub fn points(bytes: &[u8]) {
 }
 
 pub fn drive(bytes: &[u8]) {
-    let drive = match Drive::read(bytes, ELEMENTS) {
-        Ok(drive) => drive,
+    let table = match drive::read(bytes, &APERTURE) {
+        Ok(table) => table,
         Err(error) => return names_a_line(bytes, &error),
     };
-    assert_eq!((drive.amplitudes.len(), drive.phases.len()), (ELEMENTS, ELEMENTS));
-    assert!(drive.amplitudes.iter().all(|amplitude| (0.0..=1.0).contains(amplitude)), "{drive:?}");
-    assert!(drive.phases.iter().all(|&phase| (-PI..=PI).contains(&phase)), "{drive:?}");
-    assert_eq!(Drive::read(drive.write(&APERTURE).as_bytes(), ELEMENTS), Ok(drive));
+    for drive in &table.drives {
+        assert_eq!((drive.amplitudes.len(), drive.phases.len()), (ELEMENTS, ELEMENTS));
+        assert!(drive.amplitudes.iter().all(|amplitude| (0.0..=1.0).contains(amplitude)), "{drive:?}");
+        assert!(drive.phases.iter().all(|&phase| (-PI..=PI).contains(&phase)), "{drive:?}");
+    }
+    assert!(table.rate.is_none_or(|rate| rate.is_finite() && rate > 0.0), "{table:?}");
+    let written = Drive::write_in_turn(&table.drives, &APERTURE);
+    let again = drive::read(written.as_bytes(), &APERTURE).expect("the written table can be read");
+    assert_eq!(again.drives, table.drives);
 }
 
 pub fn calibration(bytes: &[u8]) {
