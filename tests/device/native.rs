@@ -68,6 +68,25 @@ fn a_pulse_is_half_a_period_around_its_delay() {
 }
 
 #[test]
+fn pulses_of_any_width_are_centred_to_half_a_level() {
+    for phase_bits in 5..=8 {
+        let mut model = playing(phase_bits, &[0; 256]);
+        let (level, mut slot) = (256 >> phase_bits, 1);
+        for amplitude in 1..=255 {
+            slot = 3 - slot;
+            apply(&mut model, &Packet::phases(slot, amplitude, &ramp(), true));
+            run(&mut model, 2);
+            for (phase, pulse) in model.played().iter().enumerate().filter(|(_, pulse)| pulse.width > 0) {
+                // In 1/512 period.
+                let centre = level * (2 * i32::from(pulse.rise) + i32::from(pulse.width));
+                let off = (centre - 2 * phase as i32 + 256).rem_euclid(512) - 256;
+                assert!(off.abs() <= level, "{phase_bits} bits: phase {phase}, {amplitude}: {pulse:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn amplitude_is_the_sine_of_the_width_up_to_half_a_period() {
     let mut model = Model::new(8);
     apply(&mut model, &Packet::silencer(0xFFFF, 0xFFFF));
