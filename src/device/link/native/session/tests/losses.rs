@@ -222,7 +222,7 @@ fn a_late_answer_to_one_of_the_latest_lost_packets_doubles_the_patience() {
     let mut line = Line::new(Profile::Native, &shared);
     line.session.follow(&line.wanted);
     let mut late = Vec::new();
-    for _ in 0..=WINDOW {
+    for _ in 0..=LONG_WINDOW {
         let message = line.session.next(&line.wanted, line.now).unwrap();
         let (code, address, seq) = (message.code + REPLY, message.address, message.seq);
         let body = Body::Status(Status::default());
@@ -232,7 +232,7 @@ fn a_late_answer_to_one_of_the_latest_lost_packets_doubles_the_patience() {
         line.session.hear(&[], &line.wanted, line.now).unwrap();
     }
     let stranger = Reply { seq: 99, ..late[0] };
-    let answers = [(stranger, 1), (late[0], 1), (late[WINDOW], 2), (late[WINDOW - 1], 2)];
+    let answers = [(stranger, 1), (late[0], 1), (late[LONG_WINDOW], 2), (late[LONG_WINDOW - 1], 2)];
     for (reply, times) in answers {
         line.session.hear(&[reply], &line.wanted, line.now).unwrap();
         assert_eq!(line.session.patience, times * ANSWER, "{reply:?}");
