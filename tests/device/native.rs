@@ -427,7 +427,7 @@ fn refusals_change_nothing() {
         (Packet::play(5, 4, 1, 0, false), Outcome::Argument),
         (Packet::play(5, 64, 1, 0, false), Outcome::Argument),
         (Packet::play(5, 6, 0, 0, false), Outcome::Argument),
-        (Packet { payload: vec![0, 0, 3], ..Packet::play(5, 6, 1, 0, false) }, Outcome::Argument),
+        (Packet { payload: vec![0, 0, 4], ..Packet::play(5, 6, 1, 0, false) }, Outcome::Argument),
         (Packet::digest(Table::Slot(64)), Outcome::Argument),
         (Packet::new(Kind::Digest, [4, 0, 0, 0], vec![]), Outcome::Argument),
         (Packet::reset(), Outcome::State),
@@ -472,7 +472,7 @@ fn info_of_version_1_is_answered_in_its_form_and_counts_as_spoiled() {
     model.press(true);
     let line = model.introduce(9).unwrap().to_line();
     let body = cobs::decode_vec(line.strip_suffix(&[0]).unwrap()).unwrap();
-    assert_eq!(body[..8], [0x81, 9, 4, 0b00_1010, 2, 7, 63, 2]);
+    assert_eq!(body[..8], [0x81, 9, 4, 0b00_1010, 2, 7, 63, 3]);
     assert_eq!((body.len(), status(&mut model).1.spoiled), (16, 1));
     assert_eq!(Model::new(7).with_address(1).introduce(9), None);
 }
