@@ -39,6 +39,8 @@ pub const WINDOW: usize = 4;
 pub const LONG_WINDOW: usize = 64;
 /// Bytes of a long packet's payload.
 const LONG: usize = 256;
+/// Lost packets whose late answers are recognised.
+const GIVEN_UP: usize = 2 * LONG_WINDOW;
 /// Later answers are noticed, if a quarter of the first ones are.
 const LATE: Duration = Duration::from_millis(8);
 const FIRST_ANSWERS: u32 = 64;
@@ -314,7 +316,7 @@ impl Session<'_> {
             self.answered(reply, wanted)?;
         }
         while let Some(late) = self.on_the_way.front().filter(|sent| now > sent.gone + self.patience) {
-            self.given_up.truncate(LONG_WINDOW - 1);
+            self.given_up.truncate(GIVEN_UP - 1);
             self.given_up.push_front((late.address, late.seq));
             self.lose(0)?;
         }
