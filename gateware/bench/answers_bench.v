@@ -131,7 +131,7 @@ module answers_bench;
         `CHECK("idle with answers to send", idle, 1'b0)
         drain;
         `CHECK("answers", answers_seen, 3)
-        expect_answer(0, {8'h81, {5'd0, own}, 8'd77, 8'd0, 8'hD1, 8'd2, 8'd7, 8'd63, `GATEWARE_VERSION, 32'h56340012, 8'd255, 8'd30});
+        expect_answer(0, {8'h81, {5'd0, own}, 8'd77, 8'd0, 8'hD1, 8'd2, 8'd7, 8'd63, `GATEWARE_VERSION, 32'h56340012, 8'd255, 8'd80});
         expect_answer(1, {8'h80, {5'd0, own}, 8'd0, 8'd1, 8'hD1, 8'd33, 8'd0, 16'h0100, 16'h0100, 32'h00020000});
         expect_answer(2, {8'hB0, {5'd0, own}, 8'd0, 8'd2, 8'hD1, 8'd33, 8'd0, 16'h0200, 16'h0100, 32'h00020000});
 
@@ -169,7 +169,7 @@ module answers_bench;
         question(`TYPE_DIGEST, 8'd6, `RESULT_OK);
         question(`TYPE_DIGEST, 8'd7, `RESULT_ARGUMENT);
         drain;
-        expect_old_answer(10, {8'h81, 8'd99, `RESULT_UNKNOWN, 8'h11, 8'd2, 8'd7, 8'd63, `GATEWARE_VERSION, 32'h56340012, 8'd255, 8'd30});
+        expect_old_answer(10, {8'h81, 8'd99, `RESULT_UNKNOWN, 8'h11, 8'd2, 8'd7, 8'd63, `GATEWARE_VERSION, 32'h56340012, 8'd255, 8'd80});
         expect_answer(11, {8'h87, {5'd0, own}, 8'd6, 8'd0, 8'hD1, 8'd33, 8'd2, 16'h0700, 16'h0600, 32'hEFCDAB89});
         expect_answer(12, {8'h87, {5'd0, own}, 8'd7, 8'd5, 8'hD1, 8'd33, 8'd2, 16'h0800, 16'h0600, 32'h00020000});
         // A silent device counts spoiled packets without answering.

@@ -1,5 +1,5 @@
 // follower and ticks behind a leader with its own clock, faster and slower than ours, at rest and while sounding:
-// periods begin with the leader's, marks are recognised, and noise is rejected.
+// periods begin with the leader's, marks are recognised, and noise and periods of another length are rejected.
 `include "check.vh"
 `timescale 1ns/1ps
 module follower_case #(
@@ -75,6 +75,9 @@ module follower_bench;
     `include "bench.vh"
     reg reset = 1, still = 1, silent = 1, noise = 0;
     wire [5:0] follows;
+    wire other_follows;
+    wire signed [31:0] other_off;
+    wire [31:0] other_errors, other_marks, other_seen;
     wire signed [31:0] off_0, off_1, off_2, off_3, off_4, off_5;
     wire [31:0] errors_0, errors_1, errors_2, errors_3, errors_4, errors_5;
     wire [31:0] marks_0, marks_1, marks_2, marks_3, marks_4, marks_5, seen_0, seen_1, seen_2, seen_3, seen_4, seen_5;
@@ -84,6 +87,9 @@ module follower_bench;
     follower_case #(5, 10, 9.99) five (clk, reset, still, silent, noise, follows[3], off_3, errors_3, marks_3, seen_3);
     follower_case #(6, 10, 10.01) six (clk, reset, still, silent, noise, follows[4], off_4, errors_4, marks_4, seen_4);
     follower_case #(8, 11, 9.99) eight (clk, reset, still, silent, noise, follows[5], off_5, errors_5, marks_5, seen_5);
+    // Periods of 1048 clocks are none.
+    reg other_reset = 1;
+    follower_case #(7, 10, 10.23) other (clk, other_reset, still, silent, noise, other_follows, other_off, other_errors, other_marks, other_seen);
 
     task periods(input integer n);
         repeat (2048 * n) @(negedge clk);
@@ -102,27 +108,29 @@ module follower_bench;
     integer i;
     initial begin
         repeat (4) @(negedge clk);
-        reset = 0;
+        {reset, other_reset} = 2'b00;
         periods(4);
         `CHECK("follows no leader", follows, 6'd0)
         silent = 0;
         periods(6);
         `CHECK("follows", follows, 6'b111111)
-        for (i = 0; i < 50; i = i + 1) begin
+        `CHECK("follows other periods", other_follows, 1'b0)
+        other_reset = 1;
+        for (i = 0; i < 20; i = i + 1) begin
             periods(1);
             near;
         end
         still = 0;
-        for (i = 0; i < 100; i = i + 1) begin
+        for (i = 0; i < 50; i = i + 1) begin
             periods(1);
             near;
         end
         `CHECK("errors", errors_0 + errors_1 + errors_2 + errors_3 + errors_4 + errors_5, 0)
-        `CHECK("marks", marks_0 > 30 && marks_1 > 30 && marks_2 > 30 && marks_3 > 30 && marks_4 > 30 && marks_5 > 30, 1'b1)
+        `CHECK("marks", marks_0 > 20 && marks_1 > 20 && marks_2 > 20 && marks_3 > 20 && marks_4 > 20 && marks_5 > 20, 1'b1)
         `CHECK("marks seen", {seen_0, seen_1, seen_2, seen_3, seen_4, seen_5}, {marks_0, marks_1, marks_2, marks_3, marks_4, marks_5})
         // A spike is not taken for a period, and following continues.
-        for (i = 0; i < 9; i = i + 1) begin
-            repeat (4 * 2048 + 137 * i) @(negedge clk);
+        for (i = 0; i < 6; i = i + 1) begin
+            repeat (2 * 2048 + 200 * i) @(negedge clk);
             noise = 1;
             repeat (2) @(negedge clk);
             noise = 0;
@@ -136,7 +144,7 @@ module follower_bench;
         periods(12);
         `CHECK("follows no more", follows, 6'd0)
         silent = 0;
-        periods(100);
+        periods(40);
         `CHECK("follows again", follows, 6'b111111)
         near;
         `CHECK("errors at the end", errors_0 + errors_1 + errors_2 + errors_3 + errors_4 + errors_5, 0)

@@ -11,6 +11,7 @@ module gate_bench;
     wire        done, at_work, passed, answer;
     wire        enable, mute, baud, stop, rate, silencer, play, let_go, restart, restore, digest;
     wire [1:0]  play_when;
+    wire        play_begins;
     wire [7:0]  result, write_address, write_data, amplitude_written;
     wire [5:0]  play_first, play_last;
     wire [15:0] play_divider, play_loops;
@@ -21,7 +22,7 @@ module gate_bench;
         .at_work(at_work), .passed(passed), .result(result), .answer(answer), .answered(answer),
         .let_go(let_go), .enable(enable), .mute(mute), .baud(baud), .stop(stop), .rate(rate), .silencer(silencer),
         .play(play), .play_first(play_first), .play_last(play_last), .play_divider(play_divider),
-        .play_loops(play_loops), .play_when(play_when),
+        .play_loops(play_loops), .play_when(play_when), .play_begins(play_begins),
         .restart(restart), .restore(restore), .restored(restored), .digest(digest), .digested(digested),
         .write_phase(write_phase), .write_amplitude(write_amplitude), .write_envelope(write_envelope),
         .write_width(write_width), .write_offset(write_offset), .write_gain(write_gain),
@@ -132,12 +133,12 @@ module gate_bench;
         good(`TYPE_RATE, 32'h01123456, 0, RATE);
         good(`TYPE_SILENCER, 32'hFFFF0001, 0, SILENCER);
         good(`TYPE_PLAY, 32'hABCD3F02, 3, PLAY);
-        `CHECK("the play", {play_first, play_last, play_divider, play_loops, play_when}, {6'd2, 6'd63, 16'hABCD, 16'h1234, `WHEN_AFTER_LOOP})
+        `CHECK("the play", {play_first, play_last, play_divider, play_loops, play_when, play_begins}, {6'd2, 6'd63, 16'hABCD, 16'h1234, `WHEN_AFTER_LOOP, 1'b1})
         good(`TYPE_PLAY, 32'h00013F3F, 3, PLAY);
         good(`TYPE_PHASES, 32'h0000C805, 256, 0);
         wrote(256, 256, 0, 0, 0, 0);
         good(`TYPE_PHASES, 32'h0001C805, 256, PLAY);
-        `CHECK("the commit", {play_first, play_last, play_divider, play_loops, play_when}, {6'd5, 6'd5, 16'd1, 16'd0, `WHEN_AT_ONCE})
+        `CHECK("the commit", {play_first, play_last, play_divider, play_loops, play_when, play_begins}, {6'd5, 6'd5, 16'd1, 16'd0, `WHEN_AT_ONCE, 1'b0})
         good(`TYPE_FRAME, 32'h0000003F, 512, 0);
         wrote(256, 256, 0, 0, 0, 0);
         good(`TYPE_FRAME, 32'h0001003F, 512, PLAY);
@@ -185,6 +186,9 @@ module gate_bench;
         good(`TYPE_PLAY, 32'h00010201, 3, PLAY);
         `CHECK("a play in step", play_when, `WHEN_IN_STEP)
         payload[2] = 3;
+        good(`TYPE_PLAY, 32'h00010201, 3, PLAY);
+        `CHECK("a play at a trigger", play_when, `WHEN_AT_TRIGGER)
+        payload[2] = 4;
         refused(`TYPE_PLAY, 32'h00010201, 3, `RESULT_ARGUMENT);
         slot_busy = 1;
         refused(`TYPE_PHASES, 32'h00010001, 256, `RESULT_BUSY);

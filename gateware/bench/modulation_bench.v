@@ -8,23 +8,27 @@ module modulation_bench;
     reg         digesting = 0;
     reg  [7:0]  digest_address = 0;
     wire [7:0]  envelope;
+    wire        begins;
     modulation modulation (
         .clk(clk), .reset(reset), .boundary(boundary), .set(set), .set_step(step), .set_start(start),
-        .digesting(digesting), .digest_address(digest_address), .write(write), .write_address(address), .write_data(value), .envelope(envelope)
+        .digesting(digesting), .digest_address(digest_address), .write(write), .write_address(address), .write_data(value), .envelope(envelope), .begins(begins)
     );
 
     reg [23:0] angle;
+    reg first = 0;
     task period(input [7:0] expected);
         begin
             boundary = 1;
             @(negedge clk) boundary = 0;
-            @(negedge clk);
+            @(negedge clk) `CHECK("the table begins", begins, first || modulation.angle < modulation.step)
+            first = 0;
             @(negedge clk) `CHECK("the envelope", envelope, expected)
         end
     endtask
     task rate(input [23:0] to, input from_start);
         begin
             {step, start, set} = {to, from_start, 1'b1};
+            if (from_start) first = 1;
             @(negedge clk) set = 0;
         end
     endtask

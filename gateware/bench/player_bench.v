@@ -1,18 +1,18 @@
-// player: slots for a number of periods each, loops, waiting commands, and busy slots.
+// player: slots for a number of periods each, loops and their beginnings, waiting commands, and busy slots.
 `include "check.vh"
 module player_bench;
     `include "bench.vh"
-    reg         reset = 1, boundary = 0, play = 0, stop = 0, in_step = 0;
+    reg         reset = 1, boundary = 0, play = 0, stop = 0, in_step = 0, triggered = 0, is_play = 1;
     reg  [5:0]  first = 0, last = 0, query = 0;
     reg  [15:0] divider = 0, loops = 0;
     reg  [1:0]  when_asked = 0;
-    wire        busy, several, waiting, waits_in_step;
+    wire        busy, several, waiting, waits_in_step, begins;
     wire [5:0]  slot;
     player player (
-        .clk(clk), .reset(reset), .boundary(boundary), .in_step(in_step), .play(play), .play_first(first), .play_last(last),
-        .play_divider(divider), .play_loops(loops), .play_when(when_asked), .stop(stop),
+        .clk(clk), .reset(reset), .boundary(boundary), .in_step(in_step), .triggered(triggered), .play(play), .play_first(first), .play_last(last),
+        .play_divider(divider), .play_loops(loops), .play_when(when_asked), .play_begins(is_play), .stop(stop),
         .query(query), .busy(busy), .slot(slot), .several(several), .waiting(waiting),
-        .waits_in_step(waits_in_step)
+        .waits_in_step(waits_in_step), .begins(begins)
     );
 
     task period(input [5:0] expected);
@@ -28,6 +28,13 @@ module player_bench;
             play = 1;
             @(negedge clk) play = 0;
             `CHECK("waiting", waiting, 1'b1)
+        end
+    endtask
+    // Whether this period begins a cycle.
+    task beginning(input [5:0] expected, input whether);
+        begin
+            period(expected);
+            `CHECK("begins", begins, whether)
         end
     endtask
     // Only the slots from `from` to `to` are busy, besides the playing one.
@@ -121,6 +128,33 @@ module player_bench;
         period(31);
         in_step = 1;
         period(31);
+        in_step = 0;
+        // At a trigger: nothing else takes the command, and the trigger takes no other.
+        ask(40, 41, 1, 2, 3);
+        `CHECK("waiting in step for a trigger", waits_in_step, 1'b0)
+        repeat (3) beginning(31, 0);
+        in_step = 1;
+        beginning(31, 0);
+        {in_step, triggered} = 2'b01;
+        beginning(40, 1);
+        `CHECK("waiting for the trigger still", waiting, 1'b0)
+        ask(50, 50, 1, 0, 1);
+        beginning(41, 0);
+        triggered = 0;
+        // A cycle begins with a PLAY and with each loop of several slots; not with a frame, nor a loop of one slot.
+        beginning(50, 1);
+        repeat (3) beginning(50, 0);
+        is_play = 0;
+        ask(51, 51, 1, 0, 0);
+        repeat (2) beginning(51, 0);
+        is_play = 1;
+        ask(60, 61, 2, 2, 0);
+        repeat (2) begin
+            beginning(60, 1);
+            beginning(60, 0);
+            repeat (2) beginning(61, 0);
+        end
+        repeat (3) beginning(61, 0);
         `END
     end
 endmodule

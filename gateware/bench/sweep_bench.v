@@ -51,7 +51,7 @@ module sweep_bench;
                 w = w == 0 ? 0 : widths[w];
                 if (w > 128) w = 128;
                 highs[n] = (w + 1) / 2;
-                rises[n] = (512 + 2 * (state_phase[n] / 256) - w + 2) / 4 % 128;
+                rises[n] = (512 + 2 * (state_phase[n] / 256) - 2 * highs[n] + 2) / 4 % 128;
             end
         end
     endtask

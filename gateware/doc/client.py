@@ -249,7 +249,7 @@ def refusals(board, report, slots):
     refused("STATUS with a payload: LENGTH", LENGTH, STATUS, b"", b"x")
     refused("ENABLE without watchdog and confirm: ARGUMENT", ARGUMENT, ENABLE)
     refused("PLAY with divider 0: ARGUMENT", ARGUMENT, PLAY, bytes([1, 2, 0, 0]), bytes(3))
-    refused("PLAY with when = 3: ARGUMENT", ARGUMENT, PLAY, bytes([1, 2, 1, 0]), bytes([0, 0, 3]))
+    refused("PLAY with when = 4: ARGUMENT", ARGUMENT, PLAY, bytes([1, 2, 1, 0]), bytes([0, 0, 4]))
     refused("SILENCER with a step of 0: ARGUMENT", ARGUMENT, SILENCER, bytes([0, 0, 1, 0]))
     refused("DIGEST of a fifth table: ARGUMENT", ARGUMENT, DIGEST, bytes([4]))
     if slots < 256:
@@ -303,6 +303,9 @@ def sound(board, report, carrier):
     reply = board.ask(PLAY, bytes([1, 1, 1, 0]), bytes([1, 0, 0]))
     report.holds("PLAY of the focus: OK", reply.result == OK)
     reply = board.wait_for(ON | WAITING, ON, "PLAY")
+    waits = board.ask(PLAY, bytes([2, 2, 1, 0]), bytes([1, 0, 3]))
+    report.holds("PLAY at a trigger: OK, it waits", waits.result == OK and waits.flags & WAITING and waits.slot == 1, hex(waits.flags))
+    reply = board.ask(STOP)
     report.holds("outputs are on, slot 1 is played", reply.slot == 1 and not reply.flags & (TRIPPED | STOPPED | PLAYING), hex(reply.flags))
     report.holds("RESET while it is enabled: STATE", board.ask(RESET).result == STATE)
 

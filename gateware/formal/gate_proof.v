@@ -72,8 +72,8 @@ module gate_proof (
         if (answer) assert (!for_all);
         if ($past(passed) && $past(sounding)) assert (packet_type != `TYPE_RESET || result != `RESULT_OK);
         if (baud) assert (arguments[15:0] >= 64 && arguments[15:0] <= 16384);
-        if (play) assert (play_first <= play_last && play_divider != 16'd0 && play_when <= `WHEN_IN_STEP);
-        if (play && to_slot) assert (play_first == play_last && play_when != `WHEN_AFTER_LOOP);
+        if (play) assert (play_first <= play_last && play_divider != 16'd0 && play_when <= `WHEN_AT_TRIGGER);
+        if (play && to_slot) assert (play_first == play_last && play_when != `WHEN_AFTER_LOOP && play_when != `WHEN_AT_TRIGGER);
         if ($past(passed) && $past(pressed)) assert (packet_type != `TYPE_ENABLE || result != `RESULT_OK);
         if ($past(passed) && $past(slot_busy)) assert (!to_slot || result != `RESULT_OK);
         cover (write_phase && write_amplitude);

@@ -29,7 +29,6 @@ module answers (
     localparam [4:0] LENGTH = 5'd20, OLD_LENGTH = 5'd16;
 
     // The store.
-    (* ram_style = "distributed" *)
     reg [7:0]  bytes [0:127];
     reg [3:0]  is_old;
     reg [1:0]  first, next;
@@ -94,11 +93,18 @@ module answers (
     wire [4:0] end_of_it = is_old[first] ? OLD_LENGTH : LENGTH;
     wire       at_end = zero == end_of_it;
     wire [4:0] looked_at = state == SCAN ? zero : from;
-    wire [7:0] held_byte = bytes[{first, looked_at}];
+    // The byte read in the clock before, and its place.
+    reg [7:0]  held_byte;
+    reg [6:0]  held_place;
+    wire       is_it = held_place == {first, looked_at};
+    always @(posedge clk) begin
+        held_byte <= bytes[{first, looked_at}];
+        held_place <= {first, looked_at};
+    end
     wire [4:0] code = zero - from + 5'd1;
     wire       sent_all = state == END && line_ready;
 
-    assign send = state == CODE || (state == BYTES && from != zero) || state == END;
+    assign send = state == CODE || (state == BYTES && from != zero && is_it) || state == END;
     assign sent = state == CODE ? {3'd0, code} : state == END ? 8'd0 : held_byte;
     assign idle = free && !spoiled_waits && held == 3'd0 && line_ready;
 
@@ -109,13 +115,13 @@ module answers (
                 zero <= 5'd0;
                 if (held != 3'd0) state <= SCAN;
             end
-            SCAN: if (at_end || held_byte == 8'd0) state <= CODE; else zero <= zero + 5'd1;
+            SCAN: if (at_end || (is_it && held_byte == 8'd0)) state <= CODE; else if (is_it) zero <= zero + 5'd1;
             CODE: if (line_ready) state <= BYTES;
             BYTES: if (from == zero) begin
                 from <= zero + 5'd1;
                 zero <= zero + 5'd1;
                 state <= at_end ? END : SCAN;
-            end else if (line_ready) from <= from + 5'd1;
+            end else if (line_ready && is_it) from <= from + 5'd1;
             default: if (line_ready) state <= WAIT;
         endcase
 

@@ -8,7 +8,7 @@ module device #(
     parameter SLOT_BITS = 6,                            // up to 8
     parameter [31:0] CARRIER_MHZ = 32'd40000000,        // millihertz, clock / clocks per period
     parameter [15:0] FIRST_INCREMENT = PHASE_BITS == 8 ? 16'd1600 : 16'd3200, // 65536 * 2 000 000 / clock
-    parameter [7:0] LARGEST_BAUD = 8'd30,                // in 100 000 baud
+    parameter [7:0] LARGEST_BAUD = 8'd80,                // in 100 000 baud; a bit needs five clocks
     parameter SYNC_LATENCY = 2                           // 2, and a clock for each register between `sync` and `sync_in`
 ) (
     input  wire        clk,
@@ -20,29 +20,34 @@ module device #(
     input  wire        estop_n,     // low: emergency stop; pull it down, so that an open wire stops
     /* verilator lint_on SYNCASYNCNET */
     input  wire        sync_in,     // another device's `sync`, to follow it; pull it down
+    input  wire        trigger_in,  // rising: a waiting PLAY begins; pull it down
     input  wire [2:0]  address,     // on a line with others; pull it down
     output wire [31:0] data,        // one bit for each shift register
     output wire        shift,       // the registers take it in the middle of this clock
     output wire        latch,       // rising: the shifted bits go to the outputs
     output wire        oe_n,
     output wire        sync,        // rising: level 0 of a period goes to the outputs; for followers
+    output wire        trigger,     // high for the first period of a cycle
     output wire        led_on,
     output wire        led_tripped,
     output wire        led_packet   // turns over with every good packet
 );
     localparam PERIOD_BITS = PHASE_BITS == 8 ? 11 : 10;
 
-    wire rxd_here, sync_in_here;
+    wire rxd_here, sync_in_here, trigger_in_here;
     synchroniser synchronise_rxd (.clk(clk), .reset(reset), .from_outside(rxd), .synchronised(rxd_here));
     synchroniser #(.AFTER_RESET(1'b0)) synchronise_sync (
         .clk(clk), .reset(reset), .from_outside(sync_in), .synchronised(sync_in_here)
+    );
+    synchroniser #(.AFTER_RESET(1'b0)) synchronise_trigger (
+        .clk(clk), .reset(reset), .from_outside(trigger_in), .synchronised(trigger_in_here)
     );
     reg [2:0] own_address, own_address_before;
     always @(posedge clk) {own_address, own_address_before} <= {own_address_before, address};
 
     // Time.
-    reg  on;        // the outputs, if the emergency stop does not forbid it
     reg  mark;      // this period is in step, by our own decision
+    wire on;        // the outputs, if the emergency stop does not forbid it
     wire enabled, sounds, hold, skip, skips, follows, marked, play_in_step;
     wire last, count, boundary, sweep_starts, gate_opens, lanes_period_ends, bank;
     wire [PERIOD_BITS-1:0] tick, ahead;
@@ -109,7 +114,7 @@ module device #(
     // The gate.
     wire                 slot_busy, passed, answer, answered;
     wire [7:0]           result;
-    wire                 enable, mute, stop, rate, set_steps, play, restart, digest_starts, digest_ready;
+    wire                 enable, mute, stop, rate, set_steps, play, play_begins, restart, digest_starts, digest_ready;
     wire [1:0]           play_when;
     wire [SLOT_BITS-1:0] play_first, play_last;
     wire [15:0]          play_divider, play_loops;
@@ -123,7 +128,7 @@ module device #(
         .result(result), .answer(answer), .answered(answered),
         .let_go(let_go), .enable(enable), .mute(mute), .baud(baud), .stop(stop), .rate(rate), .silencer(set_steps),
         .play(play), .play_first(play_first), .play_last(play_last),
-        .play_divider(play_divider), .play_loops(play_loops), .play_when(play_when),
+        .play_divider(play_divider), .play_loops(play_loops), .play_when(play_when), .play_begins(play_begins),
         .restart(restart), .restore(restore_starts), .restored(restored), .digest(digest_starts), .digested(digest_ready),
         .write_phase(write_phase), .write_amplitude(write_amplitude), .write_envelope(write_envelope),
         .write_width(write_width), .write_offset(write_offset), .write_gain(write_gain),
@@ -176,12 +181,19 @@ module device #(
         .good_packet(passed), .enable(enable), .enable_watchdog(arguments[15:0]), .mute(mute),
         .enabled(enabled), .tripped(tripped), .forgotten(forgotten)
     );
+    wire triggered, player_begins, modulation_begins;
     player #(.SLOT_BITS(SLOT_BITS)) player (
-        .clk(clk), .reset(asleep || restart), .boundary(boundary), .in_step(mark || (follows && marked)),
+        .clk(clk), .reset(asleep || restart), .boundary(boundary), .in_step(mark || (follows && marked)), .triggered(triggered),
         .play(play), .play_first(play_first), .play_last(play_last),
-        .play_divider(play_divider), .play_loops(play_loops), .play_when(play_when), .stop(stop),
+        .play_divider(play_divider), .play_loops(play_loops), .play_when(play_when), .play_begins(play_begins), .stop(stop),
         .query(arguments[SLOT_BITS-1:0]), .busy(slot_busy),
-        .slot(slot), .several(several), .waiting(play_waits), .waits_in_step(play_in_step)
+        .slot(slot), .several(several), .waiting(play_waits), .waits_in_step(play_in_step),
+        .begins(player_begins)
+    );
+    trigger trigger_pins (
+        .clk(clk), .reset(reset), .trigger_in(trigger_in_here), .boundary(boundary), .decide(sweep_starts),
+        .player_begins(player_begins), .several(several), .modulation_begins(modulation_begins), .last(last), .sounds(sounds),
+        .triggered(triggered), .trigger(trigger)
     );
 
     // The memories behind it: written by the gate and by restore, read by sweeps and digests.
@@ -195,7 +207,7 @@ module device #(
         .clk(clk), .reset(asleep || restart), .boundary(boundary),
         .set(rate), .set_step(arguments[23:0]), .set_start(arguments[24]),
         .write(write_envelope || restore_write), .write_address(place), .write_data(full_or_written),
-        .digesting(digesting), .digest_address(digest_address), .envelope(envelope)
+        .digesting(digesting), .digest_address(digest_address), .envelope(envelope), .begins(modulation_begins)
     );
     frames #(.SLOT_BITS(SLOT_BITS)) frames (
         .clk(clk),
@@ -234,18 +246,15 @@ module device #(
         .data(data), .shift(shift), .latch(latch), .sync(sync)
     );
 
-    // The emergency stop is asynchronous.
-    assign oe_n = !on || caught || !estop_n;
+    outputs outputs (
+        .clk(clk), .reset(reset), .last(last), .sounds(sounds), .caught(caught), .estop_n(estop_n), .on(on), .oe_n(oe_n)
+    );
 
     reg packet_parity;
     always @(posedge clk) begin
-        if (last) begin
-            on <= sounds;
-            mark <= play_in_step && !follows;
-        end
+        if (last) mark <= play_in_step && !follows;
         if (good) packet_parity <= !packet_parity;
         if (reset) begin
-            on <= 1'b0;
             mark <= 1'b0;
             packet_parity <= 1'b0;
         end

@@ -42,6 +42,7 @@ module gate #(
     output wire [15:0]          play_divider,
     output wire [15:0]          play_loops,
     output wire [1:0]           play_when,
+    output wire                 play_begins,    // a PLAY, not the commit of a frame
     output wire                 restart,        // all is as after power-up
 
     // Operations that take longer.
@@ -111,13 +112,13 @@ module gate #(
     wire [7:0]  a1 = arguments[15:8];
     wire [15:0] low = arguments[15:0];
     wire [15:0] high = arguments[31:16];
-    wire no_slot_0 = a0[7:SLOT_BITS] != 0;
-    wire no_slot_1 = a1[7:SLOT_BITS] != 0;
+    wire no_slot_0 = {1'b0, a0} >> SLOT_BITS != 9'd0;
+    wire no_slot_1 = {1'b0, a1} >> SLOT_BITS != 9'd0;
     wire wrong_argument = (is_enable && low == 16'd0 && arguments[23:16] != `CONFIRM)
         || (is_baud && (low < `SLOWEST_INCREMENT || low > `FASTEST_INCREMENT))
         || (is_digest && (a0 > 8'd3 || (a0 == 8'd0 && no_slot_1)))
         || ((is_phases || is_frame) && no_slot_0)
-        || (is_play && (no_slot_0 || no_slot_1 || a1 < a0 || high == 16'd0 || when_asked > 8'd2))
+        || (is_play && (no_slot_0 || no_slot_1 || a1 < a0 || high == 16'd0 || when_asked > {6'd0, `WHEN_AT_TRIGGER}))
         || (is_silencer && (low == 16'd0 || high == 16'd0));
     wire [7:0] verdict = !known ? `RESULT_UNKNOWN
         : length != right_length ? `RESULT_LENGTH
@@ -190,6 +191,7 @@ module gate #(
     assign play_last    = is_play ? a1[SLOT_BITS-1:0] : a0[SLOT_BITS-1:0];
     assign play_divider = is_play ? high : 16'd1;
     assign play_loops   = is_play ? loops : 16'd0;
+    assign play_begins  = is_play;
     assign play_when    = is_play ? when_asked[1:0] : arguments[17] ? `WHEN_IN_STEP : `WHEN_AT_ONCE;
 
     // In pairs, even bytes are phases and offsets, odd bytes amplitudes and gains.

@@ -13,7 +13,6 @@ module lane #(
     input  wire [PHASE_BITS-1:0]   level,           // a clock after `read_address`
     output reg                     high
 );
-    (* ram_style = "distributed" *)
     reg [2*PHASE_BITS-1:0] pulses [0:15];
     reg [PHASE_BITS-1:0]   rise, width, width_held, since;
 

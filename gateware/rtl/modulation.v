@@ -13,10 +13,12 @@ module modulation (
     input  wire [7:0]  write_data,
     input  wire        digesting,       // read the table at `digest_address`
     input  wire [7:0]  digest_address,
-    output wire [7:0]  envelope         // two clocks after the boundary
+    output wire [7:0]  envelope,        // two clocks after the boundary
+    output reg         begins           // a clock after the boundary: the table begins
 );
     reg [23:0] angle, step;
     reg        start;
+    wire [24:0] next = {1'b0, angle} + {1'b0, step};
 
     ram values (
         .clk(clk),
@@ -29,7 +31,8 @@ module modulation (
 
     always @(posedge clk) begin
         if (boundary) begin
-            angle <= start ? 24'd0 : angle + step;
+            angle <= start ? 24'd0 : next[23:0];
+            begins <= start || next[24];
             start <= 1'b0;
         end
         if (set) begin
@@ -41,6 +44,7 @@ module modulation (
             angle <= 24'd0;
             step <= 24'd0;
             start <= 1'b0;
+            begins <= 1'b0;
         end
     end
 endmodule

@@ -4,7 +4,7 @@
 `define PACKETS_VH
 
 `define PROTOCOL_VERSION 8'd2
-`define GATEWARE_VERSION 8'd2
+`define GATEWARE_VERSION 8'd3
 
 // Packets to the device, and their payload bytes.
 `define TYPE_INFO 8'h01
@@ -65,10 +65,12 @@
 
 // The address accepted by all devices and answered by none.
 `define BROADCAST 8'hFF
-// When a PLAY is taken: at the next period, at the end of the running loop, or at a period marked by the leader.
+// When a PLAY is taken: at the next period, at the end of the running loop, at a period marked by the leader, or after a
+// rising edge of the trigger input.
 `define WHEN_AT_ONCE 2'd0
 `define WHEN_AFTER_LOOP 2'd1
 `define WHEN_IN_STEP 2'd2
+`define WHEN_AT_TRIGGER 2'd3
 // Tables of DIGEST.
 `define DIGEST_SLOT 2'd0
 `define DIGEST_ENVELOPE 2'd1

@@ -13,8 +13,9 @@ module pulse #(
     localparam [8:0] LEVEL = 1 << (8 - PHASE_BITS);     // in 1/256 period
 
     wire [8:0] capped = {1'b0, width_256 > `WIDEST ? `WIDEST : width_256};
-    wire [8:0] doubled = {middle, 1'b0} - capped + LEVEL;
     wire [8:0] rounded = capped + (LEVEL >> 1);
+    // The centre of the pulse as it is played: the rise depends on the rounded width.
+    wire [8:0] doubled = {middle, 1'b0} - (rounded & ~(LEVEL - 9'd1)) + LEVEL;
 
     assign rise = doubled[8:9-PHASE_BITS];
     assign width = rounded[7:8-PHASE_BITS];

@@ -6,7 +6,7 @@ module status #(
     parameter PHASE_BITS = 7,
     parameter SLOT_BITS = 6,
     parameter [31:0] CARRIER_MHZ = 32'd40000000,
-    parameter [7:0] LARGEST_BAUD = 8'd30       // in 100 000 baud
+    parameter [7:0] LARGEST_BAUD = 8'd80       // in 100 000 baud
 ) (
     input  wire                 clk,
     input  wire                 reset,
@@ -45,6 +45,15 @@ module status #(
         end
     end
 
+    wire [7:0] slot_now;
+    generate
+        if (SLOT_BITS == 8) begin : all
+            assign slot_now = slot;
+        end else begin : some
+            assign slot_now = {{8 - SLOT_BITS{1'b0}}, slot};
+        end
+    endgenerate
+
     localparam [7:0] LAST_SLOT = {8{1'b1}} >> (8 - SLOT_BITS);
     wire info = about_old || (!about_spoiled && packet_type == `TYPE_INFO);
     wire digested = !about_spoiled && packet_type == `TYPE_DIGEST && result == `RESULT_OK;
@@ -59,7 +68,7 @@ module status #(
             5'd2: value <= about_old ? old_seq : about_spoiled ? 8'd0 : packet_seq;
             5'd3: value <= about_old ? `RESULT_UNKNOWN : about_spoiled ? `RESULT_CRC : result;
             5'd4: value <= about_old ? {2'd0, flags[5:0]} : flags;
-            5'd5: value <= info ? `PROTOCOL_VERSION : {{8 - SLOT_BITS{1'b0}}, slot};
+            5'd5: value <= info ? `PROTOCOL_VERSION : slot_now;
             5'd6: value <= info ? PHASE_BITS[7:0] : spoiled_lines;
             5'd7: value <= info ? LAST_SLOT : good_packets[7:0];
             5'd8: value <= info ? `GATEWARE_VERSION : good_packets[15:8];

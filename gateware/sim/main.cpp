@@ -11,6 +11,7 @@
 //     u u16, bytes    append to the bytes its host sends
 //     e u8            press or release its emergency stop
 //     x u32 u32       press it after a number of clocks, for a number of clocks (0: for less than one)
+//     t u8            the level of its trigger input
 //     r u32           run a number of periods of the first device
 //
 // At the end of each device's period, a record goes to standard output, all numbers little-endian, and 0xFF after the
@@ -18,7 +19,7 @@
 //
 //     u8              the device
 //     u8              bit 0: the outputs were on during the whole period; bit 1: at any time in it; bit 2: it follows a
-//                     leader; bit 3: its `sync` marks the period
+//                     leader; bit 3: its `sync` marks the period; bit 4: its `trigger` is high
 //     u64             the clock at the beginning of the period
 //     u8 u8 u8 u8     1 if a packet passed the gate, and its type, seq and result
 //     u16, bytes      bytes received by the host
@@ -168,6 +169,7 @@ public:
         device->address = number;
         device->reset = 1;
         device->sync_in = 0;
+        device->trigger_in = 0;
     }
 
     // The first half of a clock. Data latched at its beginning are those from before the shift in its middle.
@@ -208,6 +210,7 @@ public:
     bool sync() const { return device->sync; }
     bool awake() const { return recording; }
     void emergency(bool is_pressed) { pressed = is_pressed; }
+    void trigger(bool level) { device->trigger_in = level; }
     void press(uint64_t from, uint64_t clocks) { press_from = from, press_to = from + clocks; }
 
     Host host;
@@ -218,6 +221,7 @@ private:
         level = -1;
         always_on = true;
         ever_on = marked = false;
+        triggers = device->trigger;
         applied = {};
         if (recording && !device->sync) fail("sync does not rise with a period");
     }
@@ -233,6 +237,7 @@ private:
         }
         // A follower's levels may be longer, and its last one missing.
         if (!device->follows && latched != (since % CLOCKS_PER_LEVEL == 0)) fail("a level was not latched at its time");
+        if (device->trigger != triggers) fail("trigger changes within a period");
         if (level == 1) marked |= device->sync;
         if (device->sync != (level == 0 || (level == 1 && marked))) fail("sync is not at level 0");
         if (device->applied) {
@@ -245,7 +250,7 @@ private:
         const auto count = uint16_t(host.received.size());
         const auto pulses = trace.pulses();
         std::putchar(number);
-        std::putchar(always_on | ever_on << 1 | device->follows << 2 | marked << 3);
+        std::putchar(always_on | ever_on << 1 | device->follows << 2 | marked << 3 | triggers << 4);
         for (int i = 0; i < 8; ++i) std::putchar(int(start >> (8 * i) & 0xFF));
         std::fwrite(applied.data(), 1, applied.size(), stdout);
         std::putchar(count & 0xFF);
@@ -265,7 +270,7 @@ private:
     // Of the current period.
     uint64_t start = 0;
     int level = -1;
-    bool always_on = true, ever_on = false, marked = false;
+    bool always_on = true, ever_on = false, marked = false, triggers = false;
     std::array<uint8_t, 4> applied{};
 };
 
@@ -336,6 +341,8 @@ int main(int count, char **arguments) {
         } else if (command == 'x') {
             const auto from = read<uint32_t>();
             device.press(bench.now() + from, read<uint32_t>());
+        } else if (command == 't') {
+            device.trigger(read<uint8_t>() != 0);
         } else if (command == 'r') {
             bench.run(read<uint32_t>());
             if (std::fflush(stdout) != 0) return 0;

@@ -3,7 +3,8 @@
 `default_nettype none
 
 module watched #(
-    parameter PHASE_BITS = 7
+    parameter PHASE_BITS = 7,
+    parameter SLOT_BITS = 6
 ) (
     input  wire        clk,
     input  wire        reset,
@@ -13,12 +14,14 @@ module watched #(
     input  wire        estop_n,
     /* verilator lint_on SYNCASYNCNET */
     input  wire        sync_in,
+    input  wire        trigger_in,
     input  wire [2:0]  address,
     output wire [31:0] data,
     output wire        shift,
     output wire        latch,
     output wire        oe_n,
     output wire        sync,
+    output wire        trigger,
     output wire        led_on,
     output wire        led_tripped,
     output wire        led_packet,
@@ -30,9 +33,9 @@ module watched #(
     output wire [7:0]  applied_seq,
     output wire [7:0]  applied_result
 );
-    device #(.PHASE_BITS(PHASE_BITS)) device (
-        .clk(clk), .reset(reset), .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
-        .data(data), .shift(shift), .latch(latch), .oe_n(oe_n), .sync(sync),
+    device #(.PHASE_BITS(PHASE_BITS), .SLOT_BITS(SLOT_BITS)) device (
+        .clk(clk), .reset(reset), .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .trigger_in(trigger_in),
+        .address(address), .data(data), .shift(shift), .latch(latch), .oe_n(oe_n), .sync(sync), .trigger(trigger),
         .led_on(led_on), .led_tripped(led_tripped), .led_packet(led_packet)
     );
 

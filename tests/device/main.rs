@@ -8,6 +8,7 @@ mod dice;
 mod field;
 mod gateware;
 mod native;
+mod pins;
 mod published;
 #[path = "../requirement/mod.rs"]
 mod requirement;
@@ -116,6 +117,7 @@ fn frame_lengths_agree_with_the_bandwidth() {
     assert_eq!(Profile::SonicSurface.bandwidth(230_400), "89 frames/s at 230400 baud");
     assert_eq!(Profile::SonicSurface2.bandwidth(230_400), "44 frames/s at 230400 baud");
     assert_eq!(Profile::Native.bandwidth(3_000_000), "1111 frames/s at 3000000 baud");
+    assert_eq!(Profile::Native.bandwidth(8_000_000), "2962 frames/s at 8000000 baud");
     let four = Profile::Natives(4);
     assert_eq!(four.frame_bytes(), 4 * Profile::Native.frame_bytes());
 }

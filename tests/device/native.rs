@@ -68,6 +68,25 @@ fn a_pulse_is_half_a_period_around_its_delay() {
 }
 
 #[test]
+fn pulses_of_any_width_are_centred_to_half_a_level() {
+    for phase_bits in 5..=8 {
+        let mut model = playing(phase_bits, &[0; 256]);
+        let (level, mut slot) = (256 >> phase_bits, 1);
+        for amplitude in 1..=255 {
+            slot = 3 - slot;
+            apply(&mut model, &Packet::phases(slot, amplitude, &ramp(), true));
+            run(&mut model, 2);
+            for (phase, pulse) in model.played().iter().enumerate().filter(|(_, pulse)| pulse.width > 0) {
+                // In 1/512 period.
+                let centre = level * (2 * i32::from(pulse.rise) + i32::from(pulse.width));
+                let off = (centre - 2 * phase as i32 + 256).rem_euclid(512) - 256;
+                assert!(off.abs() <= level, "{phase_bits} bits: phase {phase}, {amplitude}: {pulse:?}");
+            }
+        }
+    }
+}
+
+#[test]
 fn amplitude_is_the_sine_of_the_width_up_to_half_a_period() {
     let mut model = Model::new(8);
     apply(&mut model, &Packet::silencer(0xFFFF, 0xFFFF));
@@ -408,7 +427,7 @@ fn refusals_change_nothing() {
         (Packet::play(5, 4, 1, 0, false), Outcome::Argument),
         (Packet::play(5, 64, 1, 0, false), Outcome::Argument),
         (Packet::play(5, 6, 0, 0, false), Outcome::Argument),
-        (Packet { payload: vec![0, 0, 3], ..Packet::play(5, 6, 1, 0, false) }, Outcome::Argument),
+        (Packet { payload: vec![0, 0, 4], ..Packet::play(5, 6, 1, 0, false) }, Outcome::Argument),
         (Packet::digest(Table::Slot(64)), Outcome::Argument),
         (Packet::new(Kind::Digest, [4, 0, 0, 0], vec![]), Outcome::Argument),
         (Packet::reset(), Outcome::State),
@@ -453,7 +472,7 @@ fn info_of_version_1_is_answered_in_its_form_and_counts_as_spoiled() {
     model.press(true);
     let line = model.introduce(9).unwrap().to_line();
     let body = cobs::decode_vec(line.strip_suffix(&[0]).unwrap()).unwrap();
-    assert_eq!(body[..8], [0x81, 9, 4, 0b00_1010, 2, 7, 63, 2]);
+    assert_eq!(body[..8], [0x81, 9, 4, 0b00_1010, 2, 7, 63, 3]);
     assert_eq!((body.len(), status(&mut model).1.spoiled), (16, 1));
     assert_eq!(Model::new(7).with_address(1).introduce(9), None);
 }

@@ -1,29 +1,33 @@
 // The device on a Sipeed Tang Nano 9K (GW1NR-9) or 20K (GW2AR-18), both with an oscillator of 27 MHz. They differ in
-// COPIES, the number of pins with SCLK and RCLK, and in their pins. ../clock.py finds the PLL settings.
+// COPIES, the number of pins with SCLK and RCLK, in LEDS, and in their pins. ../clock.py finds the PLL settings.
 `default_nettype none
 
 module top #(
     parameter DEVICE = "GW2AR-18C",
     parameter COPIES = 2,
+    parameter LEDS = 2,
     parameter OSCILLATOR_KHZ = 27000,
     parameter PLL_DIVIDE = 7,
     parameter MULTIPLY = 64,
     parameter OUT_DIVIDE = 6,
     parameter VCO_DIVIDE = 4,
-    parameter PHASE_BITS = 7
+    parameter PHASE_BITS = 7,
+    parameter SLOT_BITS = 6
 ) (
     input  wire              oscillator,
     input  wire              rxd,
     output wire              txd,
     input  wire              estop_n,
     input  wire              sync_in,
+    input  wire              trigger_in,
     input  wire [2:0]        address,
     output wire [31:0]       data,
     output wire [COPIES-1:0] sclk,
     output wire [COPIES-1:0] rclk,
     output wire              oe_n,
     output wire              sync,
-    output wire [2:0]        led_n
+    output wire              trigger,
+    output wire [LEDS-1:0]   led_n
 );
     // CLKOUT = oscillator / PLL_DIVIDE * MULTIPLY, and CLKOUTD = CLKOUT / OUT_DIVIDE: CLKOUT alone would be off by 1.1
     // % or more.
@@ -39,16 +43,18 @@ module top #(
 
     wire [31:0] data_inside;
     wire [1:0]  sclk_inside;
-    wire        reset, rclk_inside, sync_inside, on, tripped, packet;
+    wire        reset, rclk_inside, sync_inside, trigger_inside, on, tripped, packet;
     native #(
-        .OSCILLATOR_KHZ(OSCILLATOR_KHZ), .MULTIPLY(MULTIPLY), .DIVIDE(PLL_DIVIDE * OUT_DIVIDE), .PHASE_BITS(PHASE_BITS)
+        .OSCILLATOR_KHZ(OSCILLATOR_KHZ), .MULTIPLY(MULTIPLY), .DIVIDE(PLL_DIVIDE * OUT_DIVIDE), .PHASE_BITS(PHASE_BITS),
+        .SLOT_BITS(SLOT_BITS)
     ) native (
         .oscillator(oscillator), .clk(clk), .locked(locked), .pll_reset(pll_reset), .reset(reset),
-        .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
-        .data(data_inside), .sclk(sclk_inside), .rclk(rclk_inside), .oe_n(oe_n), .sync(sync_inside),
+        .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .trigger_in(trigger_in), .address(address),
+        .data(data_inside), .sclk(sclk_inside), .rclk(rclk_inside), .oe_n(oe_n), .sync(sync_inside), .trigger(trigger_inside),
         .led_on(on), .led_tripped(tripped), .led_packet(packet)
     );
-    assign led_n = ~{packet, tripped, on};
+    wire [2:0] led = {packet, tripped, on};
+    assign led_n = ~led[LEDS-1:0];
 
     // All outputs pass the same kind of register, which keeps their delays equal.
     genvar i;
@@ -62,6 +68,7 @@ module top #(
         end
     endgenerate
     ODDR sync_register (.CLK(clk), .TX(1'b0), .D0(sync_inside), .D1(sync_inside), .Q0(sync), .Q1());
+    ODDR trigger_register (.CLK(clk), .TX(1'b0), .D0(trigger_inside), .D1(trigger_inside), .Q0(trigger), .Q1());
 endmodule
 
 `default_nettype wire

@@ -14,13 +14,15 @@ module top #(
     output wire        txd,
     input  wire        estop_n,
     input  wire        sync_in,
-    input  wire [2:0]  address,
+    input  wire        trigger_in,
+    input  wire [1:0]  address,
     output wire [31:0] data,
     output wire [3:0]  sclk,
     output wire [3:0]  rclk,
     output wire        oe_n,
     output wire        sync,
-    output wire [1:0]  led
+    output wire        trigger,
+    output wire        led
 );
     localparam real PERIOD_NS = 1000000.0 / OSCILLATOR_KHZ;
     wire oscillator_inside, oscillator_pin, clk_made, clk, clk_n, locked, pll_reset;
@@ -36,24 +38,24 @@ module top #(
 
     wire [31:0] data_inside;
     wire [1:0]  sclk_inside;
-    wire        reset, rclk_inside, sync_inside, packet;
+    wire        reset, rclk_inside, sync_inside, trigger_inside, tripped, packet;
     native #(
         .OSCILLATOR_KHZ(OSCILLATOR_KHZ), .MULTIPLY(MULTIPLY), .DIVIDE(DIVIDE), .PHASE_BITS(PHASE_BITS)
     ) native (
         .oscillator(oscillator_inside), .clk(clk), .locked(locked), .pll_reset(pll_reset), .reset(reset),
-        .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .address(address),
-        .data(data_inside), .sclk(sclk_inside), .rclk(rclk_inside), .oe_n(oe_n), .sync(sync_inside),
-        .led_on(led[0]), .led_tripped(led[1]), .led_packet(packet)
+        .rxd(rxd), .txd(txd), .estop_n(estop_n), .sync_in(sync_in), .trigger_in(trigger_in), .address({1'b0, address}),
+        .data(data_inside), .sclk(sclk_inside), .rclk(rclk_inside), .oe_n(oe_n), .sync(sync_inside), .trigger(trigger_inside),
+        .led_on(led), .led_tripped(tripped), .led_packet(packet)
     );
 
     // All outputs pass the same kind of register, which keeps their delays equal.
-    wire [40:0] first = {{4{rclk_inside}}, {4{sclk_inside[0]}}, sync_inside, data_inside};
-    wire [40:0] second = {{4{rclk_inside}}, {4{sclk_inside[1]}}, sync_inside, data_inside};
-    wire [40:0] pins;
-    assign {rclk, sclk, sync, data} = pins;
+    wire [41:0] first = {{4{rclk_inside}}, {4{sclk_inside[0]}}, trigger_inside, sync_inside, data_inside};
+    wire [41:0] second = {{4{rclk_inside}}, {4{sclk_inside[1]}}, trigger_inside, sync_inside, data_inside};
+    wire [41:0] pins;
+    assign {rclk, sclk, trigger, sync, data} = pins;
     genvar i;
     generate
-        for (i = 0; i < 41; i = i + 1) begin : each
+        for (i = 0; i < 42; i = i + 1) begin : each
             ODDR2 #(.DDR_ALIGNMENT("C0"), .INIT(1'b0), .SRTYPE("SYNC")) register (
                 .Q(pins[i]), .C0(clk), .C1(clk_n), .CE(1'b1), .D0(first[i]), .D1(second[i]), .R(reset), .S(1'b0)
             );

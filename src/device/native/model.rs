@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 
 use crate::device::native::line;
-use crate::device::native::packet::{AFTER_LOOP, AT_ONCE, COMMIT, IN_STEP, WHEN_IN_STEP};
+use crate::device::native::packet::{AFTER_LOOP, AT_ONCE, AT_TRIGGER, COMMIT, IN_STEP, WHEN_IN_STEP};
 use crate::device::native::packet::{BROADCAST, Body, Digest, Flags, Info, Kind, Outcome, Packet};
 use crate::device::native::packet::{REPLY, Reply, Status};
 use crate::device::native::player::{Play, Player, When};
@@ -14,13 +14,13 @@ use crate::device::native::table::LARGEST_ADDRESS;
 use crate::device::native::version_1::Introduction;
 
 pub const CHANNELS: usize = 256;
-/// Slots of the frame store.
+/// Slots of the frame store, unless built with others.
 const SLOTS: u16 = 64;
 /// Versions of the protocol and of the gateware.
 pub const PROTOCOL: u8 = 2;
-const VERSION: u8 = 2;
+const VERSION: u8 = 3;
 /// Bit rate in 100 000 baud.
-const LARGEST_BAUD: u8 = 30;
+const LARGEST_BAUD: u8 = 80;
 const POWER_UP_BAUD: u32 = 2_000_000;
 /// Periods without a good packet before the line reverts to the power-up bit rate.
 const RATE_KEPT: u32 = 32_768;
@@ -72,9 +72,14 @@ pub struct Model {
     settled: Option<(u8, u8, bool)>,
     played: [Pulse; CHANNELS],
     outputs_on: bool,
+    /// The period after this one begins a cycle, or this one does.
+    next_begins: bool,
+    begins: bool,
     // External state.
     pressed: bool,
     follows: bool,
+    /// `trigger_in` rose since the last boundary.
+    triggered: bool,
     /// The period that begins next is marked on the leader's `sync`, or the one that began last on this device's.
     marked: bool,
     // Counters.
@@ -118,8 +123,11 @@ impl Model {
             settled: None,
             played: [Pulse::default(); CHANNELS],
             outputs_on: false,
+            next_begins: false,
+            begins: false,
             pressed: false,
             follows: false,
+            triggered: false,
             marked: false,
             periods: 0,
             good: 0,
@@ -144,6 +152,20 @@ impl Model {
         assert!(address <= LARGEST_ADDRESS, "address {address}");
         self.address = address;
         self
+    }
+
+    /// The same device with another number of slots in its frame store.
+    ///
+    /// # Panics
+    /// Fewer than 2 slots or more than 256.
+    pub fn with_slots(mut self, slots: u16) -> Self {
+        assert!((2..=256).contains(&slots), "{slots} slots");
+        self.store = vec![[[0; 2]; CHANNELS]; usize::from(slots)];
+        self
+    }
+
+    fn slots(&self) -> u16 {
+        self.store.len() as u16
     }
 
     pub fn levels(&self) -> u16 {
@@ -188,10 +210,21 @@ impl Model {
         self.marked && !self.follows
     }
 
+    /// `trigger_in` rises.
+    pub fn trigger(&mut self) {
+        self.triggered = true;
+    }
+
+    /// Whether `trigger` is high in this period: the first one of a cycle, with sound.
+    pub fn triggers(&self) -> bool {
+        self.begins
+    }
+
     /// Advances by one period. It plays the result of the previous sweep.
     pub fn period(&mut self) -> &[Pulse; CHANNELS] {
         self.played = self.next;
         self.outputs_on = self.next_on;
+        self.begins = self.next_begins && self.next_on;
         self.boundary();
         self.sweep();
         &self.played
@@ -225,9 +258,10 @@ impl Model {
         let in_step =
             if self.follows { std::mem::take(&mut self.marked) } else { self.player.waits_in_step() };
         self.marked = in_step && !self.follows;
-        self.player.step(in_step);
-        self.nco = if self.restart { 0 } else { (self.nco + self.nco_step) & 0xFF_FFFF };
-        self.restart = false;
+        let plays = self.player.step(in_step, std::mem::take(&mut self.triggered));
+        let nco = if std::mem::take(&mut self.restart) { 1 << 24 } else { self.nco + self.nco_step };
+        self.nco = nco & 0xFF_FFFF;
+        self.next_begins = plays || (nco > 0xFF_FFFF && !self.player.plays_several());
     }
 
     fn sweep(&mut self) {
@@ -313,7 +347,7 @@ impl Model {
         Info {
             protocol: PROTOCOL,
             phase_bits: self.phase_bits,
-            slots: SLOTS,
+            slots: self.slots(),
             version: VERSION,
             carrier_millihertz: self.carrier_millihertz,
             channels: CHANNELS as u16,
@@ -373,7 +407,7 @@ impl Model {
             Kind::Baud => self.increment = low,
             Kind::Reset if self.sounds() => return Outcome::State,
             Kind::Reset => self.reset(),
-            Kind::Digest if a > 3 || (a == 0 && u16::from(b) >= SLOTS) => return Outcome::Argument,
+            Kind::Digest if a > 3 || (a == 0 && u16::from(b) >= self.slots()) => return Outcome::Argument,
             Kind::Digest => {}
             Kind::Phases => return self.write(packet, |payload, n| [payload[n], b]),
             Kind::Frame => return self.write(packet, |payload, n| [payload[2 * n], payload[2 * n + 1]]),
@@ -402,13 +436,14 @@ impl Model {
 
     /// A chip reset, except for bit rate, counters, and external state.
     fn reset(&mut self) {
-        let fresh = Self::new(self.phase_bits).with_carrier(self.carrier_millihertz);
+        let fresh = Self::new(self.phase_bits).with_carrier(self.carrier_millihertz).with_slots(self.slots());
         *self = Self {
             increment: self.increment,
             tripped: self.pressed,
             stopped: self.pressed,
             pressed: self.pressed,
             follows: self.follows,
+            triggered: self.triggered,
             periods: self.periods,
             good: self.good,
             spoiled: self.spoiled,
@@ -419,7 +454,7 @@ impl Model {
 
     fn write(&mut self, packet: &Packet, pair: impl Fn(&[u8], usize) -> Pair) -> Outcome {
         let [slot, _, flags, _] = packet.arguments;
-        if u16::from(slot) >= SLOTS {
+        if u16::from(slot) >= self.slots() {
             return Outcome::Argument;
         }
         if self.player.holds(slot) {
@@ -428,7 +463,7 @@ impl Model {
         self.store[usize::from(slot)] = std::array::from_fn(|n| pair(&packet.payload, n));
         if flags & COMMIT != 0 {
             let when = if flags & IN_STEP != 0 { When::InStep } else { When::AtOnce };
-            self.player.ask(Play { first: slot, last: slot, divider: 1, loops: 0, when });
+            self.player.ask(Play { first: slot, last: slot, divider: 1, loops: 0, when, begins: false });
         }
         Outcome::Ok
     }
@@ -441,12 +476,14 @@ impl Model {
             AT_ONCE => When::AtOnce,
             AFTER_LOOP => When::AfterLoop,
             WHEN_IN_STEP => When::InStep,
+            AT_TRIGGER => When::AtTrigger,
             _ => return Outcome::Argument,
         };
-        if last < first || u16::from(last) >= SLOTS || divider == 0 {
+        if last < first || u16::from(last) >= self.slots() || divider == 0 {
             return Outcome::Argument;
         }
-        self.player.ask(Play { first, last, divider, loops: u16::from_le_bytes([fewer, more]), when });
+        let loops = u16::from_le_bytes([fewer, more]);
+        self.player.ask(Play { first, last, divider, loops, when, begins: true });
         Outcome::Ok
     }
 }
@@ -490,6 +527,7 @@ fn pulse(phase_bits: u8, phase: u8, width: u8) -> Pulse {
     if levels == 0 {
         return Pulse::default();
     }
-    let rise = (2 * i32::from(phase) - i32::from(width) + (1 << shift)) >> (shift + 1);
+    // The pulse is centred as it is played: the rise depends on the rounded width.
+    let rise = (2 * i32::from(phase) - (levels << shift) + (1 << shift)) >> (shift + 1);
     Pulse { rise: rise.rem_euclid(1 << phase_bits) as u8, width: levels as u8 }
 }

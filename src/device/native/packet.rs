@@ -22,10 +22,11 @@ pub use crate::device::native::table::REPLY;
 /// Flags of a frame: play it, in step if both are set.
 pub(crate) const COMMIT: u8 = 1;
 pub(crate) const IN_STEP: u8 = 2;
-/// The last byte of a PLAY: at once, at the end of the running loop, or in step.
+/// The last byte of a PLAY: at once, at the end of the running loop, in step, or at a trigger.
 pub(crate) const AT_ONCE: u8 = 0;
 pub(crate) const AFTER_LOOP: u8 = 1;
 pub(crate) const WHEN_IN_STEP: u8 = 2;
+pub(crate) const AT_TRIGGER: u8 = 3;
 
 /// A packet to the device. `code` may be unknown to [`Kind`]: the device answers those, too.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -163,6 +164,14 @@ impl Packet {
             self.arguments[2] |= COMMIT | IN_STEP;
         } else if let (Some(Kind::Play), Some(when)) = (Kind::from_repr(self.code), self.payload.last_mut()) {
             *when = WHEN_IN_STEP;
+        }
+        self
+    }
+
+    /// Makes a PLAY wait for a rising edge of the device's trigger input.
+    pub fn at_trigger(mut self) -> Self {
+        if let (Some(Kind::Play), Some(when)) = (Kind::from_repr(self.code), self.payload.last_mut()) {
+            *when = AT_TRIGGER;
         }
         self
     }

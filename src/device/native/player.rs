@@ -10,6 +10,8 @@ pub(crate) struct Play {
     /// 0: for ever
     pub loops: u16,
     pub when: When,
+    /// A PLAY, not the commit of a frame: it begins a cycle.
+    pub begins: bool,
 }
 
 /// The boundary at which a PLAY is taken.
@@ -19,6 +21,8 @@ pub(crate) enum When {
     AfterLoop,
     /// At a period that the leader marks.
     InStep,
+    /// After a rising edge of the trigger input.
+    AtTrigger,
 }
 
 impl Play {
@@ -37,17 +41,19 @@ pub(crate) struct Player {
 }
 
 impl Player {
-    /// Goes over a boundary; `in_step` if its period is marked.
-    pub fn step(&mut self, in_step: bool) {
+    /// Goes over a boundary; `in_step` if its period is marked, `triggered` after an edge of the trigger input.
+    /// Returns whether a cycle begins.
+    pub fn step(&mut self, in_step: bool, triggered: bool) -> bool {
         let at_once = |play: &Play| match play.when {
             When::AtOnce => true,
             When::AfterLoop => self.running.is_none(),
             When::InStep => in_step,
+            When::AtTrigger => triggered,
         };
         match (self.running, self.waiting.filter(at_once)) {
             (_, Some(play)) => self.take(play),
             (Some(play), None) => self.go_on(play),
-            (None, None) => {}
+            (None, None) => false,
         }
     }
 
@@ -77,7 +83,7 @@ impl Player {
         self.waiting.is_some_and(|play| play.when == When::InStep)
     }
 
-    fn take(&mut self, play: Play) {
+    fn take(&mut self, play: Play) -> bool {
         *self = Self {
             slot: play.first,
             wait: play.divider,
@@ -85,28 +91,29 @@ impl Player {
             running: Some(play),
             waiting: None,
         };
+        play.begins
     }
 
-    fn go_on(&mut self, play: Play) {
+    fn go_on(&mut self, play: Play) -> bool {
         self.wait -= 1;
         if self.wait > 0 {
-            return;
+            return false;
         }
         self.wait = play.divider;
         if self.slot < play.last {
             self.slot += 1;
-        } else if let Some(next) = self.waiting.filter(|play| play.when == When::AfterLoop) {
-            self.take(next);
-        } else if play.loops == 0 {
-            self.slot = play.first;
-        } else {
-            self.left -= 1;
-            if self.left == 0 {
-                self.running = None;
-            } else {
-                self.slot = play.first;
-            }
+            return false;
         }
+        if let Some(next) = self.waiting.filter(|play| play.when == When::AfterLoop) {
+            return self.take(next);
+        }
+        self.left = self.left.wrapping_sub(1);
+        if play.loops > 0 && self.left == 0 {
+            self.running = None;
+            return false;
+        }
+        self.slot = play.first;
+        play.first != play.last
     }
 
     /// Whether a slot is played, or may be without further packets.

@@ -226,10 +226,10 @@ mod tests {
             protocol: 2,
             phase_bits: 7,
             slots: 64,
-            version: 2,
+            version: 3,
             carrier_millihertz: 40_000_000,
             channels: 256,
-            largest_baud: 30,
+            largest_baud: 80,
         };
         let reply = Reply {
             code: 0x81,

@@ -106,6 +106,7 @@ impl Wire {
         never_block(&serial).map_err(|error| PortError::Lost { path: name.clone(), error })?;
         #[cfg(target_os = "linux")]
         hold_dtr(&serial).map_err(|error| PortError::Lost { path: name.clone(), error })?;
+        ask_for_low_latency(&serial);
         check_rate(&serial, baud).map_err(|error| PortError::Baud { path: name.clone(), baud, error })?;
         Ok(Self {
             #[cfg(unix)]
@@ -266,6 +267,47 @@ fn descriptor(serial: &Serial) -> rustix::fd::BorrowedFd<'_> {
 fn never_block(_: &Serial) -> io::Result<()> {
     Ok(())
 }
+
+/// FTDI's driver then hands bytes on after 1 ms in place of 16. Other ports ignore or refuse it.
+#[cfg(target_os = "linux")]
+#[expect(unsafe_code, reason = "the structure is the one that the kernel reads and writes with these calls")]
+fn ask_for_low_latency(serial: &Serial) {
+    use std::ffi::{c_int, c_uint, c_ulong, c_ushort, c_void};
+
+    use rustix::fd::{AsRawFd, BorrowedFd};
+    use rustix::ioctl::{Getter, Opcode, Setter, ioctl};
+
+    const TIOCGSERIAL: Opcode = 0x541E;
+    const TIOCSSERIAL: Opcode = 0x541F;
+    const ASYNC_LOW_LATENCY: c_int = 1 << 13;
+
+    /// `serial_struct` of `linux/serial.h`.
+    #[repr(C)]
+    struct Settings {
+        kind_line_port_irq: [c_int; 4],
+        flags: c_int,
+        fifo_divisor_base: [c_int; 3],
+        close_delay: c_ushort,
+        io_type: [u8; 2],
+        hub6: c_int,
+        closing_wait: [c_ushort; 2],
+        iomem_base: *mut c_void,
+        iomem_reg_shift: c_ushort,
+        port_high: c_uint,
+        iomap_base: c_ulong,
+    }
+
+    let descriptor = unsafe { BorrowedFd::borrow_raw(serial.as_raw_fd()) };
+    let settings = unsafe { ioctl(descriptor, Getter::<TIOCGSERIAL, Settings>::new()) };
+    if let Ok(mut settings) = settings {
+        settings.flags |= ASYNC_LOW_LATENCY;
+        // A port that refuses is as good as before.
+        let _ = unsafe { ioctl(descriptor, Setter::<TIOCSSERIAL, Settings>::new(settings)) };
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn ask_for_low_latency(_: &Serial) {}
 
 #[cfg(test)]
 mod tests {

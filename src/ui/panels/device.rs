@@ -15,7 +15,7 @@ use crate::ui::panels::{bring_up, caption, fact, form, others};
 use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
 /// Bits per second that the most usual adapters have.
-const BAUDS: [(u32, &str); 8] = [
+const BAUDS: [(u32, &str); 11] = [
     (0, "default baud rate"),
     (115_200, "115200"),
     (230_400, "230400"),
@@ -23,6 +23,9 @@ const BAUDS: [(u32, &str); 8] = [
     (1_000_000, "1000000"),
     (2_000_000, "2000000"),
     (3_000_000, "3000000"),
+    (4_000_000, "4000000"),
+    (6_000_000, "6000000"),
+    (8_000_000, "8000000"),
     (1_462_857, "1462857"),
 ];
 

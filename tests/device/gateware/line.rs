@@ -20,6 +20,24 @@ fn a_host_with_a_clock_4_percent_off_is_understood() {
 }
 
 #[test]
+fn frames_without_pause_are_all_taken_at_8_megabaud() {
+    for error in [-0.02, 0.0, 0.02] {
+        let Some(mut twins) = Twins::start(7) else { return };
+        let Body::Info(info) = twins.ask(Packet::info()).body else { panic!() };
+        assert_eq!(info.largest_baud, 80);
+        twins.order(Packet::baud(12_800));
+        twins.simulated.baud(8e6 * (1.0 + error));
+        let mut dice = Dice::seeded(8);
+        // Far more than wait in the device: it is done with each before the next has arrived.
+        (0..60)
+            .for_each(|number| twins.send(Packet::phases(1 + number, 255, &dice.bytes(), number % 5 == 0)));
+        twins.settle();
+        let Body::Status(status) = twins.ask(Packet::status()).body else { panic!() };
+        assert_eq!((status.spoiled, status.good), (0, 63), "{error}");
+    }
+}
+
+#[test]
 fn a_host_at_another_rate_does_no_harm() {
     let Some(mut twins) = Twins::start(7) else { return };
     twins.simulated.baud(1.4e6);

@@ -34,7 +34,11 @@ impl Dice {
                 let (divider, loops, after) = (1 + self.below(9), self.below(4), self.below(2) == 0);
                 let play =
                     Packet::play(slot, slot + self.below(5) as u8, divider as u16, loops as u16, after);
-                if self.below(4) == 0 { play.in_step() } else { play }
+                match self.below(8) {
+                    0 | 1 => play.in_step(),
+                    2 => play.at_trigger(),
+                    _ => play,
+                }
             }
             12 => Packet::stop(),
             13 => Packet::envelope(&self.bytes()),

@@ -1,7 +1,7 @@
 //! Pulses: every period of random sessions, and the safety functions.
 
 use sonoglyph::device::native::model::Pulse;
-use sonoglyph::device::native::packet::{Outcome, Packet, Table};
+use sonoglyph::device::native::packet::{Body, Outcome, Packet, Table};
 use strum::VariantArray;
 
 use crate::dice::Dice;
@@ -25,6 +25,9 @@ fn random_session(phase_bits: u8, periods: u32) {
             1 => begin_anew(&mut twins),
             _ => {}
         }
+        if dice.below(20) == 0 {
+            twins.trigger();
+        }
         if dice.below(if pressed { 4 } else { 60 }) == 0 {
             pressed = !pressed;
             twins.press(pressed);
@@ -46,6 +49,7 @@ fn random_session(phase_bits: u8, periods: u32) {
     assert!(
         twins.twin.answers.iter().any(|reply| reply.flags.tripped)
             && twins.twin.answers.iter().any(|reply| reply.flags.playing)
+            && !twins.twin.triggers.is_empty()
     );
 }
 
@@ -171,6 +175,55 @@ fn a_sequence_changes_slots_exactly_at_its_periods() {
         (0..60).map(|period| 16 * (period / 3 % 5) as u8).map(|middle| (middle + 112) % 128).collect();
     let start = (0..15).find(|&start| (0..45).all(|i| rises[start + i] == expected[i]));
     assert!(start.is_some(), "{rises:?}");
+}
+
+#[test]
+fn a_trigger_starts_a_motion_and_each_cycle_triggers() {
+    let Some(mut twins) = Twins::start(7) else { return };
+    twins.order(Packet::silencer(0xFFFF, 0xFFFF));
+    twins.order(Packet::enable(1000));
+    for slot in 1..=5 {
+        twins.order(Packet::phases(slot, 255, &[slot * 32; 256], false));
+    }
+    let reply = twins.ask(Packet::play(1, 5, 3, 0, false).at_trigger());
+    assert!(reply.flags.waiting && !reply.flags.playing, "{reply:?}");
+    twins.run(200);
+    assert!(twins.twin.model.slot() == 0 && twins.twin.triggers.is_empty());
+    let edge = twins.twin.periods;
+    twins.trigger();
+    twins.run(60);
+    // The slots change at the boundary after the edge, and are played a period later.
+    let cycles: Vec<_> = (0..4).map(|cycle| edge + 1 + 15 * cycle).collect();
+    assert_eq!(twins.twin.triggers, cycles);
+    // A steady frame has no cycle but that of its modulation.
+    twins.order(Packet::phases(6, 255, &[0; 256], true));
+    twins.run(3);
+    twins.twin.triggers.clear();
+    twins.run(300);
+    assert!(twins.twin.triggers.is_empty());
+    twins.order(Packet::rate(1 << 17, true));
+    twins.run(600);
+    assert!(twins.twin.triggers.windows(2).all(|pair| pair[1] - pair[0] == 128));
+    assert_eq!(twins.twin.triggers.len(), 5, "{:?}", twins.twin.triggers);
+}
+
+#[test]
+fn all_of_256_slots_are_stored_and_played() {
+    let Some(mut twins) = Twins::start_with_256_slots() else { return };
+    let Body::Info(info) = twins.ask(Packet::info()).body else { panic!() };
+    assert_eq!(info.slots, 256);
+    let mut dice = Dice::seeded(9);
+    twins.order(Packet::silencer(0xFFFF, 0xFFFF));
+    twins.order(Packet::enable(1000));
+    for slot in (1..=255).rev() {
+        twins.order(Packet::frame(slot, &dice.pairs(), false));
+    }
+    twins.order(Packet::digest(Table::Slot(255)));
+    twins.order(Packet::play(0, 255, 1, 1, false));
+    twins.run(300);
+    assert_eq!(twins.twin.model.slot(), 255);
+    begin_anew(&mut twins);
+    twins.order(Packet::digest(Table::Slot(255)));
 }
 
 #[test]

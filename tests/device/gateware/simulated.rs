@@ -33,6 +33,8 @@ pub struct Period {
     pub follows: bool,
     /// Its `sync` output marks the period.
     pub marked: bool,
+    /// Its `trigger` output is high.
+    pub triggers: bool,
     /// The clock at its beginning.
     pub start: u64,
     /// Type, sequence number and result of the packet that passed the gate.
@@ -46,27 +48,31 @@ pub struct Period {
 impl Simulated {
     /// A device after power-up; `None` if Verilator is neither found nor required.
     pub fn start(phase_bits: u8) -> Option<Self> {
-        Self::with(phase_bits, &[])
+        Self::with(&phase_bits.to_string(), &[])
+    }
+
+    /// One with 7 phase bits and 256 slots.
+    pub fn start_with_256_slots() -> Option<Self> {
+        Self::with("7-8", &[])
     }
 
     /// Two devices on one clock; the second receives the `sync` of the first.
     pub fn start_two(phase_bits: u8, second: Second) -> Option<Self> {
         match second {
-            Second::OwnLine(later) => Self::with(phase_bits, &["2", &later.to_string()]),
-            Second::SharedLine(later) => Self::with(phase_bits, &["2", &later.to_string(), "shared"]),
+            Second::OwnLine(later) => Self::with(&phase_bits.to_string(), &["2", &later.to_string()]),
+            Second::SharedLine(later) => {
+                Self::with(&phase_bits.to_string(), &["2", &later.to_string(), "shared"])
+            }
         }
     }
 
-    fn with(phase_bits: u8, arguments: &[&str]) -> Option<Self> {
+    /// `bits` are those of phases, and of slots if not 6.
+    fn with(bits: &str, arguments: &[&str]) -> Option<Self> {
         let verilator = Command::new("verilator").arg("--version").output();
         requirement::found("rtl", verilator.map_err(|error| format!("verilator: {error}")))?;
         let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let folder = root.join(format!("target/gateware/{phase_bits}"));
-        let built = Command::new(root.join("gateware/sim/build"))
-            .arg(phase_bits.to_string())
-            .arg(&folder)
-            .output()
-            .unwrap();
+        let folder = root.join(format!("target/gateware/{bits}"));
+        let built = Command::new(root.join("gateware/sim/build")).arg(bits).arg(&folder).output().unwrap();
         assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
         let mut program = Command::new(folder.join("device"))
             .args(arguments)
@@ -105,6 +111,11 @@ impl Simulated {
         self.tell(b'x', &[from.to_le_bytes(), clocks.to_le_bytes()].concat());
     }
 
+    /// The level of its trigger input.
+    pub fn trigger(&mut self, level: bool) {
+        self.tell(b't', &[u8::from(level)]);
+    }
+
     /// Selects the device of later commands.
     pub fn about(&mut self, device: usize) {
         self.tell(b'd', &[u8::try_from(device).unwrap()]);
@@ -141,6 +152,7 @@ impl Simulated {
             outputs_ever_on: set(1),
             follows: set(2),
             marked: set(3),
+            triggers: set(4),
             start,
             gate: (applied == 1).then_some([code, seq, result]),
             received,

@@ -35,12 +35,19 @@ pub struct Twin {
     pub sounding: u32,
     /// Number of answers to corrupted packets.
     pub spoiled: u16,
+    /// Periods with a high trigger output.
+    pub triggers: Vec<u32>,
 }
 
 impl Twins {
     pub fn start(phase_bits: u8) -> Option<Self> {
         let simulated = Simulated::start(phase_bits)?;
         Some(Self { simulated, twin: Twin::new(Model::new(phase_bits)) })
+    }
+
+    pub fn start_with_256_slots() -> Option<Self> {
+        let simulated = Simulated::start_with_256_slots()?;
+        Some(Self { simulated, twin: Twin::new(Model::new(7).with_slots(256)) })
     }
 
     /// Sends a packet with the next number, without waiting for its answer.
@@ -88,6 +95,14 @@ impl Twins {
         self.twin.model.press(pressed);
     }
 
+    /// A pulse at the trigger input, within a period.
+    pub fn trigger(&mut self) {
+        self.simulated.trigger(true);
+        self.twin.model.trigger();
+        self.run(1);
+        self.simulated.trigger(false);
+    }
+
     /// Runs periods and compares each.
     pub fn run(&mut self, periods: u32) {
         for period in self.simulated.run(periods) {
@@ -109,6 +124,7 @@ impl Twin {
             periods: 0,
             sounding: 0,
             spoiled: 0,
+            triggers: Vec::new(),
         }
     }
 
@@ -143,6 +159,10 @@ impl Twin {
         let enabled = period.gate.is_some_and(|[code, _, _]| code == Kind::Enable.code());
         assert!(on || enabled || !period.outputs_ever_on, "outputs in period {}", self.periods);
         assert_eq!(period.marked, self.model.marks(), "the mark of period {}", self.periods);
+        assert_eq!(period.triggers, self.model.triggers(), "the trigger of period {}", self.periods);
+        if period.triggers {
+            self.triggers.push(self.periods);
+        }
         self.sounding += u32::from(on && expected.iter().any(|&pulse| pulse != Pulse::default()));
         if let Some([code, seq, result]) = period.gate {
             let packet = self.sent.pop_front().expect("only sent packets pass the gate");

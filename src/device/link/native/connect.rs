@@ -123,12 +123,17 @@ fn expected(info: Info) -> Result<Info, LinkError> {
     Ok(info)
 }
 
+/// The most that a device supports.
+pub fn largest_baud(info: &Info) -> u32 {
+    100_000 * u32::from(info.largest_baud)
+}
+
 /// The packet that changes a device's bit rate.
 ///
 /// # Errors
 /// More than the device supports.
 pub fn agreeable(info: &Info, baud: u32) -> Result<Packet, LinkError> {
-    let largest = 100_000 * u32::from(info.largest_baud);
+    let largest = largest_baud(info);
     if baud > largest {
         return Err(LinkError::TooFast { asked: baud, largest });
     }
@@ -147,7 +152,7 @@ mod tests {
             let mut device = Model::new(phase_bits).with_carrier(carrier_millihertz);
             let Body::Info(info) = device.apply(&Packet::info()).body else { panic!() };
             let step = device.carrier() * f64::from(model::clocks(phase_bits)) / 65_536.0;
-            for baud in [115_200, 230_400, 333_333, 460_800, 921_600, 3_000_000] {
+            for baud in [115_200, 230_400, 333_333, 460_800, 921_600, 3_000_000, 8_000_000] {
                 device.apply(&agreeable(&info, baud).unwrap());
                 let off = (device.baud() - f64::from(baud)).abs();
                 assert!(off <= step / 2.0, "{phase_bits} bits: {baud} baud is off by {off}");

@@ -7,7 +7,7 @@ use web_time::{Duration, Instant};
 
 use crate::device::link::native::ask::Asker;
 use crate::device::link::native::connect;
-use crate::device::link::native::session::{ANSWER, WINDOW};
+use crate::device::link::native::session::{ANSWER, LONG_WINDOW};
 use crate::device::link::shared::LEAD;
 use crate::device::link::shared::LinkError;
 use crate::device::native::line;
@@ -18,9 +18,14 @@ use crate::device::statistics::Durations;
 use crate::device::task;
 
 /// Bit rates that adapters have, slowest first.
-pub const RATES: [u32; 7] = [115_200, 230_400, 460_800, 921_600, 1_000_000, 2_000_000, 3_000_000];
+pub const RATES: [u32; 10] =
+    [115_200, 230_400, 460_800, 921_600, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 6_000_000, 8_000_000];
 /// Duration of a trial at a rate.
 const TRIAL: Duration = Duration::from_millis(400);
+/// Number of lost frames that ends a trial.
+const MOST_LOST: u32 = 8;
+/// Slots that are read back, those of the latest frames.
+const READ_BACK: usize = 4;
 /// Time for a device left at another rate to return to the default: 0.82 s.
 const FALLBACK: Duration = Duration::from_millis(900);
 
@@ -79,7 +84,7 @@ pub async fn survey(path: &Path, tell: &mut dyn FnMut(Discovery)) -> Result<Opti
         tell(Discovery::Board(info, status));
     }
     let mut fastest = None;
-    for baud in RATES {
+    for baud in RATES.into_iter().filter(|&baud| baud <= connect::largest_baud(&info)) {
         let trial = Trial { baud, outcome: at_rate(&mut port, &mut asker, &info, baud).await? };
         match trial.is_clean() {
             true => fastest = Some(baud),
@@ -145,8 +150,8 @@ impl Burst {
         let begun = Instant::now();
         let mut written: Vec<u32> = Vec::new();
         // The trial ends early on a dead line.
-        while begun.elapsed() < TRIAL && self.figures.lost < 2 * WINDOW as u32 {
-            while self.on_the_way.len() < WINDOW && port.backlog() < LEAD {
+        while begun.elapsed() < TRIAL && self.figures.lost < MOST_LOST {
+            while self.on_the_way.len() < LONG_WINDOW && port.backlog() < LEAD {
                 self.send(port).await?;
             }
             self.hear(port, asker, &mut written).await?;
@@ -165,7 +170,7 @@ impl Burst {
     async fn read_back(&self, port: &mut Port, asker: &mut Asker, written: &[u32]) -> Result<u32, LinkError> {
         let mut wrong = 0;
         // A small store holds fewer of them.
-        for &number in written.iter().rev().take(WINDOW.min(usize::from(self.slots))) {
+        for &number in written.iter().rev().take(READ_BACK.min(usize::from(self.slots))) {
             let digest = asker.ask(port, &Packet::digest(Table::Slot(self.slot(number)))).await?;
             let told = digest.and_then(|reply| match reply.body {
                 Body::Digest(digest) => Some(digest.crc),
@@ -242,9 +247,6 @@ mod tests {
     use crate::device::port::virtual_board;
     use crate::device::task::finish;
 
-    /// Number of lost frames that ends a trial.
-    const MOST: u32 = 2 * WINDOW as u32;
-
     fn info() -> Info {
         let Body::Info(info) = Model::new(7).apply(&Packet::info()).body else { panic!("no info") };
         info
@@ -277,22 +279,22 @@ mod tests {
     #[test]
     fn a_dead_line_ends_a_trial_within_a_window() {
         // A stock board does not answer.
-        let figures = burst(Profile::SonicSurface, 63, MOST - 1, MOST - 1);
-        assert!(figures.sent < MOST + WINDOW as u32, "{figures:?}");
+        let figures = burst(Profile::SonicSurface, 63, MOST_LOST - 1, MOST_LOST - 1);
+        assert!(figures.sent < MOST_LOST + LONG_WINDOW as u32, "{figures:?}");
         assert_eq!((figures.lost, figures.frames_per_second), (figures.sent, 0.0));
         let begun = Instant::now();
-        let figures = burst(Profile::SonicSurface, 63, 100, MOST);
+        let figures = burst(Profile::SonicSurface, 63, 100, MOST_LOST);
         let seconds = begun.elapsed().as_secs_f64();
-        assert_eq!((figures.sent, figures.lost), (100, MOST));
-        assert!(figures.frames_per_second >= f64::from(100 - MOST) / seconds, "{figures:?}");
+        assert_eq!((figures.sent, figures.lost), (100, MOST_LOST));
+        assert!(figures.frames_per_second >= f64::from(100 - MOST_LOST) / seconds, "{figures:?}");
     }
 
     #[test]
     fn refused_frames_count_as_lost() {
         // Slots from 64 on, which the board does not have.
-        let figures = burst(Profile::Native, 255, 63, MOST - 1);
+        let figures = burst(Profile::Native, 255, 63, MOST_LOST - 1);
         assert!(figures.sent > 63, "{figures:?}");
-        assert_eq!((figures.lost, figures.wrong), (figures.sent - 63 + MOST - 1, 0));
+        assert_eq!((figures.lost, figures.wrong), (figures.sent - 63 + MOST_LOST - 1, 0));
     }
 
     #[test]
@@ -300,7 +302,7 @@ mod tests {
         for slots in [3, 64] {
             let (mut port, mut asker) = (port(Profile::Native), Asker::new());
             let mut burst = Burst::new(&Info { slots, ..info() });
-            let sent: Vec<_> = (0..WINDOW as u32).collect();
+            let sent: Vec<_> = (0..READ_BACK as u32).collect();
             sent.iter().for_each(|_| finish(burst.send(&mut port)).unwrap());
             let mut wrong =
                 |written: &[u32]| finish(burst.read_back(&mut port, &mut asker, written)).unwrap();

@@ -32,8 +32,18 @@ use crate::device::link::shared::{Shared, Wanted};
 use crate::device::native::packet::{Body, Info, Kind, Outcome, Packet, REPLY, Reply};
 use crate::device::profile::Profile;
 
-/// Packets without an answer at a time.
+/// Short packets without an answer at a time: the device has room for so many.
 pub const WINDOW: usize = 4;
+/// Packets of any length without an answer. A long one takes so long to arrive that the device has by then answered
+/// those before it; this many keep the fastest line busy while an adapter holds answers back.
+pub const LONG_WINDOW: usize = 64;
+/// Bytes of a long packet's payload.
+const LONG: usize = 256;
+/// Lost packets whose late answers are recognised.
+const GIVEN_UP: usize = 2 * LONG_WINDOW;
+/// Later answers are noticed, if a quarter of the first ones are.
+const LATE: Duration = Duration::from_millis(8);
+const FIRST_ANSWERS: u32 = 64;
 /// Time limit of an answer, unless a board turns out to be slower.
 pub const ANSWER: Duration = Duration::from_millis(100);
 /// Time without any answer after which the board is lost.
@@ -113,6 +123,9 @@ pub struct Session<'a> {
     patience: Duration,
     /// Address and number of the latest packets that were lost so.
     given_up: VecDeque<(u8, u8)>,
+    /// Answers so far, and those that were late.
+    answers: u32,
+    late_answers: u32,
     ready_at: Instant,
     /// The generation of the wish behind tasks and frames.
     generation: u64,
@@ -157,6 +170,8 @@ impl<'a> Session<'a> {
             heard_at: now,
             patience: ANSWER,
             given_up: VecDeque::new(),
+            answers: 0,
+            late_answers: 0,
             ready_at: now,
             generation: u64::MAX,
             modulation: Table::steady(),
@@ -240,9 +255,10 @@ impl Session<'_> {
         self.seq % self.devices.len() as u8
     }
 
-    /// The next message, if there is one and an answer to it can be awaited.
+    /// The next message, if there is one and the device has room for it.
     pub fn next(&mut self, wanted: &Wanted, now: Instant) -> Option<Message> {
-        if self.on_the_way.len() >= WINDOW {
+        let short = self.on_the_way.iter().filter(|sent| !is_long(sent.code)).count();
+        if short >= WINDOW || self.on_the_way.len() >= LONG_WINDOW {
             return None;
         }
         let (packet, purpose) = self.next_packet(wanted, now)?;
@@ -300,7 +316,7 @@ impl Session<'_> {
             self.answered(reply, wanted)?;
         }
         while let Some(late) = self.on_the_way.front().filter(|sent| now > sent.gone + self.patience) {
-            self.given_up.truncate(WINDOW - 1);
+            self.given_up.truncate(GIVEN_UP - 1);
             self.given_up.push_front((late.address, late.seq));
             self.lose(0)?;
         }
@@ -338,7 +354,7 @@ impl Session<'_> {
         let Some(place) = self.on_the_way.iter().position(is_it) else { return Ok(()) };
         let Some(sent) = self.on_the_way.remove(place) else { return Ok(()) };
         let round_trip = self.heard_at.saturating_duration_since(sent.gone);
-        self.shared.note(|figures| figures.round_trip.note(round_trip));
+        self.note_answer(round_trip);
         self.see(reply)?;
         match reply.outcome {
             Outcome::Ok => self.taken(&sent, wanted),
@@ -349,6 +365,19 @@ impl Session<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Adapters that collect bytes before they hand them on make all answers late.
+    fn note_answer(&mut self, round_trip: Duration) {
+        self.shared.note(|figures| figures.round_trip.note(round_trip));
+        self.answers = self.answers.saturating_add(1);
+        self.late_answers += u32::from(self.answers <= FIRST_ANSWERS && round_trip > LATE);
+        if self.answers == FIRST_ANSWERS && 4 * self.late_answers >= FIRST_ANSWERS {
+            self.shared.notice(&format!(
+                "answers of the board take more than {} ms: set the latency timer of the USB adapter to 1 ms",
+                LATE.as_millis()
+            ));
+        }
     }
 
     /// Processes the device's state in an answer.
@@ -472,4 +501,8 @@ impl Session<'_> {
         }
         Ok(())
     }
+}
+
+fn is_long(code: u8) -> bool {
+    Kind::from_repr(code).is_some_and(|kind| kind.payload() >= LONG)
 }

@@ -38,6 +38,25 @@ fn a_frame_is_followed_by_enable_and_a_newer_one_replaces_it() {
 }
 
 #[test]
+fn late_answers_are_noticed_and_cost_no_frames() {
+    let frames = |delay: u32| {
+        let (shared, events) = shared();
+        let mut line = Line::playing(Profile::Native, &shared);
+        line.delay = delay * MILLI;
+        line.show(motion(Profile::Native, 1000, 660.0));
+        line.run(Duration::from_secs(1)).unwrap();
+        let begun = line.health().frames;
+        line.run(Duration::from_secs(2)).unwrap();
+        assert_eq!(line.health().refused, 0);
+        let told = notices(&events).matches("latency timer").count();
+        (line.health().frames - begun, told)
+    };
+    let (at_once, late) = (frames(1), frames(16));
+    assert_eq!((at_once.1, late.1), (0, 1));
+    assert!(20 * late.0 >= 19 * at_once.0, "{} frames in 2 s at 1 ms, {} at 16 ms", at_once.0, late.0);
+}
+
+#[test]
 fn an_idle_line_is_kept_alive_and_no_more() {
     for profile in [Profile::Native, Profile::Natives(3), Profile::Natives(8)] {
         let (shared, events) = shared();

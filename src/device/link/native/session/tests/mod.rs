@@ -143,7 +143,8 @@ impl<'a> Line<'a> {
                 self.out.extend(arrived.into_iter().map(|byte| (gone, byte)));
             }
             self.session.sent(message, &self.wanted, self.now, gone);
-            assert!(self.session.on_the_way.len() <= WINDOW);
+            let short = self.session.on_the_way.iter().filter(|sent| !is_long(sent.code));
+            assert!(short.count() <= WINDOW && self.session.on_the_way.len() <= LONG_WINDOW);
         }
         let Some(rest) = self.session.rest(&self.wanted, self.now) else {
             self.pass(until.min(self.now + MILLI));
