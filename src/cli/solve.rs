@@ -115,6 +115,9 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     if scene.drive.is_named() && motion::moves(&scene) {
         note("these figures are of the targets at rest, and of the mean of all frames");
     }
+    if args.levels.is_some() && !solution.others.is_empty() {
+        anyhow::bail!("--levels takes one drive, and `{}` has several", scene.drive.name);
+    }
     let aperture = Aperture::new(&scene);
     let mut stages = Stages::new(Evaluator::Cpu);
     let findings = Findings::of_scene(&scene, &mut stages, solution).map_err(in_file)?;
