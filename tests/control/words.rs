@@ -270,7 +270,7 @@ fn impossible_json_requests_are_answered_and_change_nothing() {
     assert_eq!(web.heard()["error"], "messages are JSON, and text");
     assert_eq!(serving.desk.generation(), 1);
     let counts = &web.ask(r#"{"state": true}"#)["state"]["counts"];
-    assert_eq!((&counts["malformed"], &counts["refused"]), (&json!(14), &json!(6)));
+    assert_eq!((&counts["malformed"], &counts["refused"]), (&json!(15), &json!(6)));
     // A published array is not a file.
     assert_eq!(web.ask(r#"{"scene": {"array": {"elements": "preset:tinylev-72"}}, "id": 1}"#)["done"], 2);
 }
