@@ -318,8 +318,7 @@ impl Board {
             return;
         }
         let aperture = Aperture::new(editor.scene());
-        let fits =
-            !solution.foci.is_empty() && aperture.positions.len() == solution.drive.phases.len();
+        let fits = !solution.foci.is_empty() && aperture.positions.len() == solution.drive.phases.len();
         let levels = wiring.levels(&solution.drive, &Calibration::default());
         shown.board.pressures = levels.ok().filter(|_| fits).map(|levels| {
             let transfer = Problem::new(&aperture, solution.foci.clone()).transfer;

@@ -52,11 +52,7 @@ pub const SONICSURFACE_TACTILE: Declaration = Declaration {
          calibration sonicsurface-tactile-zero-table.csv",
     ),
     // It only accepts lists.
-    protocol: Some(Protocol {
-        filler: Some(PHASES),
-        modulation: Some(tactile_step),
-        ..protocol!(TACTILE)
-    }),
+    protocol: Some(Protocol { filler: Some(PHASES), modulation: Some(tactile_step), ..protocol!(TACTILE) }),
     ..SONICSURFACE
 };
 

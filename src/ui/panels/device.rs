@@ -198,6 +198,10 @@ fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
         Some(State::Ready) if profile.answers() => {
             ui.label(RichText::new("connected").strong());
         }
+        Some(State::Ready) if profile.echoes() => {
+            let tip = "This board sends back commands, but does not report what it plays";
+            ui.label(RichText::new("connected").strong()).on_hover_text(tip);
+        }
         Some(State::Ready) => {
             let tip = "This board sends no answers, so its presence and state are unknown";
             ui.label(RichText::new("port open, unconfirmed").strong()).on_hover_text(tip);
