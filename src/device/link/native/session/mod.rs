@@ -36,7 +36,10 @@ use crate::device::profile::Profile;
 pub const WINDOW: usize = 4;
 /// Packets of any length without an answer. A long one takes so long to arrive that the device has by then answered
 /// those before it; this many keep the fastest line busy while an adapter holds answers back.
-pub const LONG_WINDOW: usize = 64;
+const LONG_WINDOW: usize = 64;
+/// The longest that adapters hold an answer back, and some more. A line without answers for longer is slower than its
+/// bit rate: more packets would only wait in it.
+const HELD_BACK: Duration = Duration::from_millis(24);
 /// Bytes of a long packet's payload.
 const LONG: usize = 256;
 /// Lost packets whose late answers are recognised.
@@ -258,7 +261,8 @@ impl Session<'_> {
     /// The next message, if there is one and the device has room for it.
     pub fn next(&mut self, wanted: &Wanted, now: Instant) -> Option<Message> {
         let short = self.on_the_way.iter().filter(|sent| !is_long(sent.code)).count();
-        if short >= WINDOW || self.on_the_way.len() >= LONG_WINDOW {
+        let first = self.on_the_way.front().map(|sent| sent.gone);
+        if short >= WINDOW || !has_room(self.on_the_way.len(), first, now) {
             return None;
         }
         let (packet, purpose) = self.next_packet(wanted, now)?;
@@ -501,6 +505,12 @@ impl Session<'_> {
         }
         Ok(())
     }
+}
+
+/// Whether one more may follow these unanswered long packets, of which the first one left at `first`.
+pub fn has_room(unanswered: usize, first: Option<Instant>, now: Instant) -> bool {
+    let held_back = first.is_some_and(|gone| now < gone + HELD_BACK);
+    unanswered < WINDOW || (unanswered < LONG_WINDOW && held_back)
 }
 
 fn is_long(code: u8) -> bool {
