@@ -201,8 +201,8 @@ pub fn read(csv: impl Read, aperture: &Aperture) -> Result<DriveTable, TableErro
         if let Some(at) = elsewhere(place, [x, y, z], ASTRAY * aperture.wavelength()) {
             return Err(refused(format!(
                 "element {element} is at {}, and the scene's at {}: the drive is of another array",
-                millimetres(at),
-                millimetres(place)
+                metres(at),
+                metres(place)
             )));
         }
     }
@@ -323,7 +323,7 @@ fn rate(frames: &[Frame]) -> Result<Option<f64>, TableError> {
 fn polar(u: Complex64) -> Result<(f64, f64), String> {
     let amplitude = u.norm();
     if amplitude > 1.0 + ROUNDING {
-        return Err(format!("|re + j im| = {amplitude:.6}: must be at most 1, full drive"));
+        return Err(format!("|re + j im| = {amplitude:?}: must be at most 1, full drive"));
     }
     Ok((u.arg(), amplitude.min(1.0)))
 }
@@ -335,9 +335,10 @@ fn elsewhere(place: DVec3, given: [Option<f64>; 3], tolerance: f64) -> Option<DV
     (at.distance(place) > tolerance).then_some(at)
 }
 
-fn millimetres(place: DVec3) -> String {
-    let [x, y, z] = place.to_array().map(|length| crate::rounding::millimetres(length, 2));
-    format!("({x}, {y}, {z}) mm")
+/// A position (m) in the digits of the file.
+fn metres(place: DVec3) -> String {
+    let [x, y, z] = place.to_array();
+    format!("({x:?}, {y:?}, {z:?}) m")
 }
 
 /// A phase (rad) wrapped to (-π, π], unchanged if already there.
@@ -466,8 +467,11 @@ mod tests {
             ("phase,amplitude\n0,1.5\n", "2: amplitude = 1.5: must be"),
             ("phase,amplitude\n0,0.5\n0,\n", "3: amplitude is empty"),
             ("phase\n0\nnan\n", "3: phase = `nan`: not a finite number"),
-            ("re,im\n0,0.5\n1,1\n", "3: |re + j im| = 1.414214: must be"),
-            ("phase,x\n0,-0.005\n0,0.05\n", "3: element 1 is at (50.00, 0.00, 0.00) mm, and the scene's at"),
+            ("re,im\n0,0.5\n1,1\n", "3: |re + j im| = 1.4142135623730951: must be"),
+            (
+                "phase,x\n0,-0.005\n0,0.05\n",
+                "3: element 1 is at (0.05, 0.0, 0.0) m, and the scene's at (",
+            ),
             ("phase_0,phase_1,phase_2\n0,1,2\n", "1: the columns phase_0 to phase_2 are of 3 elements, and"),
             ("time,phase_0,phase_1\n0,0,0\n1,0,0\n3,0,0\n", "3: time = 1.0: frames must"),
             ("time,phase_0,phase_1\n1,0,0\n1,0,0\n", "3: time = 1.0: frames must"),

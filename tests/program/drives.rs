@@ -243,7 +243,7 @@ fn a_file_without_a_drive_is_refused_by_its_line() {
         ("element,phase\n1,0\n1,0\n", "own.csv:3: element 1 is given twice"),
         ("element,phase\n0,nan\n", "own.csv:2: phase = `nan`: not a finite number"),
         ("element,phase\n2,0\n", "own.csv:2: element = 2.0: the scene's elements are numbered 0 to 1"),
-        ("x,y,phase\n0.1,0,0\n", "own.csv:2: element 0 is at (100.00, 0.00, 0.00) mm, and the scene's at"),
+        ("x,y,phase\n0.1,0,0\n", "own.csv:2: element 0 is at (0.1, 0.0, 0.0) m, and the scene's at"),
         ("element,amplitude\n0,1\n", "own.csv:1: the column `phase` is missing"),
     ] {
         fs::write(folder.path().join("own.csv"), text).unwrap();
