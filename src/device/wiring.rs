@@ -108,7 +108,7 @@ impl Default for Share {
 /// An array that does not match the board.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum OtherArray {
-    #[error("{array}, and {}", size(*profile, *ports))]
+    #[error("{array}, and {}", size(*profile, array.boards, *ports))]
     Size { profile: Profile, array: ArraySize, ports: usize },
     #[error("{}channel {channel} is out of range: {} has 0-{last}", at(from, *line), profile.name())]
     Channel { profile: Profile, from: Option<PathBuf>, line: u64, channel: usize, last: usize },
@@ -140,12 +140,15 @@ impl fmt::Display for ArraySize {
 }
 
 /// The arrays that a board drives, as text.
-fn size(profile: Profile, ports: usize) -> String {
+fn size(profile: Profile, boards: usize, ports: usize) -> String {
     let each = if ports > 1 { format!(" at each of {ports} ports") } else { String::new() };
     match profile.shape() {
         Some([columns, rows]) => {
             let name = profile.name();
-            format!("{name} is {columns} x {rows}{each}: `array.wiring` names the channels of other arrays")
+            let more = if boards > ports { "; `send` takes a --port for each board" } else { "" };
+            format!(
+                "{name} is {columns} x {rows}{each}: `array.wiring` names the channels of other arrays{more}"
+            )
         }
         None => format!(
             "{} drives up to {} elements in any rows and columns{each}",

@@ -61,7 +61,7 @@ fn invalid_tables_and_boards_are_refused_with_line_and_column() {
         ),
         (
             &["send", "two.toml", "--port", "/dev/null", "--profile", "sonicsurface"],
-            &["2 boards of 16 x 16", "sonicsurface"],
+            &["2 boards of 16 x 16", "sonicsurface", "--port for each board"],
         ),
     ] {
         let message = refuse(folder.path(), args);
