@@ -31,7 +31,7 @@ fn the_silence_at_the_start_is_counted() {
     let (shared, events) = shared();
     let settings = Settings { port: virtual_board(profile), profile, baud: Some(10_000_000) };
     shared.wanted.lock().closing = true;
-    finish(run(&settings, &shared)).unwrap();
+    finish(run(&settings, &shared, false)).unwrap();
     assert!(matches!(events.try_recv(), Ok(Event::Ready(_))));
     let health = shared.health();
     assert!(health.silenced && health.bytes == stock::silence(profile).len() as u64, "{health:?}");
