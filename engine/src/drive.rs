@@ -157,8 +157,8 @@ pub fn read(csv: impl Read, aperture: &Aperture) -> Result<DriveTable, TableErro
             let refused = |reason: String| table.refusal(reason);
             let frame =
                 frames.at(frame.unwrap_or(frames.all.len() as f64), time, table.line()).map_err(refused)?;
-            for element in 0..elements {
-                let Some(phase) = table.value("phase", phases[element])? else { continue };
+            for (element, &place) in phases.iter().enumerate() {
+                let Some(phase) = table.value("phase", place)? else { continue };
                 let amplitude =
                     amplitudes.get(element).map_or(Ok(Some(1.0)), |&at| table.value("amplitude", at))?;
                 frame.set(element, phase, amplitude.unwrap_or(0.0)).map_err(refused)?;

@@ -315,7 +315,7 @@ impl Window {
                 self.tell(&format!("The drive is that of {name}: nothing is solved"), false);
             }
             Outcome::Driven(Err(error)) => {
-                self.refuse("The file holds no drive of this array", &anyhow!(error))
+                self.refuse("The file holds no drive of this array", &anyhow!(error));
             }
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {

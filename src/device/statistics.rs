@@ -41,6 +41,7 @@ pub struct Durations {
 /// Typical and extreme values of durations.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Spread {
+    pub mean: Duration,
     pub median: Duration,
     /// 95 of 100 are no further from the median.
     pub jitter: Duration,
@@ -66,9 +67,10 @@ impl Durations {
         let mut sorted: Vec<_> = self.kept.iter().copied().collect();
         sorted.sort_unstable();
         let median = *sorted.get(sorted.len() / 2)?;
+        let mean = sorted.iter().sum::<Duration>() / sorted.len() as u32;
         let mut off: Vec<_> = sorted.iter().map(|duration| duration.abs_diff(median)).collect();
         off.sort_unstable();
-        Some(Spread { median, jitter: *off.get(off.len() * 95 / 100)?, largest: *sorted.last()? })
+        Some(Spread { mean, median, jitter: *off.get(off.len() * 95 / 100)?, largest: *sorted.last()? })
     }
 }
 

@@ -283,12 +283,12 @@ fn two_openmpd_boards_have_an_order_and_phases_each() {
     let one = Scene { boards: Vec::new(), ..both.clone() };
     let drive = solver::solve(&both).unwrap().drive;
     let files: Vec<_> = [7, 8].map(|seed| board_file(seed, 40.0 * f64::from(seed), 1.0)).into();
-    let read = |(n, (text, _)): (usize, &(String, Vec<(DVec3, usize, f64)>))| {
-        let path = folder.path().join(format!("{n}.pat"));
+    let read = |(text, _): &(String, _)| {
+        let path = folder.path().join("board.pat");
         fs::write(&path, text).unwrap();
         Some(Calibration::read(&path, &one).unwrap())
     };
-    let calibration = Calibration::of_boards(files.iter().enumerate().map(read), 256);
+    let calibration = Calibration::of_boards(files.iter().map(read), 256);
     // The first as its driver has it, and upside down: local x and z against the world's.
     let worlds = [|at: DVec3| at, |at: DVec3| DVec3::new(-at.x, at.y, 0.2388 - at.z)];
     let mut sum = Vec::new();

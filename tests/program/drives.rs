@@ -79,7 +79,7 @@ fn own_drive_is_shown_judged_flown_and_sent() {
     let folder = folder_with(&[
         ("t.toml", TINYLEV),
         ("bare.toml", &TINYLEV.replace("[[target]]\nat = [0.001, 0.0, 0.002]\n", "")),
-        ("own.csv", &file_of(&[silent_in_part.clone()])),
+        ("own.csv", &file_of(std::slice::from_ref(&silent_in_part))),
         ("alike.csv", &file_of(&[alike])),
         ("points.csv", "x,y,z\n0.001,0,0.002\n0.0,0.003,-0.004\n"),
     ]);

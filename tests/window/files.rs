@@ -319,7 +319,7 @@ fn an_own_drive_is_played_until_solve_instead() {
     drop_file(&mut screen, &wrong);
     match &screen.state().editor().dialog {
         Some(Dialog::Message { text, .. }) => {
-            assert!(text.contains("wrong.csv:3: element 7 is given twice"), "{text}")
+            assert!(text.contains("wrong.csv:3: element 7 is given twice"), "{text}");
         }
         other => panic!("{other:?}"),
     }

@@ -233,7 +233,7 @@ fn line(health: &Health) -> String {
     if let Some(spread) = health.swaps {
         line += &format!(
             ", modulated at {:.2} Hz (jitter {})",
-            0.5 / spread.median.as_secs_f64(),
+            0.5 / spread.mean.as_secs_f64(),
             milliseconds(spread.jitter, 3)
         );
     }

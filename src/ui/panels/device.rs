@@ -348,7 +348,7 @@ fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
             fact(ui, ("Retransmissions", tip), health.refused.to_string());
         }
         if let Some(swaps) = health.swaps {
-            let hertz = 0.5 / swaps.median.as_secs_f64();
+            let hertz = 0.5 / swaps.mean.as_secs_f64();
             let value = format!("{hertz:.2} Hz ± {}", milliseconds(swaps.jitter));
             fact(ui, ("Modulated at", "By exchanging buffers from here, with jitter"), value);
         }

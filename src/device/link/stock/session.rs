@@ -44,7 +44,7 @@ enum Purpose {
 }
 
 /// Write-ahead time of a line that keeps the time: longer than a busy computer lets its threads wait.
-const AHEAD: Duration = Duration::from_millis(50);
+pub const AHEAD: Duration = Duration::from_millis(50);
 /// The same for a wish younger than [`SETTLED`], which may soon be replaced.
 const AHEAD_OF_DRAGS: Duration = Duration::from_millis(20);
 const SETTLED: Duration = Duration::from_millis(300);

@@ -3,6 +3,7 @@
 use super::*;
 use crate::device::link::Link;
 use crate::device::link::shared::Sounding;
+use crate::device::link::stock::session::AHEAD;
 use crate::device::link::stock::{run, watch};
 use crate::device::port::{Port, virtual_board};
 use crate::device::task::finish;
@@ -67,7 +68,7 @@ fn a_frame_waits_for_the_line() {
         std::thread::sleep(MILLI);
     };
     let carried = Pace::new(f64::from(baud), begun).time_of(profile.frame_bytes()) * (frames as u32 - 1);
-    assert!(begun.elapsed() + LEAD >= carried, "{frames} frames in {:?}", begun.elapsed());
+    assert!(begun.elapsed() + AHEAD >= carried, "{frames} frames in {:?}", begun.elapsed());
 }
 
 #[test]
