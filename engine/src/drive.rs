@@ -468,10 +468,7 @@ mod tests {
             ("phase,amplitude\n0,0.5\n0,\n", "3: amplitude is empty"),
             ("phase\n0\nnan\n", "3: phase = `nan`: not a finite number"),
             ("re,im\n0,0.5\n1,1\n", "3: |re + j im| = 1.4142135623730951: must be"),
-            (
-                "phase,x\n0,-0.005\n0,0.05\n",
-                "3: element 1 is at (0.05, 0.0, 0.0) m, and the scene's at (",
-            ),
+            ("phase,x\n0,-0.005\n0,0.05\n", "3: element 1 is at (0.05, 0.0, 0.0) m, and the scene's at ("),
             ("phase_0,phase_1,phase_2\n0,1,2\n", "1: the columns phase_0 to phase_2 are of 3 elements, and"),
             ("time,phase_0,phase_1\n0,0,0\n1,0,0\n3,0,0\n", "3: time = 1.0: frames must"),
             ("time,phase_0,phase_1\n1,0,0\n1,0,0\n", "3: time = 1.0: frames must"),

@@ -119,7 +119,7 @@ impl Calibration {
     }
 
     /// The sound of a drive by elements that need these corrections.
-    pub(crate) fn sound(&self, mut drive: Drive) -> Drive {
+    pub fn sound(&self, mut drive: Drive) -> Drive {
         let values = drive.amplitudes.iter_mut().zip(&mut drive.phases);
         for ((amplitude, phase), one) in values.zip(&self.elements) {
             *amplitude = if one.off || one.gain == 0.0 { 0.0 } else { *amplitude / one.gain };

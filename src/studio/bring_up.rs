@@ -164,7 +164,7 @@ fn in_words(trial: &Trial) -> String {
 }
 
 /// The tested array: a scene's if the board drives it, or else one of the board's shape.
-pub(crate) fn tested(profile: Profile, scene: &Scene) -> (Scene, Wiring) {
+pub fn tested(profile: Profile, scene: &Scene) -> (Scene, Wiring) {
     match Wiring::of(profile, scene, Share::default()) {
         Ok(wiring) => (scene.clone(), wiring),
         Err(_) => (board_scene(profile), Wiring::own(profile)),

@@ -55,6 +55,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "rustix",
             "serialport",
             "signal_hook",
+            "thread_priority",
             "thiserror",
             "wasm_bindgen",
             "wasm_bindgen_futures",
