@@ -29,6 +29,8 @@ pub(super) fn meant(text: &str, folder: Option<&Path>) -> PathBuf {
 
 /// The folder, or its nearest readable ancestor, with the reason. Folders first, without hidden files.
 pub(super) fn list(folder: &Path) -> Folder {
+    // A relative path of one part has an empty parent.
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let path = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
     let problem = match entries(&path) {
         Ok(entries) => return Folder { path, home: home_dir(), entries, problem: None },
@@ -79,6 +81,8 @@ mod tests {
         let above = list(&folder.path().join("gone"));
         assert_eq!(above.path, folder.path());
         assert!(above.problem.unwrap().ends_with("gone: no such folder"));
+        let here = list(Path::new(""));
+        assert!(here.problem.is_none() && Some(here.path) == super::here());
     }
 
     #[test]

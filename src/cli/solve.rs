@@ -402,9 +402,11 @@ fn side_lobe_row(found: &Result<SideLobe, NoSideLobe>) -> String {
     match found {
         Ok(lobe) => {
             let [x, y, z] = coordinates(lobe.position);
+            // A drive of a file may leave its targets silent.
+            let part = if lobe.part < 10.0 { percent(lobe.part) } else { format!("{:.0} times", lobe.part) };
+            let of = if lobe.part < 10.0 { " of" } else { "" };
             format!(
-                "{} of the mean, the loudest outside the main lobes: {} at ({x}, {y}, {z}) mm",
-                percent(lobe.part),
+                "{part}{of} the mean, the loudest outside the main lobes: {} at ({x}, {y}, {z}) mm",
                 pascals(lobe.pressure)
             )
         }

@@ -5,7 +5,7 @@
 //! one silent, at the right times (`pulses`), also during a motion or a drag: frames are loaded while the board is
 //! silent (`rhythm` computes the skipped pulses).
 //!
-//! The line is the clock where a board has a byte that it ignores: up to 50 ms are written ahead, the time between two
+//! The line is the clock where a board has a byte that it ignores: up to 30 ms are written ahead, the time between two
 //! swaps is filled with that byte, and a swap is on the line within half a byte of its time whatever the computer does.
 //! A stop discards what has not left.
 //!

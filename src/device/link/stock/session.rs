@@ -43,11 +43,14 @@ enum Purpose {
     Pulse(Act),
 }
 
-/// Write-ahead time of a line that keeps the time: longer than a busy computer lets its threads wait.
-pub const AHEAD: Duration = Duration::from_millis(50);
+/// Write-ahead time of a line that keeps the time: longer than a busy computer lets its threads wait, and short enough
+/// for silence within 0.1 s where the system does not discard it.
+pub const AHEAD: Duration = Duration::from_millis(30);
 /// The same for a wish younger than [`SETTLED`], which may soon be replaced.
 const AHEAD_OF_DRAGS: Duration = Duration::from_millis(20);
 const SETTLED: Duration = Duration::from_millis(300);
+/// The same before a list, which takes long itself.
+const AHEAD_OF_LISTS: Duration = Duration::from_millis(10);
 /// Time between two looks at such a line.
 const SLICE: Duration = Duration::from_millis(5);
 
@@ -181,9 +184,8 @@ impl Session<'_> {
         }
     }
 
-    /// The wait until the line, free at `at`, takes more.
-    fn room(&self, wanted: &Wanted, now: Instant, at: Instant) -> Option<Step> {
-        let ahead = self.ahead(wanted, now);
+    /// The wait until the line, free at `at`, has no more to send than for this time.
+    fn room(&self, ahead: Duration, now: Instant, at: Instant) -> Option<Step> {
         let slice = self.filler.map_or(Duration::ZERO, |_| SLICE);
         (at > now + ahead).then(|| Step::Wait(at - ahead + slice))
     }
@@ -299,7 +301,7 @@ impl Session<'_> {
     /// A motion on a board with two buffers: the next frame is loaded early, and shown by a byte in its time. Two frames
     /// that alternate are loaded once.
     fn in_turn(&mut self, content: &Content, wanted: &Wanted, now: Instant, at: Instant) -> Step {
-        if let Some(step) = self.room(wanted, now, at) {
+        if let Some(step) = self.room(self.ahead(wanted, now), now, at) {
             return step;
         }
         let Frames { load, fit_two_buffers, .. } = self.frames_of(content, wanted);
@@ -331,18 +333,22 @@ impl Session<'_> {
             (Some((key, due)), _) => {
                 let is_old = fit_two_buffers && now > self.loaded_at + REFRESH;
                 if is_old && at + load + show <= due {
-                    return self.load(content, key, due, now);
+                    return self.load(content, key, due, now, at);
                 }
                 let Some(swap) = stock::swap(self.profile) else { return Step::Wait(due) };
                 self.until(due - show, wanted, now, at)
                     .unwrap_or_else(|| self.write(vec![swap], Purpose::Swap(key)))
             }
-            (None, Some((due, frame))) => self.load(content, (generation, frame), due, now),
+            (None, Some((due, frame))) => self.load(content, (generation, frame), due, now, at),
             (None, None) => Step::Wait(now + REFRESH),
         }
     }
 
-    fn load(&mut self, content: &Content, key: Key, due: Instant, now: Instant) -> Step {
+    fn load(&mut self, content: &Content, key: Key, due: Instant, now: Instant, at: Instant) -> Step {
+        let ahead = self.filler.map_or(LEAD, |_| AHEAD_OF_LISTS);
+        if let Some(step) = self.room(ahead, now, at) {
+            return step;
+        }
         let bytes = self.started(stock::load(&content.frames()[key.1]), now);
         self.write(bytes, Purpose::Load(key, due))
     }
@@ -387,7 +393,7 @@ impl Session<'_> {
         // Pulses are in the time of the line, if it keeps one.
         let at = free_at.max(now);
         let mut clock = self.filler.map_or(now, |_| at);
-        if let (Some(_), Some(step)) = (self.filler, self.room(wanted, now, at)) {
+        if let (Some(_), Some(step)) = (self.filler, self.room(self.ahead(wanted, now), now, at)) {
             return self.pulses.as_ref().map(|_| step);
         }
         loop {

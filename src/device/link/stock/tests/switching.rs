@@ -41,7 +41,7 @@ fn pulses_keep_their_bytes_on_a_busy_computer() {
     for (baud, frequency) in [(230_400, 200.0), (230_400, 63.7), (1_000_000, 100.0)] {
         let (shared, _events) = shared();
         let mut line = Line::new(Profile::SonicSurface, baud, &shared);
-        line.late = 40 * MILLI;
+        line.late = 20 * MILLI;
         line.modulate(Envelope::Square, frequency);
         line.show(still(line.profile, 7));
         line.run(400 * MILLI);
@@ -63,7 +63,7 @@ fn a_stop_discards_what_has_not_left() {
         line.modulate(Envelope::Square, 200.0);
         line.show(still(profile, 7));
         line.run(700 * MILLI);
-        assert!(line.pace.backlog(line.now) > 40 * MILLI, "{:?}", line.pace.backlog(line.now));
+        assert!(line.pace.backlog(line.now) > 20 * MILLI, "{:?}", line.pace.backlog(line.now));
         line.stop();
         line.run(30 * MILLI);
         assert_eq!(line.playing(), Levels::off(profile), "{}", profile.name());
@@ -72,7 +72,7 @@ fn a_stop_discards_what_has_not_left() {
 
 #[test]
 fn two_frames_in_turn_are_loaded_once_and_swapped() {
-    for (rate, late) in [(200.0, 0), (1000.0, 0), (1000.0, 40), (3000.0, 30)] {
+    for (rate, late) in [(200.0, 0), (1000.0, 0), (1000.0, 20), (3000.0, 20)] {
         let profile = Profile::SonicSurface;
         let (shared, _events) = shared();
         let mut line = Line::new(profile, profile.baud(), &shared);
