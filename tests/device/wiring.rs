@@ -359,7 +359,7 @@ fn wires_that_make_no_sense_are_refused_with_their_line() {
         ("element,channel\n0,0.5\n", "open", "w.csv:2: channel 0.5 is out of range (0-65535)"),
         ("element,channel\n0,one\n", "open", "w.csv:2: channel = `one`: not a finite number"),
         ("element,channel\n", "open", "w.csv:1: no element is wired"),
-        ("element,chanel\n0,0\n", "open", "w.csv:1: the column `channel` is missing"),
+        ("element,pin\n0,0\n", "open", "w.csv:1: the column `channel` is missing"),
     ] {
         let said = opened(csv);
         let message = said.get(when).unwrap_or_else(|| panic!("{csv}: {said:?}"));

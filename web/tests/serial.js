@@ -184,7 +184,7 @@ async function rates({ scene }) {
   const found = {};
   await page.program.choose();
   const [name] = await page.program.ports();
-  for (const [profile, baud] of [["native", 4000000], ["native", 3000000], ["sonicsurface", 3000000]]) {
+  for (const [profile, baud] of [["native", 9000000], ["native", 3000000], ["sonicsurface", 3000000]]) {
     const sender = new page.program.Sender(name, profile, baud, scene);
     let event;
     await until("a refusal", () => (event = sender.event()) !== undefined);

@@ -239,7 +239,7 @@ def judge(found, commands, decode):
             if part := sound.get(f"left {profile} {how}"):
                 report.state(part["is_silent"], f"{profile}: silent when the page is left ({how}), by {len(part['last']) // 2} bytes")
     if part := sound.get("rates"):
-        report.state("more than the board's" in part["native 4000000"], f"a rate beyond the board's: {part['native 4000000']}")
+        report.state("more than the board's" in part["native 9000000"], f"a rate beyond the board's: {part['native 9000000']}")
         report.state("Failed to open" in part["native 3000000"], f"a rate beyond the adapter's: {part['native 3000000']}")
         report.state("Failed to open" in part["sonicsurface 3000000"], f"the same at the start: {part['sonicsurface 3000000']}")
     if part := sound.get("survey"):
