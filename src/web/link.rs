@@ -23,7 +23,7 @@ fn profile(name: &str) -> Result<Profile, JsError> {
     Profile::of_name(name).ok_or_else(|| JsError::new(&format!("{name} is no profile")))
 }
 
-/// Amplitude and phase (rad) of every channel in turn.
+/// Amplitude and phase (rad) of every element in turn.
 fn in_turn(drive: &Drive) -> Vec<f64> {
     drive.amplitudes.iter().zip(&drive.phases).flat_map(|(&amplitude, &phase)| [amplitude, phase]).collect()
 }
@@ -31,7 +31,10 @@ fn in_turn(drive: &Drive) -> Vec<f64> {
 /// A virtual board: it accepts bytes and answers.
 #[derive(Debug)]
 #[wasm_bindgen]
-pub struct Board(VirtualBoard);
+pub struct Board {
+    board: VirtualBoard,
+    wiring: Wiring,
+}
 
 #[wasm_bindgen]
 impl Board {
@@ -43,29 +46,29 @@ impl Board {
     pub fn new(name: &str) -> Result<Self, JsError> {
         console_error_panic_hook::set_once();
         let profile = profile(name)?;
-        Ok(Self(VirtualBoard::new(profile, profile.baud())))
+        Ok(Self { board: VirtualBoard::new(profile, profile.baud()), wiring: Wiring::own(profile) })
     }
 
     pub fn set_baud(&mut self, baud: u32) {
-        self.0.set_baud(baud);
+        self.board.set_baud(baud);
     }
 
     pub fn write(&mut self, bytes: &[u8]) {
-        self.0.write(bytes);
+        self.board.write(bytes);
     }
 
     pub fn read(&mut self) -> Vec<u8> {
-        self.0.read()
+        self.board.read()
     }
 
     /// Frames shown since the last call.
     pub fn frames(&mut self) -> usize {
-        self.0.frames().len()
+        self.board.frames().len()
     }
 
-    /// Amplitude and phase (rad) of every channel in turn.
+    /// Amplitude and phase (rad) of every element in turn.
     pub fn playing(&mut self) -> Vec<f64> {
-        in_turn(&self.0.playing().drive())
+        in_turn(&self.wiring.drive(&self.board.playing().drive()))
     }
 }
 
@@ -102,7 +105,7 @@ impl Sender {
         })
     }
 
-    /// Solves the scene and sends it, as `sonoglyph send` does; returns amplitude and phase (rad) of every channel in
+    /// Solves the scene and sends it, as `sonoglyph send` does; returns amplitude and phase (rad) of every element in
     /// turn.
     ///
     /// # Errors
@@ -113,7 +116,7 @@ impl Sender {
         let levels = levels.map_err(|error| JsError::new(&error))?;
         self.player.forget();
         self.player.play(&self.scene, performance).map_err(|error| JsError::new(&error))?;
-        Ok(in_turn(&levels.drive()))
+        Ok(in_turn(&Wiring::own(self.profile).drive(&levels.drive())))
     }
 
     /// One element alone.

@@ -40,6 +40,7 @@ BAUDS = {"native": 2000000, "sonicsurface": 230400}
 INFO, STATUS, MUTE, PHASES = 0x01, 0x02, 0x04, 0x10
 # The last byte of a stock frame.
 SWAP = b"\xfd"
+START = bytes([151, 192])
 
 
 def scene(profile):
@@ -166,10 +167,10 @@ def frames(data):
 
 
 def once(parts):
-    """The frames without repetitions of a frame or of a pair of frames."""
+    """The frames without repetitions of a frame or of a pair of frames, and without what precedes one after a pause."""
     kept = []
     for part in parts:
-        kept.append(part)
+        kept.append(part.removeprefix(START))
         for length in (1, 2):
             if len(kept) >= 2 * length and kept[-length:] == kept[-2 * length:-length]:
                 del kept[-length:]
