@@ -403,10 +403,12 @@ fn side_lobe_row(found: &Result<SideLobe, NoSideLobe>) -> String {
         Ok(lobe) => {
             let [x, y, z] = coordinates(lobe.position);
             // A drive of a file may leave its targets silent.
-            let part = if lobe.part < 10.0 { percent(lobe.part) } else { format!("{:.0} times", lobe.part) };
-            let of = if lobe.part < 10.0 { " of" } else { "" };
+            let times = match lobe.part {
+                part if part < 10.0 => format!("{} of", percent(part)),
+                part => format!("{part:.0} times"),
+            };
             format!(
-                "{part}{of} the mean, the loudest outside the main lobes: {} at ({x}, {y}, {z}) mm",
+                "{times} the mean, the loudest outside the main lobes: {} at ({x}, {y}, {z}) mm",
                 pascals(lobe.pressure)
             )
         }

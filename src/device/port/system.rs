@@ -274,7 +274,6 @@ fn never_block(_: &Serial) -> io::Result<()> {
 fn ask_for_low_latency(serial: &Serial) {
     use std::ffi::{c_int, c_uint, c_ulong, c_ushort, c_void};
 
-    use rustix::fd::{AsRawFd, BorrowedFd};
     use rustix::ioctl::{Getter, Opcode, Setter, ioctl};
 
     const TIOCGSERIAL: Opcode = 0x541E;
@@ -297,12 +296,11 @@ fn ask_for_low_latency(serial: &Serial) {
         iomap_base: c_ulong,
     }
 
-    let descriptor = unsafe { BorrowedFd::borrow_raw(serial.as_raw_fd()) };
-    let settings = unsafe { ioctl(descriptor, Getter::<TIOCGSERIAL, Settings>::new()) };
+    let settings = unsafe { ioctl(descriptor(serial), Getter::<TIOCGSERIAL, Settings>::new()) };
     if let Ok(mut settings) = settings {
         settings.flags |= ASYNC_LOW_LATENCY;
         // A port that refuses is as good as before.
-        let _ = unsafe { ioctl(descriptor, Setter::<TIOCSSERIAL, Settings>::new(settings)) };
+        let _ = unsafe { ioctl(descriptor(serial), Setter::<TIOCSSERIAL, Settings>::new(settings)) };
     }
 }
 

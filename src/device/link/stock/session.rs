@@ -44,7 +44,7 @@ enum Purpose {
 }
 
 /// Write-ahead time of a line that keeps the time: longer than a busy computer lets its threads wait, and short enough
-/// for silence within 0.1 s where the system does not discard it.
+/// for silence after some 0.1 s where the system does not discard it.
 pub const AHEAD: Duration = Duration::from_millis(30);
 /// The same for a wish younger than [`SETTLED`], which may soon be replaced.
 const AHEAD_OF_DRAGS: Duration = Duration::from_millis(20);
