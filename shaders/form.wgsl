@@ -11,8 +11,6 @@ struct FormParams {
     factor: f32,
     // e^(jωt) of an instantaneous pressure.
     turn: vec2f,
-    // Coefficients of a bead's potential: of the squared pressure and, subtracted, of its squared slopes.
-    of_potential: vec2f,
 }
 
 @group(0) @binding(3) var<uniform> c: FormParams;

@@ -144,6 +144,9 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         for Held { target, hold } in &findings.traps {
             say!("{:<COLUMN$}{}", format!("trap, target {}", target + 1), levitation::verdict(hold))?;
         }
+        if let Some(neighbour) = &findings.neighbour {
+            say!("{:<COLUMN$}{}", "between beads", levitation::between(neighbour))?;
+        }
         if let Some(played) = &played {
             print_played(played, scene.solver.pressures, findings.solution.quality.is_silent())?;
         }

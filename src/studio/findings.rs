@@ -9,7 +9,7 @@ use crate::rounding::percent_at_most;
 use crate::scene::{Pressures, Scene, outline};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{Limits, Problem, Solution, SolveError, room, shape};
-use crate::studio::levitation::{self, Held};
+use crate::studio::levitation::{self, Held, Neighbour};
 use crate::studio::probe::{self, Reading};
 use crate::studio::{json, reach};
 
@@ -22,6 +22,8 @@ pub struct Findings {
     pub heard: Option<Reading>,
     /// The bead in every trap.
     pub traps: Vec<Held>,
+    /// The force between beads, if it counts.
+    pub neighbour: Option<Neighbour>,
     /// Warnings about all of it, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -49,6 +51,7 @@ impl Findings {
         let heard =
             scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
         let traps = levitation::held(scene, aperture, &solution.drives());
+        let neighbour = levitation::neighbour(scene, aperture, &solution.drives(), &traps);
         let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
         let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
@@ -60,7 +63,7 @@ impl Findings {
         warnings.extend(heard.and_then(|heard| heard.warning()));
         warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
         warnings.extend(levitation::warning(scene).filter(|_| !traps.is_empty()));
-        Self { solution, limits, side_lobe, heard, traps, warnings }
+        Self { solution, limits, side_lobe, heard, traps, neighbour, warnings }
     }
 
     /// The same from a scene and its solution, whose figures it completes.
@@ -93,6 +96,9 @@ impl Findings {
         }
         if !self.traps.is_empty() {
             value["traps"] = self.traps.iter().map(json::trap).collect();
+        }
+        if let Some(Neighbour { target, force, part }) = self.neighbour {
+            value["between_beads"] = json!({ "target": target, "force": force.to_array(), "weights": part });
         }
         value
     }

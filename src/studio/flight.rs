@@ -55,7 +55,8 @@ impl Course {
         let Some(wanted) = wanted.collect::<Option<Vec<_>>>() else {
             bail!("{name}: target {} is no trap of every frame", target.map_or(1, |target| target + 1));
         };
-        let fields: Vec<_> = drives.iter().map(|drives| Levitation::new(scene, &aperture, drives)).collect();
+        let bead = Levitation::new(scene, &aperture, &[]);
+        let fields: Vec<_> = drives.iter().map(|drives| bead.playing(drives)).collect();
         let air = Air::new(&scene.medium, scene.array.frequency);
         let drag = Drag::new(&fields[0].sphere, viscosity(&scene.medium), air.density);
         Ok(Self { fields, wanted, span, drag })

@@ -31,6 +31,48 @@ pub fn held(scene: &Scene, aperture: &Aperture, drives: &[Drive]) -> Vec<Held> {
     traps.into_iter().map(|(target, at)| Held { target, hold: levitation.hold(at) }).collect()
 }
 
+/// The largest force between beads at rest in a scene's traps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Neighbour {
+    /// The target whose bead it acts on.
+    pub target: usize,
+    /// N
+    pub force: DVec3,
+    /// Its part of the weight less buoyancy.
+    pub part: f64,
+}
+
+/// A tenth of the weight: forces between beads from there on are reported.
+const FELT: f64 = 0.1;
+
+/// The largest force between the beads that are held, if it counts.
+pub fn neighbour(scene: &Scene, aperture: &Aperture, drives: &[Drive], held: &[Held]) -> Option<Neighbour> {
+    let held: Vec<_> = held.iter().filter(|held| held.hold.holds()).collect();
+    if held.len() < 2 {
+        return None;
+    }
+    let levitation = Levitation::new(scene, aperture, drives);
+    let places: Vec<_> = held.iter().map(|held| held.hold.rest).collect();
+    let forces = held.iter().zip(levitation.between(&places)?);
+    let of = |(held, force): (&&Held, DVec3)| Neighbour {
+        target: held.target,
+        force,
+        part: force.length() / levitation.load.abs(),
+    };
+    let largest = forces.map(of).max_by(|a, b| a.part.total_cmp(&b.part));
+    largest.filter(|neighbour| neighbour.part > FELT)
+}
+
+/// The force between beads, a sentence without its full stop.
+pub fn between(neighbour: &Neighbour) -> String {
+    format!(
+        "the others' scattering pushes the bead of target {} by {} of its weight along {}",
+        neighbour.target + 1,
+        rounding::percent(neighbour.part),
+        axis(neighbour.force.normalize_or_zero())
+    )
+}
+
 /// The warning about forces on the scene's bead.
 pub fn warning(scene: &Scene) -> Option<String> {
     let air = Air::new(&scene.medium, scene.array.frequency);

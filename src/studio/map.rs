@@ -38,7 +38,7 @@ pub fn extent(quantity: Quantity, peak: f64) -> String {
     match declaration.norm {
         // It describes the sound behind the phases.
         Norm::Pressure => format!("pressure up to {} peak", Quantity::Rms.at_most(peak)),
-        Norm::Value | Norm::Difference | Norm::Energy => {
+        Norm::Value | Norm::Difference => {
             format!("{} up to {}", declaration.words, quantity.at_most(peak))
         }
     }
@@ -51,8 +51,8 @@ pub fn remark(quantity: Quantity, map: &Map) -> Option<String> {
         // What is summed: phases and depressions follow from it.
         let summed = match (declaration.norm, declaration.of_liquid) {
             (Norm::Pressure, _) => Quantity::Rms.declaration(),
-            (Norm::Value | Norm::Difference | Norm::Energy, true) => Quantity::Radiation.declaration(),
-            (Norm::Value | Norm::Difference | Norm::Energy, false) => declaration,
+            (Norm::Value | Norm::Difference, true) => Quantity::Radiation.declaration(),
+            (Norm::Value | Norm::Difference, false) => declaration,
         };
         let (words, unit) = (summed.words, summed.unit.symbol());
         return Some(format!("silent: {words} below its rounding, {:.0e} {unit}", map.rounding));
@@ -122,7 +122,7 @@ fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String
     if map.has_larger() {
         let values = match quantity.declaration().norm {
             Norm::Pressure => format!("{} peak", Quantity::Rms.at_most(map.loudest.into())),
-            Norm::Value | Norm::Difference | Norm::Energy => quantity.at_most(map.loudest.into()),
+            Norm::Value | Norm::Difference => quantity.at_most(map.loudest.into()),
         };
         how.push_str(&format!(
             "\n  the range leaves out {} pixels within a wavelength of elements, with values up to {values}",

@@ -60,11 +60,14 @@ pub fn values(
     if declaration.of_liquid {
         return Vec::new();
     }
-    if declaration.is_vector {
+    if declaration.of_bead {
         let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
-        return levitation.forces_at(points).into_iter().map(DVec3::length).collect();
+        if quantity == Quantity::Force {
+            return levitation.forces_at(points).into_iter().map(DVec3::length).collect();
+        }
+        return points.par_iter().map(|&point| levitation.potential(point)).collect();
     }
-    let constants = Constants::new(air, bead, aperture.element.wavenumber, moment);
+    let constants = Constants::new(air, aperture.element.wavenumber, moment);
     let drives = if declaration.has_mean { drives } else { &drives[..1] };
     let sound = SoundTransfer::new(aperture, declaration.parts, axes, points);
     let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();

@@ -1,62 +1,142 @@
-//! Quadrature points on a disk: the exact piston, for derivatives of its pressure.
+//! The exact piston as outgoing partial waves about its centre, for rows of the transfer; and Gauss's rule.
+//!
+//! The mean of e^{-jkR}/R over a disk of radius a is e^{-jkr}/r Σ w_l h_l(kr)/h_0(kr) P_l(cosθ) over even l, with
+//! w_l = (2l + 1) P_l(0) 2/a² ∫ j_l(kρ) ρ dρ, by the addition theorem. It converges as (a/r)^l.
 
-use std::f64::consts::{PI, TAU};
-use std::sync::LazyLock;
+use std::f64::consts::PI;
 
-/// Available numbers of nodes along a radius; the first sufficient one is used.
-const RADIAL: [usize; 8] = [6, 8, 12, 16, 24, 32, 64, 128];
-/// Accuracy of the rules, as a natural logarithm.
-const DIGITS: f64 = 34.0;
-/// Nodes around the disk, at most.
-const MOST_AROUND: f64 = 512.0;
+use num_complex::Complex64;
 
-/// A position in radii, and its weight.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
-    pub at: [f64; 2],
-    pub weight: f64,
+use crate::acoustics::bessel;
+use crate::acoustics::row::LANES;
+use crate::simd::{Instructions, Kernel, fused64, lanes};
+
+/// Radii from an element beyond which its wave is this sum.
+pub(super) const CLEAR: f64 = 4.0;
+/// Orders that reach [`ACCURACY`] at that distance, for any ka that rows accept.
+const MOST: usize = 48;
+const ACCURACY: f64 = 1e-15;
+/// Largest ka with so few orders.
+const LARGEST: f64 = 16.0;
+/// Nodes of the integral of a coefficient.
+const NODES: usize = 32;
+
+/// The coefficients of a disk.
+#[derive(Clone, Debug)]
+pub(super) struct Disk {
+    wavenumber: f64,
+    radius: f64,
+    /// w_l of even l.
+    weights: Vec<f64>,
+    /// Orders needed from 1, 2, 4 … times the clear distance on.
+    orders: [usize; 5],
 }
 
-/// Quadrature points for a point `rho` from the axis and `z` from the plane (in radii), with `ka` the wavenumber times
-/// the radius. Gauss's rule along the radius, equal steps around. Both converge geometrically with the distance of the
-/// point; nearer than a tenth of a radius they lose digits.
-pub(super) fn nodes(ka: f64, rho: f64, z: f64) -> impl Iterator<Item = Node> {
-    let z = z.max(0.02);
-    // The radii (complex) at which a ring meets the point, seen from the interval: Bernstein's ellipse.
-    let (re, im) = (2.0 * rho - 1.0, 2.0 * z);
-    let widest = ((re - 1.0).hypot(im) + (re + 1.0).hypot(im)) / 2.0;
-    let radial = count(widest.acosh(), ka / 2.0);
-    let rule = RADIAL.iter().position(|&n| n as f64 >= radial).unwrap_or(RADIAL.len() - 1);
-    RULES[rule].iter().flat_map(move |&(radius, weight)| {
-        // The angles (complex) at which this ring meets the point.
-        let excess = ((rho - radius).powi(2) + z * z) / (2.0 * rho * radius).max(1e-9);
-        let across = ka * radius * rho / rho.hypot(z);
-        let around = (2.0 * count((1.0 + excess).acosh(), across)).min(MOST_AROUND).ceil().max(6.0) as usize;
-        (0..around).map(move |turn| {
-            let (sin, cos) = (TAU * turn as f64 / around as f64).sin_cos();
-            Node { at: [radius * cos, radius * sin], weight: weight / around as f64 }
-        })
-    })
-}
-
-/// Nodes for e^{-DIGITS}, of what has no singularity up to `growth` beside the interval, and waves that grow by
-/// e^{speed sinh τ} at τ beside it.
-fn count(growth: f64, speed: f64) -> f64 {
-    // The wave itself needs nodes too, however far the point is.
-    let tau = growth.min((DIGITS / speed.max(1e-3)).asinh());
-    (DIGITS + speed * tau.sinh()) / (2.0 * tau)
-}
-
-/// Radii in [0, 1] and weights 2 r dr.
-static RULES: LazyLock<[Vec<(f64, f64)>; RADIAL.len()]> = LazyLock::new(|| {
-    RADIAL.map(|count| {
-        let of = |(x, weight): (f64, f64)| {
-            let radius = f64::midpoint(x, 1.0);
-            (radius, radius * weight)
+impl Disk {
+    pub fn new(wavenumber: f64, radius: f64) -> Self {
+        let mut means = vec![0.0; MOST + 1];
+        for (x, weight) in legendre(NODES) {
+            let part = f64::midpoint(x, 1.0);
+            let values = bessel::spherical(MOST, wavenumber * radius * part);
+            means.iter_mut().zip(values).for_each(|(mean, value)| *mean += weight * part * value);
+        }
+        let mut at_zero = 1.0;
+        let weight = |l: usize| {
+            if l > 0 {
+                at_zero *= -((l - 1) as f64) / l as f64;
+            }
+            (2 * l + 1) as f64 * at_zero * means[l]
         };
-        legendre(count).into_iter().map(of).collect()
-    })
-});
+        let weights: Vec<_> = (0..=MOST).step_by(2).map(weight).collect();
+        let orders = [0, 1, 2, 3, 4].map(|power| {
+            let x = wavenumber * radius * CLEAR * f64::from(1 << power);
+            let sizes =
+                sizes(x).into_iter().step_by(2).zip(&weights).map(|(size, weight)| size * weight.abs());
+            2 * sizes.collect::<Vec<_>>().iter().rposition(|size| *size > ACCURACY).unwrap_or(0)
+        });
+        Self { wavenumber, radius, weights, orders }
+    }
+
+    /// Whether the coefficients of the orders at hand are all that count.
+    pub fn is_series(&self) -> bool {
+        self.wavenumber * self.radius <= LARGEST
+    }
+
+    /// m: from here on, elements are clear.
+    pub fn clear(&self) -> f64 {
+        CLEAR * self.radius
+    }
+
+    /// Orders for elements at this distance (m) or farther.
+    fn order(&self, distance: f64) -> usize {
+        let power = (distance / self.clear()).max(1.0).log2() as usize;
+        self.orders[power.min(self.orders.len() - 1)]
+    }
+}
+
+/// |h_l/h_0| at x.
+fn sizes(x: f64) -> Vec<f64> {
+    let mut all = vec![Complex64::ONE, Complex64::new(1.0 / x, 1.0)];
+    for l in 1..MOST {
+        all.push(all[l] * ((2 * l + 1) as f64 / x) - all[l - 1]);
+    }
+    all.into_iter().map(Complex64::norm).collect()
+}
+
+/// Turns waves of point sources into those of disks at the same places. Elements that are not clear get values without
+/// meaning.
+pub(super) struct FromPoints<'a> {
+    pub disk: &'a Disk,
+    /// m: the way from each element, and its height along the element's normal.
+    pub ways: &'a dyn Fn(usize) -> (f64, f64),
+    pub nearest: f64,
+    pub re: &'a mut [f64],
+    pub im: &'a mut [f64],
+}
+
+impl Kernel for FromPoints<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { disk, ways, nearest, re, im } = self;
+        let order = disk.order(nearest);
+        for (block, (re, im)) in re.chunks_exact_mut(LANES).zip(im.chunks_exact_mut(LANES)).enumerate() {
+            let (mut inverse, mut cosine) = ([0.0; LANES], [0.0; LANES]);
+            for lane in 0..LANES {
+                let (square, height) = ways(block * LANES + lane);
+                let r = square.sqrt().max(disk.clear());
+                (inverse[lane], cosine[lane]) = (1.0 / (disk.wavenumber * r), height / r);
+            }
+            let mut last = ([1.0; LANES], [0.0; LANES], [1.0; LANES]);
+            let mut this = (inverse, [1.0; LANES], cosine);
+            let mut sum = ([disk.weights[0]; LANES], [0.0; LANES]);
+            for l in (1..order).step_by(2) {
+                for l in [l, l + 1] {
+                    let (twice, up, down) =
+                        ((2 * l + 1) as f64, (2 * l + 1) as f64 / (l + 1) as f64, l as f64 / (l + 1) as f64);
+                    let x = lanes::<LANES>(|i| twice * inverse[i]);
+                    let next = (
+                        lanes::<LANES>(|i| fused64::<I>(x[i], this.0[i], -last.0[i])),
+                        lanes::<LANES>(|i| fused64::<I>(x[i], this.1[i], -last.1[i])),
+                        lanes::<LANES>(|i| fused64::<I>(up * cosine[i], this.2[i], -down * last.2[i])),
+                    );
+                    (last, this) = (this, next);
+                }
+                // `last` has the even order l + 1.
+                let weight = disk.weights[l.div_ceil(2)];
+                let part = lanes::<LANES>(|i| weight * last.2[i]);
+                sum.0 = lanes(|i| fused64::<I>(part[i], last.0[i], sum.0[i]));
+                sum.1 = lanes(|i| fused64::<I>(part[i], last.1[i], sum.1[i]));
+            }
+            for lane in 0..LANES {
+                let (a, b) = (re[lane], im[lane]);
+                re[lane] = a * sum.0[lane] - b * sum.1[lane];
+                im[lane] = a * sum.1[lane] + b * sum.0[lane];
+            }
+        }
+    }
+}
 
 /// Nodes in [-1, 1] and weights of Gauss's rule: Newton's method on the roots of Legendre's polynomial.
 pub(super) fn legendre(count: usize) -> Vec<(f64, f64)> {
@@ -78,49 +158,4 @@ pub(super) fn legendre(count: usize) -> Vec<(f64, f64)> {
         (x, 2.0 / ((1.0 - x * x) * slope * slope))
     };
     (0..count).map(root).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use num_complex::Complex64;
-
-    use super::*;
-
-    #[test]
-    fn waves_converge_from_a_tenth_of_a_radius_on() {
-        for ka in [0.3, 4.0, 15.0] {
-            for (rho, z) in
-                [(0.0, 0.2), (0.4, 0.1), (0.9, 0.3), (1.1, 0.15), (1.7, 0.02), (3.0, 0.5), (4.0, 20.0)]
-            {
-                let wave = |[x, y]: [f64; 2]| {
-                    let distance = ((x - rho).powi(2) + y * y + z * z).sqrt();
-                    Complex64::from_polar(1.0 / distance, -ka * distance)
-                };
-                let got: Complex64 = nodes(ka, rho, z).map(|node| wave(node.at) * node.weight).sum();
-                let ring = |&(radius, weight): &(f64, f64)| {
-                    let turn = |i: i32| {
-                        let (sin, cos) = (TAU * f64::from(i) / 1500.0).sin_cos();
-                        wave([radius * cos, radius * sin])
-                    };
-                    (0..1500).map(turn).sum::<Complex64>() * (weight / 1500.0)
-                };
-                let rule = legendre(300).into_iter().map(|(x, w)| (f64::midpoint(x, 1.0), w));
-                let rule: Vec<_> = rule.map(|(radius, w)| (radius, radius * w)).collect();
-                let expected: Complex64 = rule.iter().map(ring).sum();
-                let off = (got - expected).norm() / expected.norm();
-                println!("ka {ka}, {rho} and {z} radii: {off:e} with {} nodes", nodes(ka, rho, z).count());
-                assert!(off < 2e-12, "ka {ka}, {rho} and {z} radii: {off:e}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_far_point_takes_few_nodes() {
-        for (ka, most) in [(0.3, 60), (4.0, 250)] {
-            for (rho, z) in [(0.0, 20.0), (30.0, 0.1), (15.0, 15.0)] {
-                let count = nodes(ka, rho, z).count();
-                assert!(count <= most, "ka {ka}, {rho} and {z} radii: {count} nodes");
-            }
-        }
-    }
 }

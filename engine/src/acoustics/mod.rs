@@ -13,14 +13,14 @@
 
 mod air;
 mod aperture;
-mod bessel;
+pub(crate) mod bessel;
 mod clearance;
-mod derivatives;
 mod disk;
 pub(crate) mod element;
 mod emitters;
 mod face;
 mod jacobian;
+mod partial;
 mod row;
 mod slopes;
 mod transfer;
@@ -28,14 +28,13 @@ mod transfer;
 pub use air::{Air, absorption, viscosity};
 pub use aperture::Aperture;
 pub use clearance::Clearance;
-pub(crate) use derivatives::Along;
-pub use derivatives::Derivatives;
 pub use element::Element;
 #[doc(hidden)]
 pub use element::{directivity, piston_nodes};
-pub use emitters::Emitters;
 pub use face::Face;
 pub(crate) use face::{Layout, Pose};
 pub(crate) use jacobian::PhaseJacobian;
+pub use partial::PartialWaves;
+pub(crate) use partial::{Coupling, MOST as MOST_ORDER, couplings};
 pub use transfer::Transfer;
 pub(crate) use transfer::{Phasors, Sums};

@@ -8,7 +8,13 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::acoustics::element::{NEAREST, Radiator};
-use crate::acoustics::{aperture::Aperture, element::Element, face::Face, transfer::Transfer};
+use crate::acoustics::{
+    aperture::Aperture,
+    disk::{Disk, FromPoints},
+    element::Element,
+    face::Face,
+    transfer::Transfer,
+};
 use crate::gauge;
 use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
 
@@ -72,6 +78,8 @@ pub struct Elements<'a> {
     /// The largest distance (m) of an element from the origin.
     reach: f64,
     half_ka: f64,
+    /// Exact pistons are point sources with the factor of their disk.
+    disk: Option<Disk>,
     /// 1/m: k/π, and what rounding takes from it.
     half_turns_per_metre: [f64; 2],
     /// 2 J1(x)/x in cos²θ, x = ka sinθ, as far as it is a series.
@@ -93,8 +101,12 @@ impl<'a> Elements<'a> {
         let distances = driven.iter().map(|&n| layout.positions[n - board.first].length());
         let reach = distances.fold(0.0, f64::max);
         let half_ka = match element.radiator() {
-            Radiator::Monopole => 0.0,
-            Radiator::Piston(radius) | Radiator::Disk(radius) => element.wavenumber * radius / 2.0,
+            Radiator::Monopole | Radiator::Disk(_) => 0.0,
+            Radiator::Piston(radius) => element.wavenumber * radius / 2.0,
+        };
+        let disk = match element.radiator() {
+            Radiator::Monopole | Radiator::Piston(_) => None,
+            Radiator::Disk(radius) => Some(Disk::new(element.wavenumber, radius)),
         };
         let directivity = directivity(half_ka * half_ka, if half_ka <= FEW { FEW_TERMS } else { MANY_TERMS });
         let half_turns_per_metre = over_pi(element.wavenumber);
@@ -105,6 +117,7 @@ impl<'a> Elements<'a> {
             count: driven.len(),
             reach,
             half_ka,
+            disk,
             half_turns_per_metre,
             directivity,
         }
@@ -118,12 +131,10 @@ impl<'a> Elements<'a> {
     /// Writes real and imaginary parts of the transfer to a point of the board's coordinates, one per element.
     pub fn fill(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
         let (element, half_ka) = (self.element, self.half_ka);
-        let has_series = match element.radiator() {
-            Radiator::Monopole | Radiator::Piston(_) => true,
-            Radiator::Disk(_) => false,
-        };
-        let is_series = has_series
-            && half_ka <= MANY
+        // Row clamps heights, which disks do not.
+        let is_disk_above = |disk: &Disk| disk.is_series() && (point.z >= NEAREST || self.normals.is_some());
+        let is_series = half_ka <= MANY
+            && self.disk.as_ref().is_none_or(is_disk_above)
             && point.z <= HIGHEST
             && element.attenuation * self.reach <= MOST_DECAY
             && (point.z >= -NEAREST || self.normals.is_some());
@@ -143,7 +154,29 @@ impl<'a> Elements<'a> {
         // Padding contributes zero.
         re[self.count..].fill(0.0);
         im[self.count..].fill(0.0);
+        if let Some(disk) = &self.disk {
+            self.spread(disk, point, re, im);
+        }
         self.mend(point, re, im);
+    }
+
+    /// Exact pistons from the waves of points.
+    fn spread(&self, disk: &Disk, point: DVec3, re: &mut [f64], im: &mut [f64]) {
+        let way = |n: usize| DVec3::from_array([0, 1, 2].map(|axis| point[axis] - self.places[axis][n]));
+        let ways = |n: usize| {
+            let way = way(n);
+            let height = match &self.normals {
+                Some(normals) => (0..3).map(|axis| way[axis] * normals[axis][n]).sum(),
+                None => way.z,
+            };
+            (way.length_squared(), height)
+        };
+        let nearest = if self.normals.is_some() { 0.0 } else { point.z };
+        Isa::best().run(FromPoints { disk, ways: &ways, nearest, re, im });
+        for n in (0..self.count).filter(|&n| way(n).length() < disk.clear()) {
+            let transfer = self.single(n, point);
+            (re[n], im[n]) = (transfer.re, transfer.im);
+        }
     }
 
     fn series<const TERMS: usize, const FLAT: bool>(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {

@@ -94,6 +94,12 @@ impl Transfer {
         re.iter().zip(im).map(|(&re, &im)| Complex64::new(re, im))
     }
 
+    /// Real and imaginary parts of a row, with its padding.
+    pub(super) fn parts(&self, point: usize) -> (&[f64], &[f64]) {
+        let row = point * self.stride..(point + 1) * self.stride;
+        (&self.values.re[row.clone()], &self.values.im[row])
+    }
+
     /// All rows.
     pub fn rows(&self) -> impl Iterator<Item = impl ExactSizeIterator<Item = Complex64> + Clone> {
         (0..self.points).map(|point| self.row(point))

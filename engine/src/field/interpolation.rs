@@ -3,10 +3,10 @@
 //! Slopes along the plane are interpolated from the same samples, by the derivative of the sinc under the same
 //! window.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use bytemuck::{Pod, Zeroable};
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
 use crate::field::cpu::{self, Lines, ROWS, Rows};
@@ -52,6 +52,45 @@ impl Resampling {
                 if x.abs() < 1e-4 { -PI * PI * x / 3.0 } else { ((PI * x).cos() - sine / (PI * x)) / x };
             slope * polynomial::evaluate(&window, 2.0 * inside - 1.0)
         })
+    }
+
+    /// The same for derivatives of the interpolated values, in units per power of a sample: those of the orders below
+    /// `count`, exact where values are.
+    pub fn derivatives(
+        positions: impl Iterator<Item = f64>,
+        half_width: usize,
+        beta: f64,
+        count: usize,
+    ) -> Vec<Self> {
+        /// Points of Cauchy's integral around a place, and their distance from it, in samples.
+        const AROUND: usize = 16;
+        const AWAY: f64 = 0.1;
+        let window = window(beta);
+        let value = |x: Complex64| {
+            let inside = (x / half_width as f64).powi(2);
+            let sinc = if x.norm() < 1e-9 { Complex64::ONE } else { (PI * x).sin() / (PI * x) };
+            sinc * window.iter().rev().fold(Complex64::ZERO, |sum, c| sum * (2.0 * inside - 1.0) + c)
+        };
+        let turns: Vec<_> =
+            (0..AROUND).map(|turn| Complex64::cis(TAU * turn as f64 / AROUND as f64)).collect();
+        let taps = 2 * half_width;
+        let mut all = vec![Self { taps, ..Self::default() }; count];
+        for position in positions {
+            let first = (position + 1e-9).floor().max((half_width - 1) as f64) as usize - (half_width - 1);
+            all.iter_mut().for_each(|own| own.first.push(first as u32));
+            for tap in 0..taps {
+                let x = position - (first + tap) as f64;
+                let values: Vec<_> = turns.iter().map(|turn| value(x + turn * AWAY)).collect();
+                let mut scale = 1.0 / AROUND as f64;
+                for (order, own) in all.iter_mut().enumerate() {
+                    let part = |(at, value): (usize, &Complex64)| value * turns[(at * order) % AROUND].conj();
+                    let sum: Complex64 = values.iter().enumerate().map(part).sum();
+                    own.weights.push((sum.re * scale) as f32);
+                    scale *= (order + 1) as f64 / AWAY;
+                }
+            }
+        }
+        all
     }
 
     /// With a weight for every distance in samples, the sine of π times it, and the square of its part of the half-width.

@@ -19,6 +19,7 @@ pub mod gpu;
 mod gpu_report;
 #[doc(hidden)]
 pub mod interpolation;
+mod partial;
 #[doc(hidden)]
 pub mod plan;
 #[doc(hidden)]

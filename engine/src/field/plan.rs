@@ -127,6 +127,22 @@ impl Grid {
         slopes.weights.iter_mut().for_each(|weight| *weight /= self.step[axis] as f32);
         slopes
     }
+
+    /// Interpolation of derivatives there of the orders below `count`, per power of a metre.
+    pub fn derivatives(
+        &self,
+        axis: usize,
+        places: impl Iterator<Item = f64>,
+        count: usize,
+    ) -> Vec<Resampling> {
+        let in_samples = places.map(|place| (place - self.first[axis]) / self.step[axis]);
+        let mut all = Resampling::derivatives(in_samples, self.half_width, self.beta, count);
+        for (order, own) in all.iter_mut().enumerate() {
+            let unit = self.step[axis].powi(order as i32) as f32;
+            own.weights.iter_mut().for_each(|weight| *weight /= unit);
+        }
+        all
+    }
 }
 
 /// A sample axis that runs along a board with a step that divides the pitch.

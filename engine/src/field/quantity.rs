@@ -6,7 +6,7 @@
 //! is taken.
 //!
 //! Menus, arguments, legends, colour maps, contour lines and both evaluators use the declaration, so a new quantity
-//! is one more declaration (`docs/adding-a-quantity.md`). Only the force on a bead has no formula (`is_vector`): it
+//! is one more declaration (`docs/adding-a-quantity.md`). Only potential and force of a bead have no formula (`of_bead`): they
 //! needs second derivatives of the sound in all directions (`stages::force`).
 
 use std::ops::{Mul, Sub};
@@ -38,8 +38,6 @@ pub enum Norm {
     Pressure,
     /// The value itself: errors are differences of values, weighted by the pressure.
     Difference,
-    /// The value itself, its errors weighted by the energy density: for values that are also large where slopes are.
-    Energy,
 }
 
 /// One quantity.
@@ -86,12 +84,10 @@ pub struct Declaration {
     pub of_liquid: bool,
     /// Shows the light refracted by the liquid's surface.
     pub of_light: bool,
-    /// Depends on the scene's bead.
+    /// Potential or force of the scene's bead, by its partial waves instead of the formula.
     pub of_bead: bool,
     /// Depends on the moment, ωt.
     pub of_moment: bool,
-    /// The magnitude of a vector, whose components are computed in f64 instead of by the formula.
-    pub is_vector: bool,
 }
 
 /// The components of a vector.
@@ -134,7 +130,6 @@ const USUAL: Declaration = Declaration {
     of_light: false,
     of_bead: false,
     of_moment: false,
-    is_vector: false,
 };
 
 macro_rules! quantities {
@@ -307,22 +302,17 @@ quantities! {
         of_liquid: true,
         of_light: true,
     }
-    /// Gor'kov's potential of the scene's bead, J: a|P|² - b|∇P|².
+    /// Potential of the radiation force on the scene's bead, J: Gor'kov's, of any size.
     Gorkov {
-        parts: PRESSURE | ALONG | NORMAL,
-        formula: |s, c| {
-            let slopes = s.x.norm_sqr() + s.y.norm_sqr() + s.n.norm_sqr();
-            c.of_potential[0] * s.p.norm_sqr() - c.of_potential[1] * slopes
-        },
-        wgsl: "c.of_potential.x * dot(s.p, s.p) - c.of_potential.y * (dot(s.x, s.x) + dot(s.y, s.y) + dot(s.n, s.n))",
+        parts: PRESSURE,
+        formula: |_s, _c| 0.0,
+        wgsl: "0.0",
         name: "gorkov",
         title: "Potential",
         words: "Gor'kov potential",
         help: "Potential of the scene's bead: it is driven from high to low",
         unit: Unit::Joule,
         range: Range::Signed,
-        norm: Norm::Energy,
-        is_square: true,
         decibels: 10.0,
         of_bead: true,
     }
@@ -338,7 +328,6 @@ quantities! {
         unit: Unit::Newton,
         decibels: 10.0,
         of_bead: true,
-        is_vector: true,
     }
 }
 
@@ -484,12 +473,12 @@ mod tests {
 
     use super::*;
     use crate::acoustics::Air;
-    use crate::scene::{Bead, Medium};
+    use crate::scene::Medium;
 
     fn constants() -> (Air, Constants, f64) {
         let air = Air::new(&Medium::default(), 40e3);
         let wavenumber = TAU * 40e3 / air.sound_speed;
-        (air, Constants::new(&air, &Bead::default(), wavenumber, 0.0).narrow(), wavenumber)
+        (air, Constants::new(&air, wavenumber, 0.0).narrow(), wavenumber)
     }
 
     /// A plane wave of 100 Pa at an angle to the normal, in the plane's first direction.

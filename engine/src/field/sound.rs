@@ -4,8 +4,6 @@ use num_complex::{Complex, Complex32, Complex64};
 use strum::VariantArray;
 
 use crate::acoustics::Air;
-use crate::force::Sphere;
-use crate::scene::Bead;
 
 /// The sound of one drive at a point: complex peak amplitudes, in f32 on maps and in f64 for their comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -67,7 +65,7 @@ pub const PRESSURE: u8 = Part::Pressure.bit();
 pub const ALONG: u8 = Part::AlongX.bit() | Part::AlongY.bit();
 pub const NORMAL: u8 = Part::Normal.bit();
 
-/// Constants of the air, a bead and the moment in formulae.
+/// Constants of the air and the moment in formulae.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Constants<T = f32> {
     /// 1/(ρc²), 1/Pa
@@ -76,21 +74,18 @@ pub struct Constants<T = f32> {
     pub of_gradient: T,
     /// 1/(ρω), m²/(Pa·s): |v| of |∇p|.
     pub of_velocity: T,
-    /// Coefficients of a bead's potential: of |p|² (m³/Pa) and, subtracted, of |∇p|² (m⁵/Pa).
-    pub of_potential: [T; 2],
     /// e^{jωt} of an instantaneous pressure.
     pub turn: Complex<T>,
 }
 
 impl Constants<f64> {
-    /// The constants of this air and bead, for a wavenumber (1/m), at the moment ωt (rad).
-    pub fn new(air: &Air, bead: &Bead, wavenumber: f64, moment: f64) -> Self {
+    /// The constants of this air, for a wavenumber (1/m), at the moment ωt (rad).
+    pub fn new(air: &Air, wavenumber: f64, moment: f64) -> Self {
         let angular = wavenumber * air.sound_speed;
         Self {
             of_pressure: 1.0 / (air.density * air.sound_speed.powi(2)),
             of_gradient: 1.0 / (air.density * angular * angular),
             of_velocity: 1.0 / (air.density * angular),
-            of_potential: Sphere::new(bead, air, wavenumber).potential_coefficients(),
             turn: Complex64::cis(moment),
         }
     }
@@ -101,7 +96,6 @@ impl Constants<f64> {
             of_pressure: self.of_pressure as f32,
             of_gradient: self.of_gradient as f32,
             of_velocity: self.of_velocity as f32,
-            of_potential: self.of_potential.map(|value| value as f32),
             turn: narrow(self.turn),
         }
     }

@@ -1,76 +1,123 @@
-//! A sphere small against the wavelength: its Gor'kov potential, radiation force and stiffness.
+//! The radiation force on a sphere of any size, by partial waves: potential, force and stiffness.
+//!
+//! A partial wave a j_n Y is scattered as a s_n h_n Y, with s_n of a fluid sphere:
+//!
+//! s_n = (γ j_n'(x') j_n(x) - j_n(x') j_n'(x)) / (j_n(x') h_n'(x) - γ j_n'(x') h_n(x)), x = ka, x' = kac/c', γ = ρc/(ρ'c')
+//!
+//! (Faran, JASA 23:405, 1951, without shear, which air does not excite). With ψ_n = s_n + s*_{n+1} + 2 s_n s*_{n+1}, the
+//! force along v is a sum over neighbouring orders (Sapozhnikov and Bailey, JASA 133:661, 2013),
+//!
+//! F_v = 1/(2ρc²k²) Im Σ ψ_n a_l X a*_u,
+//!
+//! with the cosines X of v between harmonics l of order n and u of the next ([`PartialWaves`]); s_n are of e^{-jωt}, for which
+//! the program's coefficients are conjugate. It is the quadratic form ½ a* H a of a Hermitian H with entries between
+//! neighbouring orders, so its slope by a is H a, and its slope along v follows from that of the waves, D a.
+//! The imaginary parts of ψ make up the slope of a potential Σ U_n |a|², U_{n+1} - U_n = Im ψ_n/(4ρc²k³): Gor'kov's, of any
+//! size. Their real parts, the scattering of travelling waves, have none. The sphere absorbs nothing, so there is no
+//! torque on it.
 
 use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::{Air, Along, Derivatives};
+use crate::acoustics::{Air, Coupling, MOST_ORDER, PartialWaves, bessel, couplings};
 use crate::scene::Bead;
 
-/// Limit of ka for small-sphere forces.
-pub const SMALL: f64 = 0.3;
+/// Largest ka of exact forces: up to it, the highest order of partial waves counts for nothing.
+const LARGEST: f64 = 5.0;
+/// Orders whose ψ is a smaller part of the largest are left out.
+const NEGLIGIBLE: f64 = 1e-7;
 
 /// A bead in inviscid air with sound of one wavenumber.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
+    /// m
+    pub radius: f64,
     /// Wavenumber times radius.
     pub ka: f64,
-    /// Contrast of compressibility, 1 - κ/κ₀.
-    pub monopole: f64,
-    /// Contrast of density, 2(ρ - ρ₀)/(2ρ + ρ₀).
-    pub dipole: f64,
     /// m³
     pub volume: f64,
     /// kg
     pub mass: f64,
     /// Mass of the displaced air, kg.
     displaced: f64,
-    /// U of |p|² (m³/Pa), and less U of |∇p|² (m⁵/Pa).
-    of_pressure: f64,
-    of_gradient: f64,
-    /// F of p ∇p* and of ∇p·∇∇p*: the coefficients of Sapozhnikov and Bailey, conjugate for e^{jωt}.
-    coupling: [Complex64; 2],
+    /// conj(s_n), of outgoing waves of e^{jωt}.
+    scattered: [Complex64; MOST_ORDER + 1],
+    /// conj(ψ_n)/(2ρc²k²) in N/Pa²: entries of H between order n and the next are j times this and the cosine.
+    coupling: [Complex64; MOST_ORDER],
+    /// U_n of the potential, J/Pa².
+    potential: [f64; MOST_ORDER + 1],
+    /// Highest order of partial waves in the force.
+    order: usize,
 }
 
 impl Sphere {
     pub fn new(bead: &Bead, air: &Air, wavenumber: f64) -> Self {
         let (radius, density) = (bead.radius, bead.density());
-        let compressibility = 1.0 / (air.density * air.sound_speed.powi(2));
-        let own = 1.0 / (density * bead.sound_speed().powi(2));
-        let monopole = 1.0 - own / compressibility;
-        let dipole = 2.0 * (density - air.density) / (2.0 * density + air.density);
-        let volume = 4.0 / 3.0 * PI * radius.powi(3);
         let (k, ka) = (wavenumber, wavenumber * radius);
-        let (cube, sixth) = (ka.powi(3), ka.powi(6));
-        let first =
-            Complex64::new(2.0 / 3.0 * cube * monopole, -2.0 / 9.0 * sixth * monopole * (monopole + dipole));
-        let second = Complex64::new(-cube * dipole, -sixth / 6.0 * dipole * dipole);
-        let angular = k * air.sound_speed;
+        let volume = 4.0 / 3.0 * PI * radius.powi(3);
+        let scattered = scattered(ka, [density / air.density, bead.sound_speed() / air.sound_speed]);
+        let unit = 0.5 / (air.density * air.sound_speed.powi(2) * k * k);
+        let psi = |n: usize| {
+            let (own, next) = (scattered[n], scattered[n + 1].conj());
+            own + next + 2.0 * own * next
+        };
+        let coupling: [_; MOST_ORDER] = std::array::from_fn(|n| psi(n).conj() * unit);
+        let mut potential = [0.0; MOST_ORDER + 1];
+        for n in (0..MOST_ORDER).rev() {
+            potential[n] = potential[n + 1] + coupling[n].im / (2.0 * k);
+        }
+        let largest = coupling.iter().map(|own| own.norm()).fold(0.0, f64::max);
+        // The stiffness takes one order more.
+        let last =
+            coupling[..MOST_ORDER - 1].iter().rposition(|own| own.norm() > NEGLIGIBLE * largest).unwrap_or(0);
         Self {
+            radius,
             ka,
-            monopole,
-            dipole,
             volume,
             mass: volume * density,
             displaced: volume * air.density,
-            of_pressure: volume * monopole * compressibility / 4.0,
-            of_gradient: 3.0 / 8.0 * volume * dipole / (air.density * angular * angular),
-            coupling: [
-                (first * (-PI * compressibility / k.powi(3))).conj(),
-                (second * (-PI * compressibility / k.powi(5))).conj(),
-            ],
+            scattered: scattered.map(|s| s.conj()),
+            coupling,
+            potential,
+            order: last + 1,
         }
     }
 
-    /// Coefficients of Gor'kov's potential, a|p|² - b|∇p|²: a in m³/Pa, b in m⁵/Pa.
-    pub fn potential_coefficients(&self) -> [f64; 2] {
-        [self.of_pressure, self.of_gradient]
+    /// Order of partial waves for potential and force; one more for the stiffness.
+    pub fn order(&self) -> usize {
+        self.order
     }
 
-    /// Coefficients A and B of the force, Re{A p ∂p* + B Σᵢ ∂ᵢp (∂ᵢ∂p)*}: in m³/Pa and m⁵/Pa.
-    pub(crate) fn coupling(&self) -> [Complex64; 2] {
-        self.coupling
+    /// Entry of H between the upper harmonic (row) and the lower, N/Pa².
+    pub(crate) fn entry(&self, coupling: &Coupling) -> Complex64 {
+        Complex64::I * self.coupling[coupling.order] * coupling.cosine
+    }
+
+    /// Coefficients of the scattered waves over those of the incident waves, of every order in the force.
+    pub(crate) fn scattered(&self) -> &[Complex64] {
+        &self.scattered[..=self.order]
+    }
+
+    /// U_n of every order, J/Pa².
+    pub(crate) fn potentials(&self) -> &[f64] {
+        &self.potential
+    }
+
+    /// Bounds of potential (J) and force (N) where waves of 1 Pa in all arrive.
+    #[doc(hidden)]
+    pub fn bounds(&self) -> [f64; 2] {
+        let degrees = |n: usize| (2 * n + 1) as f64;
+        let of_potential = |n: usize| 4.0 * PI * degrees(n) * self.potential[n].abs();
+        let of_force = |n: usize| 4.0 * PI * degrees(n) * degrees(n + 1) * self.coupling[n].norm();
+        [(0..=self.order).map(of_potential).sum(), (0..self.order).map(of_force).sum()]
+    }
+
+    /// Radius (m) of the sphere about the bead that partial waves are taken from: its own, within limits of rounding and of the
+    /// first zero of a Bessel function.
+    pub fn shell(&self) -> f64 {
+        self.radius * self.ka.clamp(0.05, 2.5) / self.ka
     }
 
     /// Inertial mass (kg): the sphere's mass plus half of the displaced air's.
@@ -83,99 +130,92 @@ impl Sphere {
         (self.mass - self.displaced) * gravity
     }
 
-    /// J, Gor'kov's potential.
-    pub fn potential(&self, sound: &Derivatives) -> f64 {
-        let squares: f64 = (0..3).map(|i| sound.slope(i).norm_sqr()).sum();
-        self.of_pressure * sound.pressure().norm_sqr() - self.of_gradient * squares
+    /// J, the potential of the force that has one; Gor'kov's of a small sphere.
+    pub fn potential(&self, waves: &PartialWaves) -> f64 {
+        let of_order = |order: usize| -> f64 {
+            self.potential[order] * waves.of_order(order).iter().map(|a| a.norm_sqr()).sum::<f64>()
+        };
+        (0..=waves.order()).map(of_order).sum()
     }
 
     /// Radiation force (N), including scattering of travelling waves.
-    pub fn force(&self, sound: &Derivatives) -> DVec3 {
-        let [a, b] = self.coupling;
-        let along = |q: usize| {
-            let inner: Complex64 = (0..3).map(|i| sound.slope(i) * sound.second(i, q).conj()).sum();
-            (a * sound.pressure() * sound.slope(q).conj() + b * inner).re
-        };
-        DVec3::from_array([0, 1, 2].map(along))
+    pub fn force(&self, waves: &PartialWaves) -> DVec3 {
+        DVec3::AXES.map(|axis| 0.5 * real_product(waves, &self.response(waves, axis))).into()
     }
 
     /// N/m, -∂Fᵢ/∂xⱼ in row i and column j.
-    pub fn stiffness(&self, sound: &Derivatives) -> DMat3 {
-        let [a, b] = self.coupling;
-        let at = |q: usize, s: usize| {
-            let outer = sound.slope(s) * sound.slope(q).conj() + sound.pressure() * sound.second(q, s).conj();
-            let inner = |i: usize| {
-                sound.second(i, s) * sound.second(i, q).conj() + sound.slope(i) * sound.third(i, q, s).conj()
-            };
-            -(a * outer + b * (0..3).map(inner).sum::<Complex64>()).re
-        };
-        DMat3::from_cols_array_2d(&[0, 1, 2].map(|s| [0, 1, 2].map(|q| at(q, s))))
+    pub fn stiffness(&self, waves: &PartialWaves) -> DMat3 {
+        let slopes = DVec3::AXES.map(|axis| waves.along(axis));
+        let rows = DVec3::AXES.map(|axis| {
+            let response = self.response(waves, axis);
+            [0, 1, 2].map(|j: usize| -real_product(&slopes[j], &response))
+        });
+        DMat3::from_cols_array_2d(&rows).transpose()
     }
 
-    /// The stiffness along a direction, N/m, and its gradient: Re Σ conj(g) δ over all derivatives of the sound.
-    pub(crate) fn stiffness_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
-        let v = direction.to_array();
-        let [a, b] = self.coupling;
-        let along = sound.along(v);
-        let mut slope = Along::default();
-        // -Re{A (p_v p_v* + p p_vv*) + B Σ (p_iv p_iv* + p_i p_ivv*)}
-        let mut value = -(a * (along.first.norm_sqr() + sound.pressure() * along.second.conj())).re;
-        slope.first -= 2.0 * a.re * along.first;
-        slope.pressure -= a.conj() * along.second;
-        slope.second -= a * sound.pressure();
-        for i in 0..3 {
-            value -= (b * (along.slopes[i].norm_sqr() + sound.slope(i) * along.seconds[i].conj())).re;
-            slope.slopes[i] -= 2.0 * b.re * along.slopes[i];
-            slope.own[i] -= b.conj() * along.seconds[i];
-            slope.seconds[i] -= b * sound.slope(i);
+    /// The gradient of the stiffnesses times these symmetric weights, and of the forces times these: Re Σ conj(g) δ over all
+    /// coefficients.
+    pub(crate) fn gradient(
+        &self,
+        waves: &PartialWaves,
+        of_stiffness: DMat3,
+        of_force: DVec3,
+    ) -> PartialWaves {
+        // K is -Re (D a)* H a, and D is antisymmetric.
+        let mut gradient = self.response(waves, of_force);
+        let responses = DVec3::AXES.map(|axis| self.response(waves, axis));
+        let slopes = DVec3::AXES.map(|axis| waves.along(axis));
+        for (axis, weights) in DVec3::AXES.into_iter().zip(of_stiffness.to_cols_array_2d()) {
+            let (mut response, mut slope) = (waves.silent(), waves.silent());
+            for (weight, (own_response, own_slope)) in weights.into_iter().zip(responses.iter().zip(&slopes))
+            {
+                response.add(own_response, weight);
+                slope.add(own_slope, weight);
+            }
+            gradient.add(&response.along(axis), 1.0);
+            gradient.add(&self.response(&slope, axis), -1.0);
         }
-        (value, slope.spread(v))
+        gradient
     }
 
-    /// A component of the force, N, and its gradient, likewise.
-    pub(crate) fn force_along(&self, sound: &Derivatives, direction: DVec3) -> (f64, Derivatives) {
-        let v = direction.to_array();
-        let [a, b] = self.coupling;
-        let along = sound.along(v);
-        let mut slope = Along::default();
-        let mut value = (a * sound.pressure() * along.first.conj()).re;
-        slope.pressure += a.conj() * along.first;
-        slope.first += a * sound.pressure();
-        for i in 0..3 {
-            value += (b * sound.slope(i) * along.slopes[i].conj()).re;
-            slope.own[i] += b.conj() * along.slopes[i];
-            slope.slopes[i] += b * sound.slope(i);
+    /// H a for the force along v, which is its gradient: of partial waves, up to the order of both.
+    pub(crate) fn response(&self, waves: &PartialWaves, v: DVec3) -> PartialWaves {
+        let mut response = waves.silent();
+        let (a, to, lowers) = (waves.values(), response.values_mut(), self.order * self.order);
+        for (axis, part) in couplings(waves.order()).iter().zip(v.to_array()).filter(|(_, part)| *part != 0.0)
+        {
+            for coupling in axis.iter().take_while(|coupling| coupling.lower < lowers) {
+                let entry = self.entry(coupling) * part;
+                to[coupling.lower] += entry.conj() * a[coupling.upper];
+                to[coupling.upper] += entry * a[coupling.lower];
+            }
         }
-        (value, slope.spread(v))
+        response
     }
 
-    /// The warning for beads that are not small.
+    /// The warning for beads that are too large.
     pub fn warning(&self) -> Option<String> {
-        (self.ka > SMALL).then(|| {
-            format!(
-                "the bead's ka is {:.2}: the force model assumes a bead much smaller than the wavelength; above {SMALL} it is an \
-                 estimate",
-                self.ka
-            )
-        })
+        (self.ka > LARGEST)
+            .then(|| format!("the bead's ka is {:.2}: its forces are exact up to {LARGEST}", self.ka))
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::Medium;
+/// Re Σ conj(a) b
+fn real_product(a: &PartialWaves, b: &PartialWaves) -> f64 {
+    a.values().iter().zip(b.values()).map(|(a, b)| a.re * b.re + a.im * b.im).sum()
+}
 
-    #[test]
-    fn a_bead_that_is_not_small_has_a_warning_with_its_ka() {
-        let (frequency, medium) = (40_000.0, Medium::default());
-        let air = Air::new(&medium, frequency);
-        let wavenumber = 2.0 * PI * frequency / air.sound_speed;
-        let warning = |ka: f64| {
-            let bead = Bead { radius: ka / wavenumber, ..Bead::default() };
-            Sphere::new(&bead, &air, wavenumber).warning()
-        };
-        assert_eq!(warning(0.99 * SMALL), None);
-        assert!(warning(0.31).is_some_and(|text| text.contains("0.31")));
-    }
+/// s_n of all orders, for density and sound speed of the sphere over those of the air.
+fn scattered(ka: f64, [density, speed]: [f64; 2]) -> [Complex64; MOST_ORDER + 1] {
+    let (gamma, within) = (1.0 / (density * speed), ka / speed);
+    let order = MOST_ORDER + 1;
+    let (j, y) = (bessel::spherical(order, ka), bessel::spherical_second(order, ka));
+    let quotients = bessel::quotients(order, within);
+    std::array::from_fn(|n| {
+        let slope = |f: &[f64]| n as f64 / ka * f[n] - f[n + 1];
+        // j_n'(x')/j_n(x')
+        let inner = gamma * (n as f64 / within - quotients[n]);
+        let (h, h_slope) = (Complex64::new(j[n], y[n]), Complex64::new(slope(&j), slope(&y)));
+        (inner * j[n] - slope(&j)) / (h_slope - inner * h)
+    })
 }

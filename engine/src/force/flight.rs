@@ -32,7 +32,7 @@ pub struct Drag {
 impl Drag {
     /// Drag in air of this viscosity (Pa·s) and density (kg/m³).
     pub fn new(sphere: &Sphere, viscosity: f64, density: f64) -> Self {
-        let radius = (0.75 * sphere.volume / PI).cbrt();
+        let radius = sphere.radius;
         Self { slow: 6.0 * PI * viscosity * radius, reynolds: 2.0 * radius * density / viscosity }
     }
 

@@ -1,4 +1,4 @@
-//! Forces of sound on a small bead: potential, radiation force, stiffness, and stability of traps.
+//! Forces of sound on a bead: potential, radiation force, stiffness, and stability of traps.
 //!
 //! ```
 //! use glam::dvec3;
@@ -21,11 +21,15 @@ mod bead;
 mod flight;
 mod hold;
 mod modes;
+mod pair;
+
+use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
+use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::acoustics::{Air, Aperture, Derivatives, Emitters};
+use crate::acoustics::{Air, Aperture, PartialWaves};
 use crate::drive::Drive;
 use crate::scene::{Bead, Scene};
 
@@ -37,7 +41,7 @@ pub use modes::{Mode, modes};
 /// The radiation force on a bead at a point, with potential and stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Forces {
-    /// J, Gor'kov's potential.
+    /// J, the potential of the force that has one.
     pub gorkov: f64,
     /// N, of the sound alone.
     pub force: DVec3,
@@ -57,7 +61,9 @@ impl Forces {
 #[derive(Clone, Debug)]
 pub struct Levitation {
     pub sphere: Sphere,
-    drives: Vec<Emitters>,
+    aperture: Arc<Aperture>,
+    /// A value per driven element.
+    drives: Vec<Vec<Complex64>>,
     /// N, weight less buoyancy, towards -z.
     pub load: f64,
     /// m
@@ -73,32 +79,45 @@ impl Levitation {
 
     /// Any bead in any air, under this gravity (m/s²).
     pub fn in_air(aperture: &Aperture, (air, bead): (&Air, &Bead), drives: &[Drive], gravity: f64) -> Self {
-        let sounds = drives.iter().map(|drive| Emitters::new(aperture, &drive.excitation(&aperture.driven)));
         let sphere = Sphere::new(bead, air, aperture.element.wavenumber);
         Self {
             load: sphere.load(gravity),
             sphere,
-            drives: sounds.collect(),
             wavelength: aperture.wavelength(),
+            aperture: Arc::new(aperture.clone()),
+            drives: Vec::new(),
         }
+        .playing(drives)
+    }
+
+    /// The same bead in the sound of other drives.
+    pub fn playing(&self, drives: &[Drive]) -> Self {
+        let drives = drives.iter().map(|drive| drive.excitation(&self.aperture.driven)).collect();
+        Self { drives, ..self.clone() }
     }
 
     /// Potential, force and stiffness at a point, m.
     pub fn forces(&self, point: DVec3) -> Forces {
         let mut mean = Forces { gorkov: 0.0, force: DVec3::ZERO, stiffness: DMat3::ZERO };
-        for sound in self.drives.iter().map(|drive| drive.derivatives(point)) {
+        for waves in self.waves(self.sphere.order() + 1, point) {
             let part = 1.0 / self.drives.len() as f64;
-            mean.gorkov += part * self.sphere.potential(&sound);
-            mean.force += part * self.sphere.force(&sound);
-            mean.stiffness += part * self.sphere.stiffness(&sound);
+            mean.gorkov += part * self.sphere.potential(&waves);
+            mean.force += part * self.sphere.force(&waves);
+            mean.stiffness += part * self.sphere.stiffness(&waves);
         }
         mean
     }
 
     /// Radiation force (N) without weight, faster than `at`.
     pub fn force(&self, point: DVec3) -> DVec3 {
-        let of = |drive: &Emitters| self.sphere.force(&drive.to_second_order(point));
-        self.drives.iter().map(of).sum::<DVec3>() / self.drives.len() as f64
+        let waves = self.waves(self.sphere.order(), point);
+        waves.map(|waves| self.sphere.force(&waves)).sum::<DVec3>() / self.drives.len() as f64
+    }
+
+    /// The potential (J) of the force that has one.
+    pub fn potential(&self, point: DVec3) -> f64 {
+        let waves = self.waves(self.sphere.order(), point);
+        waves.map(|waves| self.sphere.potential(&waves)).sum::<f64>() / self.drives.len() as f64
     }
 
     /// N, of sound and weight.
@@ -124,9 +143,19 @@ impl Levitation {
         })
     }
 
-    /// The sound of each drive at a point.
-    pub fn sounds(&self, point: DVec3) -> impl Iterator<Item = Derivatives> {
-        self.drives.iter().map(move |drive| drive.derivatives(point))
+    /// The partial waves of each drive up to an order, about a point.
+    fn waves(&self, order: usize, point: DVec3) -> impl Iterator<Item = PartialWaves> {
+        (0..self.drives.len()).map(move |drive| self.waves_of(drive, order, point))
+    }
+
+    fn waves_of(&self, drive: usize, order: usize, point: DVec3) -> PartialWaves {
+        let pressures = |points: &[DVec3]| self.aperture.pressures(points, &self.drives[drive]);
+        PartialWaves::new(order, self.wavenumber(), (point, self.sphere.shell()), pressures)
+    }
+
+    /// rad/m
+    fn wavenumber(&self) -> f64 {
+        self.aperture.element.wavenumber
     }
 }
 

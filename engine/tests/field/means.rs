@@ -9,8 +9,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use glam::{DVec2, DVec3};
-use num_complex::Complex64;
-use sonoglyph::acoustics::{Aperture, Emitters};
+use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::plan::promised;
 use sonoglyph::field::sound::{Constants, PRESSURE, Sound};
@@ -84,8 +83,7 @@ fn request(number: usize) -> Request {
         0..=13 => Quantity::Rms,
         14 | 15 => Quantity::Velocity,
         16 | 17 => Quantity::Radiation,
-        18 => Quantity::Intensity,
-        _ => Quantity::Gorkov,
+        _ => Quantity::Intensity,
     };
     let aperture = Aperture::new(&scene);
     let Plane { centre, size, .. } = scene.plane;
@@ -116,10 +114,10 @@ fn request(number: usize) -> Request {
 
 /// The value of every pixel in f64.
 fn expected(request: &Request) -> Vec<f64> {
-    let Request { aperture, air, bead, plane, drives, quantity, size, part, .. } = request;
+    let Request { aperture, air, plane, drives, quantity, size, part, .. } = request;
     let (x, y) = plane.axes().unwrap();
     let pixels = Samples::on_plane(plane, size.0, size.1).unwrap();
-    let constants = Constants::new(air, bead, aperture.element.wavenumber, 0.0);
+    let constants = Constants::new(air, aperture.element.wavenumber, 0.0);
     let declaration = quantity.declaration();
     let mut means = vec![[0.0; 3]; pixels.len()];
     for drive in drives.iter() {
@@ -127,11 +125,15 @@ fn expected(request: &Request) -> Vec<f64> {
             let pressures = reference::pressure(aperture, drive, &pixels).into_iter();
             pressures.map(|p| Sound { p, ..Sound::default() }).collect()
         } else {
-            let emitters = Emitters::new(aperture, &drive.excitation(&aperture.driven));
+            let played = drive.excitation(&aperture.driven);
             let sound = |pixel: usize| {
-                let all = emitters.to_second_order(pixels.point(pixel));
-                let along = |axis: DVec3| (0..3).map(|i| all.slope(i) * axis[i]).sum::<Complex64>();
-                Sound { p: all.pressure(), x: along(x), y: along(y), n: along(x.cross(y)) }
+                let at = pixels.point(pixel);
+                let pressure = |offset: DVec3| aperture.pressures(&[at + offset], &played)[0];
+                // Differences over thousandths of a wavelength: 1e-10 off.
+                let step = 1e-3 * aperture.wavelength();
+                let pair = |axis: DVec3, i: f64| pressure(axis * (i * step)) - pressure(-axis * (i * step));
+                let along = |axis: DVec3| (8.0 * pair(axis, 1.0) - pair(axis, 2.0)) / (12.0 * step);
+                Sound { p: pressure(DVec3::ZERO), x: along(x), y: along(y), n: along(x.cross(y)) }
             };
             (0..pixels.len()).map(sound).collect()
         };

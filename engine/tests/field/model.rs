@@ -75,16 +75,7 @@ pub fn value(
         Quantity::Velocity => {
             mean(&|Sound { slopes: [_, _, n], .. }| (n.norm() / (rho * omega) / SQRT_2).powi(2)).sqrt()
         }
-        // A bead of expanded polystyrene, 0.5 mm in radius.
-        Quantity::Gorkov => mean(&|Sound { p, slopes }| {
-            let (own, own_c, a) = (29.0, 2350.0, 0.5e-3f64);
-            let volume = 4.0 / 3.0 * std::f64::consts::PI * a.powi(3);
-            let (kappa, own_kappa) = (1.0 / (rho * c * c), 1.0 / (own * own_c * own_c));
-            let (f1, f2) = (1.0 - own_kappa / kappa, 2.0 * (own - rho) / (2.0 * own + rho));
-            let squares: f64 = slopes.iter().map(|slope| slope.norm_sqr()).sum();
-            volume * (f1 * kappa * p.norm_sqr() / 4.0 - 3.0 * f2 * squares / (8.0 * rho * omega * omega))
-        }),
-        Quantity::Depression | Quantity::Caustic | Quantity::Force => {
+        Quantity::Depression | Quantity::Caustic | Quantity::Gorkov | Quantity::Force => {
             panic!("{quantity:?} does not follow from the sound at a point")
         }
     }

@@ -58,7 +58,7 @@ fn peaks_leave_out_pixels_next_to_elements() {
                 let made = map(&scene, &drives[..count], quantity, size, evaluator);
                 let (values, slack) = match quantity.declaration().norm {
                     Norm::Pressure => (&pressures, 1e-4),
-                    Norm::Value | Norm::Difference | Norm::Energy => (&made.values, 1e-6),
+                    Norm::Value | Norm::Difference => (&made.values, 1e-6),
                 };
                 let (all, counted) = (
                     largest(values, near.iter().map(|_| true)),

@@ -97,9 +97,9 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let on_gpu = on_gpu && !by_cells;
     // Pressure and normal slope are separate sums; a GPU counts both as one and has no tables for them.
     let is_solid = quantity.declaration().parts & (PRESSURE | NORMAL) == PRESSURE | NORMAL;
-    // Forces are summed separately, in f64.
+    // Potentials and forces are summed separately, in f64.
     let sums = match () {
-        () if quantity == Quantity::Force => 0,
+        () if quantity.declaration().of_bead => 0,
         () if is_solid && !on_gpu => 2,
         () => 1,
     };
@@ -108,8 +108,6 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let resized = Work { interpolation: 1, forming: u64::from(!by_cells), caustic, ..picture };
     let of_drive = Work { superposition: sums, forming: 1, response: u64::from(of_liquid), ..resized };
     match first {
-        // There are no tables in f64.
-        First::Plan if is_solid && by_cells => Work { plan: 1, ..of_drive },
         First::Plan => Work { plan: 1, transfer: if on_gpu { 0 } else { sums }, ..of_drive },
         First::Superposition => of_drive,
         // A GPU's passes depend on the pixels.

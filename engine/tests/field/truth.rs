@@ -128,12 +128,8 @@ fn quantity(scene: &Scene, dice: &mut Dice) -> Quantity {
     let is_near = lowest < 1e-3 * Aperture::new(scene).wavelength();
     let quantities: Vec<_> = Quantity::ALL
         .into_iter()
-        // Potentials are tested in `quantities`.
-        .filter(|quantity| {
-            !quantity.declaration().of_liquid
-                && *quantity != Quantity::Gorkov
-                && !quantity.declaration().is_vector
-        })
+        // Potentials and forces are tested in `force`.
+        .filter(|quantity| !quantity.declaration().of_liquid && !quantity.declaration().of_bead)
         .filter(|quantity| !is_near || quantity.declaration().parts == PRESSURE)
         .collect();
     if dice.of(0.4) { Quantity::Instantaneous } else { dice.one_of(&quantities) }

@@ -105,13 +105,13 @@ fn formulae_accept_any_number() {
                     Sound { p: Complex32::ONE, x: Complex32::I, y: Complex32::I, n: Complex32::ONE };
                 *sound.part_mut(part) = Complex32::new(poison as f32, poison as f32);
                 let is_read = quantity.declaration().parts & 1 << part as u8 != 0;
-                let value = quantity.of(sound, &Constants::new(&air, &Bead::default(), 733.0, 0.0).narrow());
+                let value = quantity.of(sound, &Constants::new(&air, 733.0, 0.0).narrow());
                 assert!(
                     value.is_finite() || (is_read && (poison.is_nan() || poison.abs() >= 1e10)),
                     "{quantity:?} of {sound:?}"
                 );
             }
-            quantity.of(Sound::default(), &Constants::new(&air, &Bead::default(), poison, poison).narrow());
+            quantity.of(Sound::default(), &Constants::new(&air, poison, poison).narrow());
             assert!(!quantity.with_unit(poison).is_empty() && !quantity.decibels(poison).is_nan());
         }
     }

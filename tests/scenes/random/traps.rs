@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use sonoglyph::acoustics::{Aperture, Derivatives};
+use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{Quantity, Request, Samples, Stages};
 use sonoglyph::force::Levitation;
@@ -86,11 +86,10 @@ fn of(scene: &Scene, aperture: &Aperture, drive: &Drive) -> Levitation {
     Levitation::new(scene, aperture, std::slice::from_ref(drive))
 }
 
-/// J: what the terms of the potential come to where waves neither cancel each other nor stand.
+/// J: the bound of the potential where all elements' waves arrive in phase.
 fn energy(solved: &Solved, levitation: &Levitation, point: DVec3) -> f64 {
     let arriving = moduli(solved, &solved.solution.drive, point);
-    let [of_pressure, of_gradient] = levitation.sphere.potential_coefficients();
-    arriving * arriving * (of_pressure.abs() + of_gradient.abs() * solved.oracle.wavenumber.powi(2))
+    arriving * arriving * levitation.sphere.bounds()[0]
 }
 
 fn the_drive_balances_or_is_no_less_stiff_than_the_first(solved: &Solved) {
@@ -133,7 +132,7 @@ fn moves_change_no_force(solved: &Solved, levitation: &Levitation, moved: &Moved
     }
 }
 
-/// Gor'kov's potential at pixels, against derivatives in closed form.
+/// The bead's potential at pixels, against that of its partial waves in f64.
 fn the_map_is_the_beads_potential(
     stages: &mut Stages,
     solved: &Solved,
@@ -144,13 +143,8 @@ fn the_map_is_the_beads_potential(
     let request = Request::new(scene, vec![solution.drive.clone()], Quantity::Gorkov, SIZE);
     let map = stages.map(&request).unwrap();
     let pixels = Samples::on_plane(&scene.plane, SIZE.0, SIZE.1).unwrap();
-    let [of_pressure, of_gradient] = levitation.sphere.potential_coefficients();
-    let parts = |sound: Derivatives| {
-        let squares: f64 = (0..3).map(|i| sound.slope(i).norm_sqr()).sum();
-        (of_pressure * sound.pressure().norm_sqr()).abs() + (of_gradient * squares).abs()
-    };
     let points = (0..map.values.len()).map(|pixel| pixels.point(pixel));
-    let largest = points.flat_map(|point| levitation.sounds(point)).map(parts).fold(0.0, f64::max);
+    let largest = points.map(|point| energy(solved, levitation, point)).fold(0.0, f64::max);
     count(&format!("potentials by {:?}", map.by));
     for _ in 0..4 {
         let pixel = dice.whole(0, map.values.len() as u32 - 1) as usize;

@@ -97,7 +97,6 @@ impl Forming {
             of_velocity: constants.of_velocity,
             factor,
             turn: [constants.turn.re, constants.turn.im],
-            of_potential: constants.of_potential,
         };
         if params != self.params {
             self.params = params;

@@ -79,7 +79,6 @@ pub struct FormParams {
     pub of_velocity: f32,
     pub factor: f32,
     pub turn: [f32; 2],
-    pub of_potential: [f32; 2],
 }
 
 /// The same struct as in `shaders/direct.wgsl`.
@@ -323,7 +322,7 @@ fn places(parts: u8) -> String {
 fn declared(quantity: Quantity) -> String {
     let declaration = quantity.declaration();
     let extent = match declaration.norm {
-        Norm::Value | Norm::Difference | Norm::Energy => "abs(value)",
+        Norm::Value | Norm::Difference => "abs(value)",
         Norm::Pressure => "length(s.p)",
     };
     format!(
@@ -455,7 +454,7 @@ mod tests {
         );
         assert_same_layout!(
             &module(Program::Form(Quantity::Rms), &Tuning::SOFTWARE),
-            FormParams { of_pressure, of_gradient, of_velocity, factor, turn, of_potential }
+            FormParams { of_pressure, of_gradient, of_velocity, factor, turn }
         );
         assert_same_layout!(
             &module(Program::FormDirect(Quantity::Rms), &Tuning::SOFTWARE),

@@ -1,18 +1,22 @@
-//! The radiation force on a bead over a plane: in f64 at cells, with components interpolated to the pixels, and
-//! pixel by pixel near the array.
+//! Potential and radiation force of a bead over a plane: at cells by their partial waves
+//! ([`crate::field::partial`]), interpolated to the pixels, and pixel by pixel near the array.
 //!
-//! The force needs second derivatives of the sound in all directions, which samples on a plane do not contain.
-//! Closed forms ([`crate::acoustics::Emitters`]) give them at the cells.
+//! Both are quadratic in the sound, and their bandwidth is twice its own. The samples are in f64: their derivatives are.
 
 use std::ops::Range;
 
 use glam::DVec3;
+use num_complex::Complex32;
 use rayon::prelude::*;
 
 use crate::field::cells::Cells;
-use crate::field::interpolation::{Between, interpolate};
-use crate::field::plan::{Costs, Plan, promised};
+use crate::field::interpolation::{Between, Resampling, interpolate};
+use crate::field::partial::{Derivative, Form, Formation, derivatives};
+use crate::field::plan::{Costs, Grid, Plan, promised};
+use crate::field::quantity::Quantity;
 use crate::field::samples::Samples;
+use crate::field::slope::part_on_cpu;
+use crate::field::sound::Part;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::{MARGIN, corners, farthest, largest_sum, rounding_of_terms, spread};
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
@@ -21,23 +25,25 @@ use crate::field::vicinity::{LeftOut, Vicinity};
 use crate::force::Levitation;
 use crate::gauge::Gauge;
 use crate::scene::Plane;
+use crate::simd::Isa;
 
-/// Distance from the boards, in wavelengths, beyond which sound has hardly more than one cycle per wavelength.
-const CLEARANCE: f64 = 0.75;
 /// Points per task.
 const RUN: usize = 32;
+/// Cells per task.
+const CELLS: usize = 1024;
 
 /// The inputs of the last map.
 #[derive(Debug, Default)]
 pub(super) struct OfBead {
-    site: Kept<Setting, Option<Site>>,
-    /// The force (N) at its cells, for a request without size; 0 in unused rows.
-    components: Kept<Request, [Vec<f32>; 3]>,
+    /// Keyed by the order of partial waves, too.
+    site: Kept<(Setting, usize), Option<Site>>,
+    /// Potential (J) or components of the force (N) at its cells, for a request without size; 0 in unused rows.
+    formed: Kept<Request, Vec<Vec<f32>>>,
     between: Between,
     pub(super) work: Work,
 }
 
-/// The cells of the force, far enough from the array.
+/// The cells, far enough from the array, and the derivatives of the sound there.
 #[derive(Debug)]
 struct Site {
     cells: Cells,
@@ -45,27 +51,34 @@ struct Site {
     clear: Range<usize>,
     /// Range along the plane's second axis (m) of interpolated pixels.
     covered: Range<f64>,
+    grid: Grid,
+    /// From the samples to the cells, across and up, of derivatives of all orders.
+    to_cells: [Vec<Resampling>; 2],
+    derivatives: Vec<Derivative>,
 }
 
 impl Site {
     /// `None` if the whole plane is near the array, or every pixel is to be evaluated.
-    fn new(Setting { aperture, plane }: &Setting) -> Option<Self> {
+    fn new(Setting { aperture, plane }: &Setting, order: usize) -> Option<Self> {
         let cells = Cells::new(aperture, plane, 0.0, plane.tolerance)?;
-        let ((x, y), half) = (plane.axes()?, cells.plane.size / 2.0);
-        let (walls, clearance) = (aperture.walls(), CLEARANCE * aperture.wavelength());
-        // The distance is linear along a row, so its ends suffice.
-        let is_clear = |row: &f64| {
-            let ends = [-half.x, half.x].map(|end| plane.centre + x * end + y * *row);
-            let is_clear =
-                |end: &DVec3| walls.iter().all(|(at, normal)| (*end - *at).dot(*normal) > clearance);
-            ends.iter().all(is_clear)
-        };
+        let costs = Costs::CPU.for_values(cells.count() * (order + 1).pow(2));
+        let grid = Plan::new(aperture, &cells.plane, costs)?.grid?;
         let rows: Vec<_> = cells.places(1).collect();
+        let is_clear = |row: &f64| (grid.covered.start..=grid.covered.end).contains(row);
         let (first, last) = (rows.iter().position(is_clear)?, rows.iter().rposition(is_clear)?);
-        let (clear, reach) = (rows[first]..rows[last], cells.reach());
-        let start = if first == 0 { -half.y } else { clear.start + reach };
-        let end = if last + 1 == rows.len() { half.y } else { clear.end - reach };
-        Some(Self { cells, clear: first..last + 1, covered: start..end })
+        let half = plane.size.y / 2.0;
+        let start = if first == 0 { -half } else { rows[first] + cells.reach() };
+        let end = if last + 1 == rows.len() { half } else { rows[last] - cells.reach() };
+        let across = grid.derivatives(0, cells.places(0), order + 1);
+        let up = grid.derivatives(1, rows[first..=last].iter().copied(), order + 1);
+        Some(Self {
+            cells,
+            clear: first..last + 1,
+            covered: start..end,
+            grid,
+            to_cells: [across, up],
+            derivatives: derivatives(order),
+        })
     }
 }
 
@@ -77,7 +90,7 @@ struct Scenery<'a> {
 }
 
 impl OfBead {
-    /// The length of the force (N) at every pixel; with `exact` each for itself.
+    /// The potential or the length of the force (N) at every pixel; with `exact` each for itself.
     ///
     /// # Errors
     /// An invalid plane.
@@ -90,23 +103,25 @@ impl OfBead {
         let (x, y) = request.plane.axes().ok_or(FieldError::NoPlane)?;
         let Request { aperture, air, bead, drives, .. } = request;
         let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
+        let order = levitation.sphere.order();
         let scenery = Scenery { request, levitation, axes: [x, y] };
         let tolerance = if exact { 0.0 } else { request.plane.tolerance };
         let setting = Setting::new(aperture, Plane { tolerance, ..request.plane.clone() });
-        let site = self.site.try_update(&setting, |site| {
+        let site = self.site.try_update(&(setting.clone(), order), |site| {
             self.work.plan += 1;
             Plan::new(aperture, &setting.plane, Costs::CPU).ok_or(FieldError::NoPlane)?;
-            *site = Site::new(&setting);
+            *site = Site::new(&setting, order);
             Ok::<_, FieldError>(())
         })?;
         if let Some(site) = site {
             let key = Request { size: (0, 0), part: 1.0, ..request.clone() };
-            let components = self.components.update(&key, |components| {
+            let between = &mut self.between;
+            let formed = self.formed.update(&key, |formed| {
                 self.work.forming += 1;
-                *components = scenery.components(site, progress);
+                *formed = scenery.formed(site, between, progress);
             });
             self.work.interpolation += 1;
-            let map = scenery.interpolated(site, components, &mut self.between);
+            let map = scenery.interpolated(site, formed, &mut self.between);
             if map.error <= promised(tolerance) {
                 return Ok(map);
             }
@@ -136,45 +151,81 @@ impl Scenery<'_> {
         self.point(self.along(0, pixel % width), self.along(1, pixel / width))
     }
 
-    /// The force at the cells that are clear of the array.
-    fn components(&self, Site { cells, clear, .. }: &Site, progress: &Gauge) -> [Vec<f32>; 3] {
-        let [columns, rows] = [0, 1].map(|axis| cells.places(axis).collect::<Vec<_>>());
-        let places = clear.start * columns.len()..clear.end * columns.len();
-        let point = |i: usize| self.point(columns[i % columns.len()], rows[i / columns.len()]);
-        let points: Vec<_> = places.clone().map(point).collect();
-        let forces = self.forces(&points, progress);
-        [0, 1, 2].map(|axis| {
+    /// Potential or force at the cells that are clear of the array.
+    fn formed(&self, site: &Site, between: &mut Between, progress: &Gauge) -> Vec<Vec<f32>> {
+        let Site { cells, clear, grid, to_cells: [across, up], .. } = site;
+        let Request { aperture, drives, .. } = self.request;
+        let axes = [self.axes[0], self.axes[1], self.axes[0].cross(self.axes[1])];
+        let formation = Formation::new(&self.levitation.sphere, aperture.element.wavenumber);
+        let is_force = self.request.quantity == Quantity::Force;
+        let count = clear.len() * cells.counts[0];
+        let (mut potential, mut force) =
+            (vec![0.0f32; count], vec![vec![0.0f32; count * usize::from(is_force)]; 3]);
+        let mut at_cells = vec![vec![Complex32::ZERO; count]; site.derivatives.len()];
+        for (number, drive) in drives.iter().enumerate() {
+            progress.part(number..number + 1, drives.len()).lead(|| {
+                for part in [Part::Pressure, Part::Normal] {
+                    let samples = part_on_cpu(aperture, drive, &grid.samples, part, axes, true);
+                    let own = site.derivatives.iter().zip(&mut at_cells).filter(|(it, _)| it.part == part);
+                    for (Derivative { orders: [x, y], .. }, to) in own {
+                        interpolate(&samples, grid.samples.columns.len(), &across[*x], &up[*y], between, to);
+                    }
+                }
+            });
+            let [x, y, normal] = &mut force[..] else { unreachable!("three axes") };
+            let part = 1.0 / drives.len() as f32;
+            let runs = (0..count).step_by(CELLS).map(|start| start..count.min(start + CELLS));
+            let forces = x.chunks_mut(CELLS).zip(y.chunks_mut(CELLS)).zip(normal.chunks_mut(CELLS));
+            let mut forces = forces.map(|((x, y), normal)| [x, y, normal]);
+            let jobs: Vec<_> = runs
+                .zip(potential.chunks_mut(CELLS))
+                .map(|(points, potential)| {
+                    let force = forces.next().unwrap_or_default();
+                    Form { formation: &formation, derivatives: &at_cells, points, part, potential, force }
+                })
+                .collect();
+            jobs.into_par_iter().for_each(|form| Isa::best().run(form));
+        }
+        let places = clear.start * cells.counts[0]..clear.end * cells.counts[0];
+        let formed = if is_force { force } else { vec![potential] };
+        let spread = |own: Vec<f32>| {
             let mut values = vec![0.0; cells.count()];
-            values[places.clone()]
-                .iter_mut()
-                .zip(&forces)
-                .for_each(|(value, force)| *value = force[axis] as f32);
+            values[places.clone()].copy_from_slice(&own);
             values
-        })
+        };
+        formed.into_iter().map(spread).collect()
     }
 
-    fn interpolated(&self, site: &Site, components: &[Vec<f32>; 3], between: &mut Between) -> Map {
+    fn interpolated(&self, site: &Site, formed: &[Vec<f32>], between: &mut Between) -> Map {
         let Site { cells, covered, .. } = site;
         let (width, height) = self.request.size;
         let across = cells.resampling(0, (0..width).map(|i| self.along(0, i)));
         let up = cells.resampling(1, (0..height).map(|j| self.along(1, j)));
         let mut values = vec![0.0f32; width * height];
-        let mut component = values.clone();
-        for own in components {
-            interpolate(own, cells.counts[0], &across, &up, between, &mut component);
-            values.iter_mut().zip(&component).for_each(|(sum, own)| *sum += own * own);
-        }
         let part = self.request.part;
-        values.iter_mut().for_each(|value| *value = part as f32 * value.sqrt());
+        match formed {
+            [potential] => {
+                interpolate(potential, cells.counts[0], &across, &up, between, &mut values);
+                values.iter_mut().for_each(|value| *value *= part as f32);
+            }
+            components => {
+                let mut component = values.clone();
+                for own in components {
+                    interpolate(own, cells.counts[0], &across, &up, between, &mut component);
+                    values.iter_mut().zip(&component).for_each(|(sum, own)| *sum += own * own);
+                }
+                values.iter_mut().for_each(|value| *value = part as f32 * value.sqrt());
+            }
+        }
         let near = (0..height).filter(|&row| !covered.contains(&self.along(1, row)));
         let near: Vec<_> = near.flat_map(|row| row * width..(row + 1) * width).collect();
         let points: Vec<_> = near.iter().map(|&pixel| self.pixel(pixel)).collect();
-        for (&pixel, force) in near.iter().zip(self.forces(&points, &Gauge::default())) {
-            values[pixel] = (part * force.length()) as f32;
+        for (&pixel, value) in near.iter().zip(self.exact(&points, &Gauge::default())) {
+            values[pixel] = (part * value) as f32;
         }
         let step = cells.step * 1e3;
         let how = format!(
-            "forces in f64 at {} x {} cells of {step:.2} mm, and at {} pixels",
+            "partial waves at {} x {} cells of {step:.2} mm, and at {} pixels",
             cells.counts[0],
             cells.counts[1],
             near.len()
@@ -188,9 +239,9 @@ impl Scenery<'_> {
     fn direct(&self, progress: &Gauge) -> Map {
         let (width, height) = self.request.size;
         let points: Vec<_> = (0..width * height).map(|pixel| self.pixel(pixel)).collect();
-        let length = |force: &DVec3| (self.request.part * force.length()) as f32;
-        let values: Vec<_> = self.forces(&points, progress).iter().map(length).collect();
-        let how = "forces in f64 at every pixel".to_owned();
+        let narrow = |value: f64| (self.request.part * value) as f32;
+        let values: Vec<_> = self.exact(&points, progress).into_iter().map(narrow).collect();
+        let how = "partial waves in f64 at every pixel".to_owned();
         let (evaluated, by) = (values.len(), By::Reference);
         self.measured(Map { width, height, values, evaluated, by, how, ..Map::default() })
     }
@@ -216,8 +267,9 @@ impl Scenery<'_> {
         let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
         let loudest = largest_sum(transfer.rows(), &excitations);
         let k = aperture.element.wavenumber;
-        let [of_slope, of_curvature] = self.levitation.sphere.coupling().map(|factor| factor.norm());
-        let largest = (of_slope * k + 3.0 * of_curvature * k.powi(3)) * loudest * loudest;
+        let [potential, force] = self.levitation.sphere.bounds();
+        let bound = if self.request.quantity == Quantity::Force { force } else { potential };
+        let largest = bound * loudest * loudest;
         2.0 * part * rounding_of_terms(k * farthest(aperture, plane)) * largest
     }
 
@@ -225,23 +277,28 @@ impl Scenery<'_> {
     fn error(&self, values: &[f32], peak: f32) -> f64 {
         let pixels: Vec<_> = spread(values.len()).chain(corners(self.request.size)).collect();
         let points: Vec<_> = pixels.iter().map(|&pixel| self.pixel(pixel)).collect();
-        let forces = self.forces(&points, &Gauge::default());
-        let off = pixels.iter().zip(forces).map(|(&pixel, force)| {
-            let expected = self.request.part * force.length();
+        let exact = self.exact(&points, &Gauge::default());
+        let off = pixels.iter().zip(exact).map(|(&pixel, exact)| {
+            let expected = self.request.part * exact;
             match (expected - f64::from(values[pixel])).abs() {
                 0.0 => 0.0,
-                off => off / f64::from(peak).max(if peak > 0.0 { expected } else { 0.0 }),
+                off => off / f64::from(peak).max(if peak > 0.0 { expected.abs() } else { 0.0 }),
             }
         });
         MARGIN * off.fold(0.0, f64::max)
     }
 
-    fn forces(&self, points: &[DVec3], progress: &Gauge) -> Vec<DVec3> {
+    /// Potential or length of the force at points, in f64.
+    fn exact(&self, points: &[DVec3], progress: &Gauge) -> Vec<f64> {
         let done = progress.count(points.len().div_ceil(RUN));
-        let of_run = |points: &[DVec3]| -> Vec<DVec3> {
-            let forces = points.iter().map(|&point| self.levitation.force(point)).collect();
+        let of_run = |points: &[DVec3]| -> Vec<f64> {
+            let value = |&point: &DVec3| match self.request.quantity == Quantity::Force {
+                true => self.levitation.force(point).length(),
+                false => self.levitation.potential(point),
+            };
+            let values = points.iter().map(value).collect();
             done.add();
-            forces
+            values
         };
         points.par_chunks(RUN).flat_map_iter(of_run).collect()
     }

@@ -271,7 +271,7 @@ impl Stages {
         if map.is_of(request) {
             return Ok(true);
         }
-        if request.quantity.declaration().is_vector {
+        if request.quantity.declaration().of_bead {
             map.key = None;
             map.value = of_bead.map(request, *exact, &cpu.progress)?;
             map.key = Some(request.clone());
@@ -313,7 +313,7 @@ impl Stages {
         let Self { gpu, ground, declined, exact, .. } = self;
         if let Some(gpu) = gpu
             && declined.as_ref() != Some(&request)
-            && !request.quantity.declaration().is_vector
+            && !request.quantity.declaration().of_bead
         {
             let job = ground.job(&request, *exact, costs)?;
             if let Some(texture) = gpu.picture(&job, colouring)? {
@@ -336,8 +336,8 @@ impl Stages {
         if map.is_of(&request) {
             return Ok(Some((map.value.without_values(), None)));
         }
-        let is_vector = request.quantity.declaration().is_vector;
-        let declines = is_vector || declined.as_ref() == Some(&request);
+        let is_of_bead = request.quantity.declaration().of_bead;
+        let declines = is_of_bead || declined.as_ref() == Some(&request);
         let Some(gpu) = gpu.as_mut().filter(|_| !declines) else { return Ok(None) };
         let job = ground.job(&request, *exact, costs)?;
         let figures = gpu.figures(&job)?;

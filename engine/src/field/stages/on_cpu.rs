@@ -427,7 +427,7 @@ impl OnCpu {
 
 /// Whether values are differences of larger terms, which f32 rounds.
 fn has_differences(job: &Job<'_>) -> bool {
-    matches!(job.request.quantity.declaration().norm, Norm::Difference | Norm::Energy)
+    job.request.quantity.declaration().norm == Norm::Difference
 }
 
 /// Whether values are means over several drives, which share their waves in f64.

@@ -134,7 +134,7 @@ impl Probes {
             Norm::Pressure => relative * loudest,
             Norm::Value => relative * quantity.exact_value(exact(all)),
             // A square doubles the relative error, and its terms may cancel, too.
-            Norm::Difference | Norm::Energy => {
+            Norm::Difference => {
                 let own = Sound { p, ..Sound::default() };
                 let slopes = Sound { p: Complex64::ZERO, ..all };
                 2.0 * relative * request.part * (exact(all) + exact(own) + exact(slopes))
@@ -152,7 +152,7 @@ impl Probes {
                 Some(|quantity, sound, constants| (quantity.declaration().exact)(sound, constants))
             }
             Norm::Pressure => Some(|_, sound, _| sound.p.norm()),
-            Norm::Difference | Norm::Energy => None,
+            Norm::Difference => None,
         };
         if let (Some(norm), Some(sounds)) = (norm, &got.sounds) {
             // Of the error, and of the sound itself.
@@ -171,16 +171,11 @@ impl Probes {
             };
             return means.into_iter().map(off).fold(0.0, f64::max);
         }
-        let energy = |sound: &Sound<f64>| {
-            let squares = sound.x.norm_sqr() + sound.y.norm_sqr() + sound.n.norm_sqr();
-            let slopes = if declaration.norm == Norm::Energy { squares } else { 0.0 };
-            constants.of_pressure * sound.p.norm_sqr() + constants.of_gradient * slopes
-        };
         let mut means = vec![Means::default(); self.places.len()];
         for excitation in excitations {
             for (mean, sound) in means.iter_mut().zip(self.sound.sounds(excitation)) {
                 mean.value.add(declaration, sound, &constants, excitations.len());
-                mean.square += energy(&sound) / excitations.len() as f64;
+                mean.square += sound.p.norm_sqr() / excitations.len() as f64;
             }
         }
         let part = if declaration.of_liquid { 1.0 } else { request.part };
@@ -191,7 +186,7 @@ impl Probes {
             let off = part_of((value - f64::from(got)).abs(), value.abs());
             match declaration.norm {
                 // The error of a pressure is weighted by the pressure itself.
-                Norm::Difference | Norm::Energy => off / (mean.square / loudest).clamp(FAINT, 1.0).sqrt(),
+                Norm::Difference => off / (mean.square / loudest).clamp(FAINT, 1.0).sqrt(),
                 Norm::Value | Norm::Pressure => off,
             }
         };

@@ -101,7 +101,7 @@ impl Request {
     }
 
     pub(super) fn constants(&self) -> Constants<f64> {
-        Constants::new(&self.air, &self.bead, self.aperture.element.wavenumber, self.moment)
+        Constants::new(&self.air, self.aperture.element.wavenumber, self.moment)
     }
 
     /// u of every element of the array, 0 for undriven ones, for every relevant drive.

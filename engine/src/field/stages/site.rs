@@ -25,9 +25,6 @@ const FINEST: f64 = 1e-6;
 /// Error factor of refined samples relative to the required one; and the finest tolerance of f32 interpolation.
 const FINER: f64 = 0.4;
 const FINEST_SAMPLES: f64 = 2e-7;
-/// The finest tolerance of samples for which f32 differences suffice, for nearly cancelling squares of pressure and
-/// slopes.
-const FINEST_OF_POTENTIALS: f64 = 1e-3;
 /// The sound's part of the tolerance, if errors are differences of squares.
 const SHARE: f64 = 0.4;
 /// Pairs of a cell and an element that may be evaluated in f64.
@@ -119,7 +116,7 @@ impl SiteKey {
     pub(super) fn by_pixels(request: &Request, exact: bool) -> Self {
         let share = match request.quantity.declaration().norm {
             Norm::Value | Norm::Pressure => 1.0,
-            Norm::Difference | Norm::Energy => SHARE,
+            Norm::Difference => SHARE,
         };
         let tolerance = if exact { 0.0 } else { share * request.plane.tolerance };
         Self::with(request, tolerance, None)
@@ -192,9 +189,7 @@ impl Site {
         let values = cells.count() * key.parts.count_ones() as usize;
         let mut plan =
             Plan::new(aperture, &cells.plane, costs.for_values(values)).ok_or(FieldError::NoPlane)?;
-        let both = PRESSURE | NORMAL;
-        let finest = if key.parts & both == both { FINEST_OF_POTENTIALS } else { FINEST_IN_F32 };
-        plan.double |= key.parts & NORMAL != 0 && cells.plane.tolerance < finest;
+        plan.double |= key.parts & NORMAL != 0 && cells.plane.tolerance < FINEST_IN_F32;
         let grid = plan.grid.as_ref().ok_or(FieldError::TooNear)?;
         // The outermost cells have their centres half a step inside.
         let (half, half_step) = (cells.plane.size.y / 2.0, cells.step / 2.0);

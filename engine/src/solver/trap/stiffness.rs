@@ -5,11 +5,11 @@
 //! 17.4): f = -softmin K + λ·c + μ/2 c·c, with the net forces c, and λ corrected by μc between descents.
 //! [`Stiffness::balanced`] then removes the rest of c by the smallest change of phases.
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::{Derivatives, Emitters, Transfer};
-use crate::force::{Sphere, modes};
+use crate::acoustics::{PartialWaves, Transfer};
+use crate::force::{Mode, Sphere, modes};
 use crate::solver::cholesky::Factor;
 use crate::solver::descent::{Function, dot};
 use crate::solver::problem::Problem;
@@ -35,7 +35,7 @@ pub struct Places<'a> {
     /// N, towards -z.
     load: f64,
     wavenumber: f64,
-    /// Derivatives of every element's sound at each trap, in rows.
+    /// Every element's partial waves about each trap, in rows.
     columns: Vec<Transfer>,
     transfer: &'a Transfer,
     /// Foci that are not lobes, with the squares of their initial pressures.
@@ -53,14 +53,8 @@ impl<'a> Places<'a> {
         first: &[Complex64],
     ) -> Self {
         let aperture = problem.aperture;
-        let of = |&at: &DVec3| {
-            let mut columns = Transfer::zeros(Derivatives::COUNT, aperture.driven.len());
-            for (element, column) in Emitters::columns(aperture, at).iter().enumerate() {
-                column.values().iter().enumerate().for_each(|(row, value)| columns.set(row, element, *value));
-            }
-            columns
-        };
-        let columns = traps.iter().map(of).collect();
+        let order = sphere.order() + 1;
+        let columns = traps.iter().map(|&at| aperture.partial_waves(order, (at, sphere.shell()))).collect();
         let foci = if foci.is_empty() {
             Vec::new()
         } else {
@@ -71,23 +65,20 @@ impl<'a> Places<'a> {
         Self { sphere, load, wavenumber, columns, transfer: &problem.transfer, foci }
     }
 
-    fn sounds(&self, u: &[Complex64]) -> Vec<Derivatives> {
-        let of = |columns: &Transfer| {
-            let mut values = [Complex64::ZERO; Derivatives::COUNT];
-            values.copy_from_slice(&columns.pressure(u));
-            Derivatives::from(values)
-        };
+    fn sounds(&self, u: &[Complex64]) -> Vec<PartialWaves> {
+        let order = self.sphere.order() + 1;
+        let of = |columns: &Transfer| PartialWaves::with(order, self.wavenumber, columns.pressure(u));
         self.columns.iter().map(of).collect()
     }
 
     /// Slope by the conjugate drive, from that by the sound at a trap.
-    fn spread(&self, trap: usize, slope: &Derivatives) -> Vec<Complex64> {
+    fn spread(&self, trap: usize, slope: &PartialWaves) -> Vec<Complex64> {
         self.columns[trap].back(slope.values())
     }
 
     /// N, of sound and weight at every trap.
-    fn net(&self, sounds: &[Derivatives]) -> Vec<f64> {
-        let of = |sound: &Derivatives| (self.sphere.force(sound) - DVec3::Z * self.load).to_array();
+    fn net(&self, sounds: &[PartialWaves]) -> Vec<f64> {
+        let of = |sound: &PartialWaves| (self.sphere.force(sound) - DVec3::Z * self.load).to_array();
         sounds.iter().flat_map(of).collect()
     }
 
@@ -103,7 +94,7 @@ impl<'a> Places<'a> {
 
     /// N/m, the principal stiffnesses of all traps.
     pub fn stiffnesses(&self, u: &[Complex64]) -> Vec<f64> {
-        let of = |sound: Derivatives| {
+        let of = |sound: PartialWaves| {
             let stiffness = self.sphere.stiffness(&sound);
             modes(&((stiffness + stiffness.transpose()) * 0.5)).map(|mode| mode.stiffness)
         };
@@ -211,10 +202,10 @@ impl<'a> Stiffness<'a> {
     }
 
     /// The slopes of all net forces by phases, a row per component.
-    fn jacobian(&self, u: &[Complex64], sounds: &[Derivatives]) -> Vec<Vec<f64>> {
+    fn jacobian(&self, u: &[Complex64], sounds: &[PartialWaves]) -> Vec<Vec<f64>> {
         let places = self.places;
-        let of = |(trap, sound): (usize, &Derivatives)| {
-            let slope = |axis| places.sphere.force_along(sound, axis).1;
+        let of = |(trap, sound): (usize, &PartialWaves)| {
+            let slope = |axis| places.sphere.response(sound, axis);
             DVec3::AXES.map(|axis| by_phases(&places.spread(trap, &slope(axis)), u))
         };
         sounds.iter().enumerate().flat_map(of).collect()
@@ -243,30 +234,32 @@ impl Function for Stiffness<'_> {
         let places = self.places;
         let u = phasors(x);
         let sounds = places.sounds(&u);
-        // Value and slope of each stiffness, trap by trap.
-        let mut terms: Vec<(usize, f64, Derivatives)> = Vec::with_capacity(3 * sounds.len());
-        for (trap, sound) in sounds.iter().enumerate() {
+        let of_trap = |sound: &PartialWaves| {
             let stiffness = places.sphere.stiffness(sound);
-            for mode in modes(&((stiffness + stiffness.transpose()) * 0.5)) {
-                let (value, slope) = places.sphere.stiffness_along(sound, mode.direction);
-                terms.push((trap, value / self.unit, slope));
-            }
-        }
-        let lowest = terms.iter().map(|(_, value, _)| *value).fold(f64::INFINITY, f64::min);
-        let sum: f64 = terms.iter().map(|(_, value, _)| (-HARD * (value - lowest)).exp()).sum();
+            modes(&((stiffness + stiffness.transpose()) * 0.5))
+        };
+        let modes: Vec<[Mode; 3]> = sounds.iter().map(of_trap).collect();
+        let all = || modes.iter().flatten().map(|mode| mode.stiffness / self.unit);
+        let lowest = all().fold(f64::INFINITY, f64::min);
+        let share = |value: f64| (-HARD * (value - lowest)).exp();
+        let sum: f64 = all().map(share).sum();
         let mut value = -(lowest - sum.ln() / HARD);
-        let mut slopes = vec![Derivatives::default(); sounds.len()];
-        for (trap, own, slope) in &terms {
-            let part = (-HARD * (own - lowest)).exp() / sum;
-            slopes[*trap] += *slope * Complex64::from(-part / self.unit);
-        }
         let scale = self.per_force();
-        for (i, multiplier) in self.multipliers.iter().enumerate() {
-            let (trap, axis) = (i / 3, DVec3::AXES[i % 3]);
-            let (force, slope) = places.sphere.force_along(&sounds[trap], axis);
-            let net = (force - axis.z * places.load) * scale;
-            value += multiplier * net + 0.5 * self.penalty * net * net;
-            slopes[trap] += slope * Complex64::from((multiplier + self.penalty * net) * scale);
+        let mut slopes = Vec::with_capacity(sounds.len());
+        for (trap, (sound, modes)) in sounds.iter().zip(&modes).enumerate() {
+            let mut of_stiffness = DMat3::ZERO;
+            for Mode { stiffness, direction: v } in modes {
+                let part = share(stiffness / self.unit) / sum;
+                of_stiffness -= DMat3::from_cols(*v * v.x, *v * v.y, *v * v.z) * (part / self.unit);
+            }
+            let net = (places.sphere.force(sound) - DVec3::Z * places.load) * scale;
+            let mut of_force = DVec3::ZERO;
+            for axis in 0..3 {
+                let multiplier = self.multipliers[3 * trap + axis];
+                value += multiplier * net[axis] + 0.5 * self.penalty * net[axis] * net[axis];
+                of_force[axis] = (multiplier + self.penalty * net[axis]) * scale;
+            }
+            slopes.push(places.sphere.gradient(sound, of_stiffness, of_force));
         }
         let mut turned = vec![Complex64::ZERO; u.len()];
         for (trap, slope) in slopes.iter().enumerate() {

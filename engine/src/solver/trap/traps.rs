@@ -3,7 +3,7 @@
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::acoustics::{Air, Aperture, Emitters};
+use crate::acoustics::{Air, Aperture, PartialWaves};
 use crate::force::{Sphere, modes};
 use crate::scene::{Focus, Part, Scene, Trap};
 
@@ -59,9 +59,12 @@ impl Traps {
 
     /// The weakest stiffness (N/m) of each trap under a drive.
     pub fn weakest(&self, aperture: &Aperture, excitation: &[Complex64]) -> Vec<f64> {
-        let emitters = Emitters::new(aperture, excitation);
+        let (order, wavenumber) = (self.sphere.order() + 1, aperture.element.wavenumber);
         let of = |trap: &Wanted| {
-            let stiffness = self.sphere.stiffness(&emitters.derivatives(trap.at));
+            let waves = PartialWaves::new(order, wavenumber, (trap.at, self.sphere.shell()), |points| {
+                aperture.pressures(points, excitation)
+            });
+            let stiffness = self.sphere.stiffness(&waves);
             modes(&((stiffness + stiffness.transpose()) * 0.5))[0].stiffness
         };
         self.traps.iter().map(of).collect()

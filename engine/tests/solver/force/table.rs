@@ -1,18 +1,18 @@
-//! Four traps 100 mm above 16 x 16 elements, against values from numpy (eighth-order differences), and their stability.
+//! Beads 100 mm above 16 x 16 elements, against sums over partial waves in numpy, and the stability of traps.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::force::{Levitation, Outcome, WAYS};
-use sonoglyph::scene::{Board, Scene};
+use sonoglyph::scene::{Board, ElementModel, Scene};
 
 use crate::force::{focused, still_air};
 
 const AT: DVec3 = dvec3(0.0, 0.0, 0.1);
 
-/// A trap: its signature, and |p| (Pa), the force upwards (µN) and the stiffnesses along x, y and z (mN/m).
-type Known<'a> = (&'a str, &'a dyn Fn(DVec3) -> f64, [f64; 5]);
+/// A trap: its signature, and the force upwards (µN) and the stiffnesses along x, y and z (mN/m).
+type Known<'a> = (&'a str, &'a dyn Fn(DVec3) -> f64, [f64; 4]);
 
 fn bottle(scene: &Scene) -> impl Fn(DVec3) -> f64 {
     let radius = scene.array.pitch * (scene.elements() as f64 / TAU).sqrt();
@@ -24,34 +24,69 @@ fn twin(place: DVec3) -> f64 {
 }
 
 #[test]
-fn the_four_traps_have_the_values_of_converged_differences() {
+fn four_traps_have_the_values_of_partial_waves() {
     let scene = still_air();
     let aperture = Aperture::new(&scene);
     let bottle = bottle(&scene);
+    // From samples of the far fields at 0.3/k, and differences of the force.
     let traps: [Known<'_>; 4] = [
-        ("focus", &|_| 0.0, [4493.3114, 0.997_631_42, -0.386_480_67, -0.386_480_67, 0.004_503_56]),
-        ("twin", &twin, [0.0, -0.008_555_28, 0.467_933_25, 0.266_864_72, 0.015_135_25]),
-        (
-            "vortex",
-            &|place| place.y.atan2(place.x),
-            [0.0, -0.010_649_48, 0.431_553_26, 0.431_553_26, 0.017_653_31],
-        ),
-        ("bottle", &bottle, [1290.1402, 0.100_419_90, 0.013_847_41, 0.013_847_41, 0.004_366_96]),
+        ("focus", &|_| 0.0, [0.879_618, -0.292_833, -0.292_833, 0.009_350]),
+        ("twin", &twin, [-0.010_481, 0.397_259, 0.263_641, 0.015_060]),
+        ("vortex", &|place| place.y.atan2(place.x), [-0.012_955, 0.387_768, 0.387_768, 0.017_567]),
+        ("bottle", &bottle, [0.085_612, 0.010_645, 0.010_645, 0.000_884]),
     ];
-    for (name, signature, [pressure, force, kx, ky, kz]) in traps {
+    for (name, signature, [force, kx, ky, kz]) in traps {
         let drive = focused(&aperture, AT, signature);
         let levitation = Levitation::new(&scene, &aperture, &[drive]);
-        let p = levitation.sounds(AT).next().unwrap().pressure().norm();
-        assert!((p - pressure).abs() < 1e-4, "{name}: {p} Pa");
         let forces = levitation.forces(AT);
-        assert!((forces.force.z * 1e6 - force).abs() < 1e-7, "{name}: {} µN", forces.force.z * 1e6);
+        assert!((forces.force.z * 1e6 - force).abs() < 1e-4, "{name}: {} µN", forces.force.z * 1e6);
         let own = [0, 1, 2].map(|i| forces.stiffness.col(i)[i] * 1e3);
+        // Far fields are no exact waves, so that stiffness is not exactly the slope of the force.
         for (own, said) in own.into_iter().zip([kx, ky, kz]) {
-            assert!((own - said).abs() < 2e-7, "{name}: {own} mN/m, not {said}");
+            assert!((own - said).abs() < 3e-3, "{name}: {own} mN/m, not {said}");
         }
     }
     let weight = Levitation::new(&scene, &aperture, &[]).sphere.mass * 9.80665;
     assert!((weight * 1e6 - 0.149).abs() < 5e-4, "{weight}");
+}
+
+/// An element, a bead's radius (mm), and Fx and Fz (µN) at (1, 0, 100) mm of a focus at (0, 0, 100) mm.
+const FOCUS: [(ElementModel, f64, [f64; 2]); 8] = [
+    (ElementModel::Point, 0.5, [1.319_335, 2.125_116]),
+    (ElementModel::Point, 1.0, [7.449_010, 87.068_25]),
+    (ElementModel::ExactPiston, 0.1, [0.002_754, 0.000_383]),
+    (ElementModel::ExactPiston, 0.25, [0.040_416, 0.018_521]),
+    (ElementModel::ExactPiston, 0.5, [0.261_132, 0.821_560]),
+    (ElementModel::ExactPiston, 0.75, [0.640_608, 7.733_819]),
+    (ElementModel::ExactPiston, 1.0, [1.053_483, 34.597_853]),
+    (ElementModel::ExactPiston, 1.5, [2.259_382, 207.748_697]),
+];
+
+#[test]
+fn beads_beside_a_focus_have_the_force_of_sums() {
+    for (element, radius, expected) in FOCUS {
+        let mut scene = still_air();
+        (scene.array.element, scene.bead.radius) = (element, radius * 1e-3);
+        let aperture = Aperture::new(&scene);
+        let levitation = Levitation::new(&scene, &aperture, &[focused(&aperture, AT, |_| 0.0)]);
+        let force = levitation.force(AT + DVec3::X * 1e-3) * 1e6;
+        for (own, expected) in [force.x, force.z].into_iter().zip(expected) {
+            assert!((own - expected).abs() < 1e-4 * expected + 1e-6, "{element:?}, {radius}: {force}");
+        }
+    }
+}
+
+#[test]
+fn a_bead_between_two_boards_has_the_force_of_sums() {
+    let mut scene = Scene { medium: Scene::default().medium, ..levitator() };
+    let aperture = Aperture::new(&scene);
+    let drive = focused(&aperture, AT, |place| if place.z > 0.1 { PI / 2.0 } else { 0.0 });
+    for (radius, expected) in [(0.25, 11.672), (0.5, 88.848), (0.75, 275.60), (1.0, 576.36), (1.5, 1281.87)] {
+        scene.bead.radius = radius * 1e-3;
+        let levitation = Levitation::new(&scene, &aperture, std::slice::from_ref(&drive));
+        let force = levitation.force(AT).z * 1e6;
+        assert!((force / expected - 1.0).abs() < 1e-3, "{radius}: {force}, not {expected}");
+    }
 }
 
 #[test]

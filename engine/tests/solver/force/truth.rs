@@ -1,10 +1,10 @@
-//! Forces in random scenes, against an independent sum over pistons and eighth-order differences.
+//! Forces in random scenes, against an independent sum over elements and over partial waves, and differences.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DQuat, DVec3, dvec3};
 use num_complex::Complex64;
-use sonoglyph::acoustics::{Air, Aperture, Derivatives, Emitters};
+use sonoglyph::acoustics::{Air, Aperture};
 use sonoglyph::drive::Drive;
 use sonoglyph::force::Levitation;
 use sonoglyph::scene::{Board, ElementModel, Elements, Placed, Reflector, Scene};
@@ -19,7 +19,7 @@ fn scene(number: usize) -> (Scene, Drive, Dice) {
     scene.array.element_radius = dice.one_of(&[0.005, 0.0045, 0.012, 0.02]);
     scene.array.element = dice.one_of(&[ElementModel::Piston, ElementModel::Piston, ElementModel::Point]);
     scene.medium.absorption = dice.one_of(&[None, Some(0.0), Some(30.0)]);
-    scene.bead.radius = dice.magnitude(5e-5, 8e-4);
+    scene.bead.radius = dice.magnitude(5e-5, 2e-3);
     let turn = DQuat::from_euler(
         glam::EulerRot::XYZ,
         dice.between(-0.5, 0.5),
@@ -128,117 +128,141 @@ fn place(dice: &mut Dice) -> DVec3 {
     dvec3(dice.between(-0.03, 0.03), dice.between(-0.03, 0.03), dice.between(0.06, 0.14))
 }
 
+/// Associated Legendre function with Condon and Shortley's sign, times the norm of the harmonic.
+fn legendre(n: usize, m: usize, x: f64) -> f64 {
+    let mut first = (1..=m).map(|i| -((2 * i - 1) as f64) * (1.0 - x * x).sqrt()).product::<f64>();
+    let (mut before, last) = (0.0, n);
+    for i in m..last {
+        let next = ((2 * i + 1) as f64 * x * first - (i + m) as f64 * before) / (i - m + 1) as f64;
+        (before, first) = (first, next);
+    }
+    let ratio: f64 = (n - m + 1..=n + m).map(|i| 1.0 / i as f64).product();
+    first * ((2 * n + 1) as f64 / (4.0 * PI) * ratio).sqrt()
+}
+
+/// Nodes and weights of Gauss's rule by Newton's steps from between Chebyshev's.
+fn gauss(count: usize) -> Vec<(f64, f64)> {
+    let node = |i: usize| {
+        let mut x = (PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
+        let mut slope = 0.0;
+        for _ in 0..20 {
+            let (mut before, mut this) = (1.0, x);
+            for n in 1..count {
+                let n = n as f64;
+                (before, this) = (this, ((2.0 * n + 1.0) * x * this - n * before) / (n + 1.0));
+            }
+            slope = count as f64 * (x * this - before) / (x * x - 1.0);
+            x -= this / slope;
+        }
+        (x, 2.0 / ((1.0 - x * x) * slope * slope))
+    };
+    (0..count).map(node).collect()
+}
+
+/// Scattering coefficients (e^{-jωt}) of a fluid sphere, by differences of explicit functions of low order.
+fn scattered(n: usize, ka: f64, density: f64, speed: f64) -> Complex64 {
+    let j = |x: f64| {
+        let mut term = (0..n).map(|i| x / (2 * i + 3) as f64).product::<f64>();
+        let mut sum = 0.0;
+        for i in 1..60 {
+            sum += term;
+            term *= -x * x / (2 * i * (2 * n + 2 * i + 1)) as f64;
+        }
+        sum
+    };
+    let y = |x: f64| {
+        let (mut before, mut this) = (x.sin() / x, -x.cos() / x);
+        for i in 0..n {
+            (before, this) = (this, (2 * i + 1) as f64 / x * this - before);
+        }
+        this
+    };
+    let within = ka / speed;
+    let gamma = 1.0 / (density * speed);
+    let step = |x: f64| 1e-3 * x;
+    let (dj, dy) = (slope(step(ka), |h| j(ka + h)), slope(step(ka), |h| y(ka + h)));
+    let d_within = slope(step(within), |h| j(within + h));
+    let h = Complex64::new(j(ka), y(ka));
+    (gamma * d_within * j(ka) - j(within) * dj) / (j(within) * Complex64::new(dj, dy) - gamma * d_within * h)
+}
+
+/// N, by the sums of complex harmonics up to an order, from the pressures on a sphere.
+fn force_by_sums(scene: &Scene, drive: &Drive, point: DVec3, order: usize) -> DVec3 {
+    let air = Air::new(&scene.medium, scene.array.frequency);
+    let k = TAU * scene.array.frequency / air.sound_speed;
+    let (x, around) = (0.4, 4 * order);
+    let mut a = vec![vec![Complex64::ZERO; 2 * order + 1]; order + 1];
+    for (z, weight) in gauss(2 * order) {
+        for turn in 0..around {
+            let angle = TAU * turn as f64 / around as f64;
+            let across = (1.0 - z * z).sqrt();
+            let way = dvec3(across * angle.cos(), across * angle.sin(), z);
+            let p = heard(scene, drive, point + way * (x / k)).conj() * (weight * TAU / around as f64);
+            for (n, row) in a.iter_mut().enumerate() {
+                for m in 0..=n {
+                    let norm = legendre(n, m, z);
+                    row[order + m] += p * Complex64::cis(-(m as f64) * angle) * norm;
+                    if m > 0 {
+                        let sign = if m % 2 == 0 { 1.0 } else { -1.0 };
+                        row[order - m] += p * Complex64::cis(m as f64 * angle) * (sign * norm);
+                    }
+                }
+            }
+        }
+    }
+    for (n, row) in a.iter_mut().enumerate() {
+        let leading: f64 = (0..n).map(|i| x / (2 * i + 3) as f64).product();
+        let (mut term, mut sum) = (1.0, 0.0);
+        for i in 1..30 {
+            sum += term;
+            term *= -x * x / (2 * i * (2 * n + 2 * i + 1)) as f64;
+        }
+        row.iter_mut().for_each(|value| *value /= leading * sum);
+    }
+    let of = |n: usize, m: i64| {
+        if m.unsigned_abs() as usize > n { Complex64::ZERO } else { a[n][(order as i64 + m) as usize] }
+    };
+    let (density, speed) = (scene.bead.density() / air.density, scene.bead.sound_speed() / air.sound_speed);
+    let s = |n: usize| scattered(n, k * scene.bead.radius, density, speed);
+    let g = 1.0 / (4.0 * air.density * (air.sound_speed * k).powi(2));
+    let (mut up, mut across) = (0.0, Complex64::ZERO);
+    for n in 0..order {
+        let psi = s(n) + s(n + 1).conj() + 2.0 * s(n) * s(n + 1).conj();
+        let rest = ((2 * n + 1) * (2 * n + 3)) as f64;
+        for m in -(n as i64)..=n as i64 {
+            let (n, m_) = (n as f64, m as f64);
+            let along = ((n + m_ + 1.0) * (n - m_ + 1.0) / rest).sqrt();
+            let beside = ((n + m_ + 1.0) * (n + m_ + 2.0) / rest).sqrt();
+            let n = n as usize;
+            up += 2.0 * g * (along * psi * of(n, m) * of(n + 1, m).conj()).im;
+            let pair =
+                psi * of(n, m) * of(n + 1, m + 1).conj() + psi.conj() * of(n, -m).conj() * of(n + 1, -m - 1);
+            across += Complex64::I * g * beside * pair;
+        }
+    }
+    dvec3(across.re, across.im, up)
+}
+
 #[test]
-fn forces_agree_with_the_formulae_by_differences() {
+fn forces_and_stiffnesses_are_those_of_sums() {
     for number in 0..25 {
         let (scene, drive, mut dice) = scene(number);
         let aperture = Aperture::new(&scene);
         let levitation = Levitation::new(&scene, &aperture, std::slice::from_ref(&drive));
         let point = place(&mut dice);
-        let air = Air::new(&scene.medium, scene.array.frequency);
-        let k = aperture.element.wavenumber;
-        // U and F from the formulae, with slopes by differences.
-        let p = |at: DVec3| heard(&scene, &drive, at);
-        let step = 3e-4;
-        let slopes = |at: DVec3| AXES.map(|axis| slope(step, |h| p(at + axis * h)));
-        let (rho, c, a) = (air.density, air.sound_speed, scene.bead.radius);
-        let kappa = 1.0 / (rho * c * c);
-        let own = 1.0 / (scene.bead.density() * scene.bead.sound_speed().powi(2));
-        let (f1, f2) =
-            (1.0 - own / kappa, 2.0 * (scene.bead.density() - rho) / (2.0 * scene.bead.density() + rho));
-        let volume = 4.0 / 3.0 * PI * a.powi(3);
-        let potential = |at: DVec3| {
-            let squares: f64 = slopes(at).iter().map(|slope| slope.norm_sqr()).sum();
-            volume
-                * (f1 * kappa / 4.0 * p(at).norm_sqr() - 3.0 * f2 / (8.0 * rho * (k * c).powi(2)) * squares)
-        };
-        let ka = k * a;
-        let first =
-            Complex64::new(2.0 / 3.0 * ka.powi(3) * f1, -2.0 / 9.0 * ka.powi(6) * (f1 * f1 + f1 * f2));
-        let second = Complex64::new(-ka.powi(3) * f2, -ka.powi(6) / 6.0 * f2 * f2);
-        let (first, second) = (-PI * kappa / k.powi(3) * first, -PI * kappa / k.powi(5) * second);
-        let force = |at: DVec3| {
-            let (pressure, own) = (p(at), slopes(at));
-            let along = |q: usize| {
-                let bent = slopes_of(step, slopes, at, AXES[q]);
-                let inner: Complex64 = (0..3).map(|i| own[i] * bent[i].conj()).sum();
-                (first.conj() * pressure * own[q].conj() + second.conj() * inner).re
-            };
-            DVec3::from_array([0, 1, 2].map(along))
-        };
         let forces = levitation.forces(point);
-        let scale = volume
-            * kappa
-            * p(point).norm_sqr().max(slopes(point).iter().map(|s| s.norm_sqr()).sum::<f64>() / (k * k));
-        let off = (forces.gorkov - potential(point)).abs() / scale;
-        assert!(off < 1e-7, "{number}: U off by {off:e}");
-        let off = (forces.force - force(point)).length() / (scale * k);
-        assert!(off < 1e-6, "{number}: F off by {off:e}");
-        assert!((levitation.force(point) - forces.force).length() < 1e-12 * scale * k);
-        // K is minus the gradient of the force; for large beads it is not symmetric.
+        // Waves that obey the equation of sound are known to rounding, others as what they are near the bead.
+        let is_exact = scene.array.element == ElementModel::Point && scene.medium.absorption == Some(0.0);
+        let expected = force_by_sums(&scene, &drive, point, levitation.sphere.order() + 1);
+        let k = aperture.element.wavenumber;
+        let scale = (forces.gorkov.abs() * k).max(expected.length());
+        let off = forces.force.distance(expected) / scale;
+        assert!(off < if is_exact { 1e-7 } else { 2e-2 }, "{number}: F off by {off:e}");
+        assert!(levitation.force(point).distance(forces.force) < 1e-6 * scale, "{number}");
         for (j, axis) in AXES.into_iter().enumerate() {
             let column = slope(1e-4, |h| levitation.force(point + axis * h)) * -1.0;
-            let off = (column - forces.stiffness.col(j)).length() / (scale * k * k);
-            assert!(off < 1e-8, "{number}: K off by {off:e}");
+            let off = (column - forces.stiffness.col(j)).length() / (scale * k);
+            assert!(off < if is_exact { 1e-6 } else { 2e-2 }, "{number}: K off by {off:e}");
         }
-    }
-}
-
-fn slopes_of(step: f64, slopes: impl Fn(DVec3) -> [Complex64; 3], at: DVec3, axis: DVec3) -> [Complex64; 3] {
-    [0, 1, 2].map(|i| slope(step, |h| slopes(at + axis * h)[i]))
-}
-
-#[test]
-fn derivatives_are_those_of_the_transfer() {
-    for number in 0..60 {
-        let (mut scene, drive, mut dice) = scene(number);
-        if number % 3 == 0 {
-            scene.array.element = ElementModel::ExactPiston;
-        }
-        let aperture = Aperture::new(&scene);
-        let excitation = drive.excitation(&aperture.driven);
-        let emitters = Emitters::new(&aperture, &excitation);
-        let point = place(&mut dice);
-        let all = emitters.derivatives(point);
-        let p = aperture.transfer(&[point]).pressure(&excitation)[0];
-        let scale: f64 = aperture.transfer(&[point]).row(0).map(|h| h.norm()).sum();
-        assert!((all.pressure() - p).norm() < 1e-10 * scale, "{number}: {} for {p}", all.pressure());
-        let k = aperture.element.wavenumber;
-        let step = 1.5e-4;
-        for (i, axis) in AXES.into_iter().enumerate() {
-            let beside: Vec<Derivatives> =
-                (-4..=4).map(|n| emitters.derivatives(point + axis * (step * f64::from(n)))).collect();
-            let along = |of: &dyn Fn(&Derivatives) -> Complex64| {
-                slope(step, |h| of(&beside[((h / step).round() + 4.0) as usize]))
-            };
-            let assert_near = |order: i32, own: Complex64, difference: Complex64| {
-                let off = (own - difference).norm() / (scale * k.powi(order));
-                assert!(off < 1e-9, "{number}, {:?}: order {order} off by {off:e}", scene.array.element);
-            };
-            assert_near(1, all.slope(i), along(&|it| it.pressure()));
-            for j in 0..3 {
-                assert_near(2, all.second(i, j), along(&|it| it.slope(j)));
-                for l in 0..3 {
-                    assert_near(3, all.third(i, j, l), along(&|it| it.second(j, l)));
-                }
-            }
-        }
-    }
-}
-
-#[test]
-fn exact_pistons_are_right_close_to_an_element() {
-    let mut scene = Scene::default();
-    (scene.array.rows, scene.array.columns, scene.array.element) = (2, 2, ElementModel::ExactPiston);
-    let aperture = Aperture::new(&scene);
-    let excitation = vec![Complex64::ONE; 4];
-    let emitters = Emitters::new(&aperture, &excitation);
-    let radius = scene.array.element_radius;
-    for (across, height) in [(0.4, 0.1), (0.7, 0.15), (0.9, 0.3), (1.05, 0.12), (0.0, 0.1)] {
-        let point = aperture.positions[2] + DVec3::new(across, 0.0, height) * radius;
-        let transfer = aperture.transfer(&[point]);
-        let scale: f64 = transfer.row(0).map(|h| h.norm()).sum();
-        let off = (emitters.derivatives(point).pressure() - transfer.pressure(&excitation)[0]).norm() / scale;
-        assert!(off < 1e-10, "{across} and {height} radii from its centre: off by {off:e}");
     }
 }
