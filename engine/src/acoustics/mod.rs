@@ -21,6 +21,8 @@ pub(crate) mod element;
 mod emitters;
 mod face;
 mod jacobian;
+#[doc(hidden)]
+pub mod response;
 mod row;
 mod slopes;
 mod transfer;
