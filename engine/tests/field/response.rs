@@ -19,7 +19,7 @@ use sonoglyph::studio::time_course::Course;
 use crate::{STEP, scattered};
 
 const PRESET: Response = Response::Preset(Transducer::T4010A1);
-const POLE: Response = Response::Pole(Pole { resonance: 39_789.0, tau: 1.88e-4 });
+const POLE: Response = Response::Pole(Pole { resonance: 39_789.0, tau: 1.882e-4 });
 
 fn with(response: Response) -> Scene {
     Scene { array: Array { response: Some(response), ..Array::default() }, ..Scene::default() }
@@ -89,8 +89,16 @@ fn circling(size: f64, rate: f64, count: u32, lead: bool) -> Scene {
     Scene { motion, targets: vec![Target::new(Shape::Point { at: DVec3::Z * 0.1 })], ..with(PRESET) }
 }
 
+/// With the same phase at the focus in all frames, as in the simulation; a solved cycle turns each frame as a whole towards its
+/// predecessor.
 fn moving(scene: &Scene) -> Moving {
-    Moving::new(scene, &frames::follow(scene).unwrap()).unwrap()
+    let mut sequence = frames::follow(scene).unwrap();
+    for frame in &mut sequence.frames {
+        let turn = frame.pressures[0].arg();
+        frame.drive.phases.iter_mut().for_each(|phase| *phase -= turn);
+        frame.pressures[0] = frame.pressures[0].norm().into();
+    }
+    Moving::new(scene, &sequence).unwrap()
 }
 
 #[test]

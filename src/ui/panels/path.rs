@@ -128,7 +128,7 @@ fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
     if is_slow && length > 0.0 {
         caption(ui, "Lead");
         let tip = "Foci are ahead of their path by the time that the elements need to follow: half of the loss comes back";
-        value(ui, |ui| ui.checkbox(&mut motion.lead, "").on_hover_text(tip));
+        value(ui, |ui| ui.checkbox(&mut motion.lead, "Ahead").on_hover_text(tip));
         ui.end_row();
     }
     if let Some(moving) = moving {
