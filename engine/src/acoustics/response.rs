@@ -121,11 +121,6 @@ impl Resonator {
         Self { pole: carrier - pole, direct: 1.0 - part }
     }
 
-    /// Time constant of the amplitude, s.
-    pub fn tau(&self) -> f64 {
-        self.pole.re.recip()
-    }
-
     /// G at an offset (Hz) from the carrier.
     pub fn at(&self, offset: f64) -> Complex64 {
         self.direct + (1.0 - self.direct) * self.pole / (self.pole + Complex64::new(0.0, TAU * offset))

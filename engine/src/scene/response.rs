@@ -46,6 +46,7 @@ pub(crate) struct Circuit {
 
 impl Transducer {
     /// Name in menus.
+    #[doc(hidden)]
     pub fn title(self) -> &'static str {
         match self {
             Self::T4010A1 => "T4010A1",
@@ -61,6 +62,7 @@ impl Transducer {
 
 impl Response {
     /// Time constant of the amplitude, s.
+    #[doc(hidden)]
     pub fn tau(self) -> f64 {
         match self {
             Self::Pole(pole) => pole.tau,
