@@ -6,7 +6,7 @@ docs/scene.md explains each key, with its default and its limits.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Union
 
@@ -62,6 +62,8 @@ class Array(_Table):
     wiring: FileName | None = None
     """the boards' channels: a CSV file with element,channel, or preset:NAME"""
     reflectivity: float | None = None
+    response: Mapping[str, float] | str | None = None
+    """of an element: resonance (Hz) and tau (s), or t4010a1"""
 
 
 @dataclass(kw_only=True)
@@ -340,6 +342,8 @@ class MotionPath(_Table):
     points: Sequence[Vector] | None = None
     keyframes: Sequence[Keyframe] | None = None
     foci: int | None = None
+    lead: bool | None = None
+    """ahead of the path by the response time of the elements"""
 
 
 @dataclass(kw_only=True)

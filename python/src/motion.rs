@@ -6,6 +6,9 @@ use numpy::{Complex64 as Complex, IntoPyArray, PyArray1, PyArray2, PyArrayMethod
 use pyo3::prelude::*;
 use sonoglyph::drive::Drive;
 use sonoglyph::solver::frames::{Frame, Sequence};
+use sonoglyph::studio::response::Moving;
+
+use crate::convert;
 
 /// The drives of all frames of a motion: the result of `Scene.frames`. As a `drive` of other calls it stands for the mean over all frames.
 #[pyclass(frozen, module = "sonoglyph")]
@@ -14,11 +17,12 @@ pub struct Motion {
     sequence: Arc<Sequence>,
     /// Frames per second; 0 for a scene at rest.
     rate: f64,
+    moving: Option<Moving>,
 }
 
 impl Motion {
-    pub fn new(sequence: Arc<Sequence>, rate: f64) -> Self {
-        Self { sequence, rate }
+    pub fn new(sequence: Arc<Sequence>, rate: f64, moving: Option<Moving>) -> Self {
+        Self { sequence, rate, moving }
     }
 
     pub fn drives(&self) -> Vec<Drive> {
@@ -78,6 +82,12 @@ impl Motion {
     #[getter]
     fn rate(&self) -> f64 {
         self.rate
+    }
+
+    /// What elements with a response keep of the pressure, as `sonoglyph solve --motion --json` writes it: a dictionary, or None.
+    #[getter]
+    fn response<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        self.moving.map(|moving| convert::python(py, &moving.json())).transpose()
     }
 
     /// Time spent on finding all drives, s.

@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyType};
 use rayon::prelude::*;
 use serde_json::Value;
-use sonoglyph::acoustics::Aperture;
+use sonoglyph::acoustics::{Aperture, response::responding};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::Request;
 use sonoglyph::field::volume::{Block, Lattice, MOST_POINTS, MOST_POINTS_ALONG};
@@ -21,6 +21,7 @@ use sonoglyph::force::Levitation;
 use sonoglyph::gauge::Gauge;
 use sonoglyph::scene::{self, DriveFile, DriveTable, FORMAT, Method, file, motion};
 use sonoglyph::solver::{self, frames};
+use sonoglyph::studio::response::Moving;
 use sonoglyph::studio::{opening, output, probe, reach, space};
 use strum::VariantNames;
 
@@ -390,7 +391,7 @@ impl Scene {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Bound<'py, PyArrayDyn<Complex64>>> {
         let (points, shape) = places(points)?;
-        let drives = Self::played(slf, drive, false, progress)?;
+        let drives = responding(&slf.get().scene, Self::played(slf, drive, false, progress)?, false);
         let scene = Arc::clone(&slf.get().scene);
         let read = move |_: &Gauge| probe::pressures(&Aperture::new(&scene), &drives, &points);
         work::run(slf.py(), progress, false, read)?.into_pyarray(slf.py()).reshape(shape)
@@ -427,7 +428,7 @@ impl Scene {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (points, shape) = places(points)?;
-        let drives = Self::played(slf, drive, true, progress)?;
+        let drives = responding(&slf.get().scene, Self::played(slf, drive, true, progress)?, false);
         let scene = Arc::clone(&slf.get().scene);
         let feel = move |_: &Gauge| {
             let levitation = Levitation::new(&scene, &Aperture::new(&scene), &drives);
@@ -452,9 +453,14 @@ impl Scene {
     fn frames(slf: &Bound<'_, Self>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<Motion> {
         let scene = Arc::clone(&slf.get().scene);
         let rate = motion::cycle(&scene).map_or(0.0, |cycle| cycle.frames_per_second());
-        let follow = move |gauge: &Gauge| frames::follow_with(&scene, gauge);
-        let sequence = work::run(slf.py(), progress, false, follow)?;
-        Ok(Motion::new(Arc::new(sequence.map_err(|error| error::of_solving(&error))?), rate))
+        let follow = move |gauge: &Gauge| {
+            let sequence = frames::follow_with(&scene, gauge)?;
+            let moving = Moving::new(&scene, &sequence);
+            Ok((Arc::new(sequence), moving))
+        };
+        let followed = work::run(slf.py(), progress, false, follow)?;
+        let (sequence, moving) = followed.map_err(|error| error::of_solving(&error))?;
+        Ok(Motion::new(sequence, rate, moving))
     }
 
     fn __repr__(&self) -> String {

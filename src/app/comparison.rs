@@ -90,7 +90,7 @@ impl Comparison {
                 };
                 performance.drives().into_iter().map(at_levels).collect()
             }
-            (_, sound) => sound.iter().flat_map(|sound| sound.drives.clone()).collect(),
+            (_, sound) => sound.iter().flat_map(|sound| sound.of_map()).cloned().collect(),
         };
         let look = Look {
             scene: editor.scene(),

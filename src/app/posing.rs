@@ -1,6 +1,8 @@
 //! The played state: the solution of a scene and its sound.
 
+use crate::acoustics::response::{responding, responding_at};
 use crate::acoustics::{Air, Aperture};
+use crate::drive::Drive;
 use crate::scene::{Focus, Scene};
 use crate::studio::performance::Performance;
 use crate::studio::probe::{self, Reading};
@@ -17,22 +19,30 @@ pub struct Source {
 /// The played drive and its pressures, quantised to a number of phase levels if given.
 pub fn sound(scene: &Scene, levels: Option<u32>, source: &Source) -> Sound {
     let aperture = Aperture::new(scene);
-    let (drives, foci, pressures): (_, &[Focus], _) = match &source.performance {
-        Performance::Still(solution) => (solution.drives(), &solution.foci, &solution.pressures),
+    let rounded = |drive: &Drive| levels.map_or_else(|| drive.clone(), |levels| drive.at_levels(levels));
+    let (drives, foci, pressures): (Vec<_>, &[Focus], _) = match &source.performance {
+        Performance::Still(solution) => {
+            (solution.drives().iter().map(rounded).collect(), &solution.foci, &solution.pressures)
+        }
         Performance::Motion(sequence) => {
             let frame = &sequence.frames[source.frame];
-            (vec![frame.drive.clone()], &frame.foci, &frame.pressures)
+            (vec![rounded(&frame.drive)], &frame.foci, &frame.pressures)
         }
     };
-    let at_foci = |(focus, &pressure): (&Focus, _)| Reading { position: focus.position, pressure };
-    let (mut drives, mut readings) = (drives, foci.iter().zip(pressures).map(at_foci).collect());
-    if let Some(levels) = levels {
-        drives.iter_mut().for_each(|drive| *drive = drive.at_levels(levels));
-        if drives[0].phases.len() == aperture.positions.len() {
-            let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-            readings = probe::readings(&aperture, &drives, &points);
+    let follows = scene.array.response.is_some();
+    let heard = match &source.performance {
+        Performance::Motion(sequence) if follows => {
+            let frames: Vec<_> = sequence.frames.iter().map(|frame| rounded(&frame.drive)).collect();
+            vec![responding_at(scene, &frames, source.frame)]
         }
+        Performance::Still(_) | Performance::Motion(_) => responding(scene, drives.clone(), false),
+    };
+    let at_foci = |(focus, &pressure): (&Focus, _)| Reading { position: focus.position, pressure };
+    let mut readings = foci.iter().zip(pressures).map(at_foci).collect();
+    if (levels.is_some() || follows) && drives[0].phases.len() == aperture.positions.len() {
+        let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
+        readings = probe::readings(&aperture, &heard, &points);
     }
     let air = Air::new(&scene.medium, scene.array.frequency);
-    Sound { aperture, air, bead: scene.bead.clone(), drives, foci: foci.to_vec(), readings }
+    Sound { aperture, air, bead: scene.bead.clone(), drives, heard, foci: foci.to_vec(), readings }
 }

@@ -126,7 +126,7 @@ impl Spacing {
             return Ok(());
         };
         let sounding =
-            Sounding { aperture: sound.aperture.clone(), drives: sound.drives.clone(), block: stage.block };
+            Sounding { aperture: sound.aperture.clone(), drives: sound.heard.clone(), block: stage.block };
         let wanted = |most: f64| {
             let points = stage.rect.size();
             let scale = f64::from(ctx.pixels_per_point());

@@ -14,6 +14,7 @@ use crate::solver::frames::Sequence;
 use crate::studio::frames::{Summary, playable, write_csv, write_json};
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{self, Files, say, warn};
+use crate::studio::response::Moving;
 
 /// m/s of a focus that feels strongest, about the speed of waves on skin (Frier et al. 2018).
 const FELT_MOST: (f64, f64) = (5.0, 8.0);
@@ -96,6 +97,7 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
             ),
         ));
     }
+    rows.extend(Moving::new(scene, sequence).iter().flat_map(Moving::rows));
     for (name, value) in rows {
         say!("{name:<COLUMN$}{value}")?;
     }

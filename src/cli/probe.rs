@@ -8,7 +8,7 @@ use clap::{Args, ValueEnum};
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, response::responding};
 use crate::cli::arguments::{BackendArgs, DriveArgs};
 use crate::cli::scene::{read_scene, write_or_print};
 use crate::cli::time_course::TimeArgs;
@@ -70,7 +70,7 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     } else {
         let solution = solver::solve(&scene).with_context(|| name)?;
         solution.warnings.iter().for_each(|warning| warn(&warning.to_string()));
-        solution.drives()
+        responding(&scene, solution.drives(), false)
     };
     let aperture = Aperture::new(&scene);
     if args.quantity == Probed::Force {

@@ -24,6 +24,7 @@ use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::findings::{Findings, Played};
 use crate::studio::levitation::{self, Held};
 use crate::studio::output::{self, Files, note, say, warn};
+use crate::studio::response::Moving;
 
 /// Replaces the figures that compare pressures if the foci are silent, in these rows.
 const SILENT: &str = "no sound reaches the foci";
@@ -393,6 +394,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
             format!("{:.1} dB re 20 µPa ({} RMS) at ({x}, {y}, {z}) mm", heard.spl(), pascals(heard.rms())),
         ));
     }
+    rows.extend(findings.moving.iter().flat_map(Moving::rows));
     for (name, value) in rows {
         let is_void = quality.is_silent() && COMPARED.contains(&name);
         let value = if is_void { format!("-, {SILENT}") } else { value };

@@ -2,15 +2,17 @@
 
 use serde_json::{Value, json};
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Aperture, response::responding};
 use crate::drive::{Drive, delay_level};
 use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::rounding::percent_at_most;
-use crate::scene::{Pressures, Scene, outline};
+use crate::scene::{Pressures, Scene, motion, outline};
+use crate::solver::frames;
 use crate::solver::levels::{self, Reached};
 use crate::solver::{Limits, Problem, Solution, SolveError, room, shape};
 use crate::studio::levitation::{self, Held, Neighbour};
 use crate::studio::probe::{self, Reading};
+use crate::studio::response::Moving;
 use crate::studio::{json, reach};
 
 /// A solution, and what is known of it beside its own quality.
@@ -24,6 +26,8 @@ pub struct Findings {
     pub traps: Vec<Held>,
     /// The force between beads, if it counts.
     pub neighbour: Option<Neighbour>,
+    /// Of a motion, or of drives in turn, of elements with a response.
+    pub moving: Option<Moving>,
     /// Warnings about all of it, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -38,6 +42,7 @@ impl Findings {
         solution: Solution,
     ) -> Self {
         let aperture = problem.aperture;
+        let drives = responding(scene, solution.drives(), false);
         let side_lobe = match &solution.figures {
             Some(figures) if figures.side_lobe > 0.0 => {
                 let (part, position) = (figures.side_lobe, figures.side_lobe_position);
@@ -45,13 +50,12 @@ impl Findings {
             }
             Some(_) | None => {
                 let plane = shape::judged_plane(scene, &solution.foci);
-                side_lobe(stages, aperture, &plane, &solution.drives(), &solution.foci)
+                side_lobe(stages, aperture, &plane, &drives, &solution.foci)
             }
         };
-        let heard =
-            scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
-        let traps = levitation::held(scene, aperture, &solution.drives());
-        let neighbour = levitation::neighbour(scene, aperture, &solution.drives(), &traps);
+        let heard = scene.listener.as_ref().map(|listener| probe::reading(aperture, &drives, listener.at));
+        let traps = levitation::held(scene, aperture, &drives);
+        let neighbour = levitation::neighbour(scene, aperture, &drives, &traps);
         let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
         let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
@@ -63,7 +67,7 @@ impl Findings {
         warnings.extend(heard.and_then(|heard| heard.warning()));
         warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
         warnings.extend(levitation::warning(scene).filter(|_| !traps.is_empty()));
-        Self { solution, limits, side_lobe, heard, traps, neighbour, warnings }
+        Self { solution, limits, side_lobe, heard, traps, neighbour, moving: None, warnings }
     }
 
     /// The same from a scene and its solution, whose figures it completes.
@@ -79,7 +83,14 @@ impl Findings {
         let aperture = Aperture::new(scene);
         let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());
         solution.judge(scene, &problem);
-        Ok(Self::new(scene, &problem, Limits::new(&problem), stages, solution))
+        let moving = match scene.array.response {
+            Some(_) if motion::moves(scene) || !solution.others.is_empty() => {
+                Moving::new(scene, &frames::follow(scene)?)
+            }
+            Some(_) | None => None,
+        };
+        let found = Self::new(scene, &problem, Limits::new(&problem), stages, solution);
+        Ok(Self { moving, ..found })
     }
 
     /// The object that design and other programs know.
@@ -93,6 +104,9 @@ impl Findings {
         if let Some(heard) = &self.heard {
             value["listener"] =
                 json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });
+        }
+        if let Some(moving) = &self.moving {
+            value["response"] = moving.json();
         }
         if !self.traps.is_empty() {
             value["traps"] = self.traps.iter().map(json::trap).collect();

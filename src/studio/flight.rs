@@ -6,7 +6,7 @@ use anyhow::{anyhow, bail};
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use crate::acoustics::{Air, Aperture, viscosity};
+use crate::acoustics::{Air, Aperture, response::responding, viscosity};
 use crate::force::{Carriage, Drag, Flight, Levitation};
 use crate::gauge::Gauge;
 use crate::rounding::millimetres;
@@ -42,11 +42,13 @@ impl Course {
         let (drives, foci, span): (Vec<_>, Vec<_>, _) = if motion::moves(scene) {
             let cycle = motion::cycle(scene).ok_or_else(|| anyhow!("{name}: nothing moves"))?;
             let frames = follow(scene, name, progress)?.frames;
-            let (drives, foci) = frames.into_iter().map(|frame| (vec![frame.drive], frame.foci)).unzip();
-            (drives, foci, cycle.frames_per_second().recip())
+            let (drives, foci): (Vec<_>, _) =
+                frames.into_iter().map(|frame| (frame.drive, frame.foci)).unzip();
+            let heard = responding(scene, drives, false).into_iter().map(|drive| vec![drive]).collect();
+            (heard, foci, cycle.frames_per_second().recip())
         } else {
             let solution = solver::solve(scene).map_err(|error| anyhow!("{name}: {error}"))?;
-            (vec![solution.drives()], vec![solution.foci], f64::INFINITY)
+            (vec![responding(scene, solution.drives(), false)], vec![solution.foci], f64::INFINITY)
         };
         if foci.iter().any(Vec::is_empty) {
             bail!("{name}: target: the scene has no target, and a bead needs its place");

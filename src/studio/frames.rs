@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};
 use crate::solver::frames::{Frame, Sequence};
+use crate::studio::response::Moving;
 
 /// Frames per second of 256 elements that serial links carry, the slowest first.
 const LINKS: [(f64, &str); 2] =
@@ -98,6 +99,9 @@ pub fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> st
     writeln!(out, "{{")?;
     for (key, value) in head.as_object().into_iter().flatten() {
         writeln!(out, "  {}: {value},", Value::from(key.as_str()))?;
+    }
+    if let Some(moving) = Moving::new(scene, sequence) {
+        writeln!(out, "  \"response\": {},", moving.json())?;
     }
     writeln!(out, "  \"frames\": [")?;
     let frames_per_second = frames_per_second(scene);

@@ -28,6 +28,7 @@ pub mod posing;
 pub mod presets;
 pub mod probe;
 pub mod reach;
+pub mod response;
 pub mod solving;
 pub mod space;
 #[cfg(not(target_arch = "wasm32"))]

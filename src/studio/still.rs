@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, bail};
 
+use crate::acoustics::response::responding_at;
 use crate::drive::Drive;
 use crate::echo;
 use crate::field::{MOST_PIXELS, Quantity, Request, Stages, missed};
@@ -142,7 +143,7 @@ impl Look {
         if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {
             bail!("--frame chooses among maps, and this is no quantity on a plane");
         }
-        let mut frames = follow(scene, &solved.name, &(self.begin)(SOLVING))?.frames;
+        let frames = follow(scene, &solved.name, &(self.begin)(SOLVING))?.frames;
         match moment {
             Moment::Mean
                 if let Diagram::Map(quantity) = self.diagram
@@ -154,7 +155,10 @@ impl Look {
             Moment::Frame(number) if number >= frames.len() => {
                 bail!("there is no frame {}: a cycle has {}", number + 1, frames.len())
             }
-            Moment::Frame(number) => Ok(vec![frames.swap_remove(number).drive]),
+            Moment::Frame(number) => {
+                let drives: Vec<_> = frames.into_iter().map(|frame| frame.drive).collect();
+                Ok(vec![responding_at(scene, &drives, number)])
+            }
         }
     }
 

@@ -3,9 +3,10 @@
 
 use anyhow::bail;
 
+use crate::acoustics::response::Resonator;
 use crate::field::{FieldError, Request, Stages};
 use crate::gauge::Gauge;
-use crate::scene::{Envelope, Law, Modulation, Scene, motion};
+use crate::scene::{Envelope, Law, Modulation, Scene, SpectralLine, motion};
 use crate::studio::time_course::{Course, low_square, square_lines};
 use crate::surface::{Rest, Stretch, Tank, Waves};
 
@@ -94,6 +95,17 @@ pub struct Swell {
     knots: Clock,
 }
 
+/// The lines of the square of an envelope of sines or tones, behind the elements' response; relative to the mean, which the drives of a
+/// request have already.
+fn swinging(scene: &Scene) -> Vec<SpectralLine> {
+    let modulation = &scene.modulation;
+    let Some(resonator) = Resonator::new(scene) else { return square_lines(modulation) };
+    let mut lines = resonator.square_lines(modulation);
+    let part = modulation.mean_square() / lines.first().map_or(1.0, |mean| mean.amplitude);
+    lines.iter_mut().for_each(|line| line.amplitude *= part);
+    lines
+}
+
 impl Swell {
     /// A level surface before the onset of a depression request's drives, played in sequence.
     ///
@@ -123,7 +135,7 @@ impl Swell {
         let modulation = scene.modulation.clone();
         let (lines, knots) = match modulation.shape {
             Envelope::Off => (Vec::new(), 0.0),
-            Envelope::Sine | Envelope::Tones => (square_lines(&modulation), 0.0),
+            Envelope::Sine | Envelope::Tones => (swinging(scene), 0.0),
             Envelope::Square => (Vec::new(), 2.0 * modulation.frequency),
             Envelope::File => (Vec::new(), modulation.wave.get().map_or(0.0, |samples| samples.rate)),
         };

@@ -2,6 +2,10 @@
 //!
 //! |p|² is the envelope's square times the square of the frame that plays. Both are sums of lines that are known in closed form, so
 //! the lines of the product are those of an endless sound: no window, and no leakage between lines.
+//!
+//! Elements with a response ([`acoustics::response`](crate::acoustics::response)) filter the amplitude: the sound is carried on from
+//! event to event, and its lines are those of samples of the common period. |p|² has a kink at every event, so that lines are off by
+//! about events/(τ (2π samples)²) times the period: 1e-5 at ten thousand frames per second.
 
 use std::f64::consts::PI;
 use std::fmt::Write;
@@ -10,10 +14,9 @@ use glam::DVec3;
 use num_complex::Complex64;
 use sonoglyph_fourier::coefficients;
 
-use crate::scene::{Envelope, Law, Modulation, Scene, SpectralLine, motion};
+use crate::acoustics::response::{Resonator, frames_per_second};
+use crate::scene::{Envelope, Law, Modulation, Scene, SpectralLine};
 
-/// Drives in turn per second for a scene at rest.
-const TURNS: f64 = 1000.0;
 /// Limit of the common period, s.
 const LONGEST: f64 = 10.0;
 /// Time steps of a frame.
@@ -28,6 +31,23 @@ const REACH: f64 = 16.0;
 /// Limit of products of lines per point.
 const MOST_PRODUCTS: f64 = 3e7;
 
+/// Time constants after which nothing is left of what was: e^-40.
+const FADED: f64 = 40.0;
+/// Longest step of a response, in parts of its pole's modulus.
+const STEP: f64 = 0.5;
+/// Nodes and weights of Gauss' quadrature on [0, 1]; exact to 1e-12 over such a step.
+const NODES: [[f64; 2]; 6] = [
+    [0.033_765_242_898_423_99, 0.085_662_246_189_585_17],
+    [0.169_395_306_766_867_74, 0.180_380_786_524_069_3],
+    [0.380_690_406_958_401_55, 0.233_956_967_286_345_52],
+    [0.619_309_593_041_598_5, 0.233_956_967_286_345_52],
+    [0.830_604_693_233_132_3, 0.180_380_786_524_069_3],
+    [0.966_234_757_101_576, 0.085_662_246_189_585_17],
+];
+/// Samples per second of sound behind a response, relative to its rate of decay, and limit of the samples of a period.
+const SAMPLING: f64 = 64.0;
+const MOST_SAMPLES: f64 = (1 << 22) as f64;
+
 /// Two lines of a spectrum at frequencies of either sign: coefficient · e^{2πj frequency t}.
 type Term = (f64, Complex64);
 
@@ -38,6 +58,7 @@ pub struct Course {
     frames: usize,
     /// Frames per second; 0 for a single frame.
     rate: f64,
+    response: Option<Resonator>,
 }
 
 impl Course {
@@ -47,12 +68,9 @@ impl Course {
     /// No frame.
     pub fn new(scene: &Scene, frames: usize) -> Self {
         assert!(frames > 0, "something is played");
-        let rate = match motion::cycle(scene) {
-            _ if frames == 1 => 0.0,
-            Some(cycle) => cycle.frames_per_second(),
-            None => TURNS,
-        };
-        Self { modulation: scene.modulation.clone(), frames, rate }
+        let rate = if frames == 1 { 0.0 } else { frames_per_second(scene) };
+        let modulation = scene.modulation.clone();
+        Self { modulation, frames, rate, response: Resonator::new(scene) }
     }
 
     /// Frames per second; 0 for a single frame.
@@ -100,10 +118,40 @@ impl Course {
         (time * self.rate + ROUNDING).floor().rem_euclid(self.frames as f64) as usize % self.frames
     }
 
-    /// The complex pressure (Pa, peak) at a time (s) and a point with these pressures of all frames at full
+    /// The complex pressures (Pa, peak) at instants, so many per second, and a point with these pressures of all frames at full
     /// amplitude.
-    pub fn pressure(&self, of_frames: &[Complex64], time: f64) -> Complex64 {
+    pub fn pressures(&self, of_frames: &[Complex64], instants: usize, rate: f64) -> Vec<Complex64> {
+        let times = (0..instants).map(|instant| instant as f64 / rate);
+        match &self.response {
+            None => times.map(|time| self.driven(of_frames, time)).collect(),
+            Some(resonator) => {
+                let mut slow = Slow {
+                    course: self,
+                    of_frames,
+                    resonator,
+                    time: f64::NEG_INFINITY,
+                    value: Complex64::ZERO,
+                };
+                times.map(|time| slow.sound(time)).collect()
+            }
+        }
+    }
+
+    /// The same at a time (s), of elements that follow at once.
+    fn driven(&self, of_frames: &[Complex64], time: f64) -> Complex64 {
         of_frames[self.frame(time)] * self.modulation.envelope(time)
+    }
+
+    /// Events per second between which frame and envelope are smooth: frames, edges or samples of the envelope, and the
+    /// moments at which a sine may touch zero.
+    fn events(&self) -> [f64; 2] {
+        let of_envelope = match self.modulation.shape {
+            Envelope::Off | Envelope::Tones => 0.0,
+            Envelope::Sine => 4.0 * self.modulation.frequency,
+            Envelope::Square => 2.0 * self.modulation.frequency,
+            Envelope::File => self.modulation.step_rate(),
+        };
+        [self.rate, of_envelope]
     }
 
     /// CSV of so many instants, so many per second, at points, and of the lines of |p|² up to a frequency (Hz) if they are wanted.
@@ -123,8 +171,8 @@ impl Course {
         for (index, point) in points.iter().enumerate() {
             let of_frames: Vec<_> = frames.iter().map(|frame| frame[index]).collect();
             let [x, y, z] = point.to_array();
-            for time in (0..instants).map(|instant| instant as f64 / rate) {
-                let p = self.pressure(&of_frames, time);
+            for (instant, p) in self.pressures(&of_frames, instants, rate).into_iter().enumerate() {
+                let time = instant as f64 / rate;
                 let _ =
                     writeln!(table, "{x:?},{y:?},{z:?},{time:?},{:?},{:?},{:?}", p.re, p.im, p.norm_sqr());
             }
@@ -142,6 +190,9 @@ impl Course {
     /// # Errors
     /// Too many lines.
     pub fn spectrum(&self, of_frames: &[Complex64], band: f64) -> Result<Vec<SpectralLine>, String> {
+        if let Some(resonator) = self.response {
+            return self.sampled(of_frames, band, resonator);
+        }
         let squares: Vec<_> = of_frames.iter().map(Complex64::norm_sqr).collect();
         let cycle = self.cycles_per_second();
         let period = self.period().filter(|_| cycle > 0.0 && self.modulation.shape == Envelope::Square);
@@ -177,6 +228,36 @@ impl Course {
 }
 
 impl Course {
+    /// The lines of sound behind a response, from samples of the common period.
+    fn sampled(
+        &self,
+        of_frames: &[Complex64],
+        band: f64,
+        resonator: Resonator,
+    ) -> Result<Vec<SpectralLine>, String> {
+        let period = match self.period() {
+            Some(period) => period,
+            None if self.usual_span() == 0.0 => 1.0 / band,
+            None => {
+                return Err(format!(
+                    "with array.response, lines need a common period of modulation and motion below {LONGEST} s"
+                ));
+            }
+        };
+        let least = period * (16.0 * band).max(SAMPLING * resonator.pole.re);
+        let samples = (least / self.frames as f64).ceil() * self.frames as f64;
+        if samples > MOST_SAMPLES {
+            return Err(format!(
+                "the common period of {period} s has {samples:.1e} samples, more than {MOST_SAMPLES:.0e}: \
+                 take a narrower band, a shorter file or a faster motion"
+            ));
+        }
+        let pressures = self.pressures(of_frames, samples as usize, samples / period);
+        let squares = pressures.iter().map(|p| Complex64::from(p.norm_sqr())).collect();
+        let coefficients = coefficients(squares).into_iter().take((band * period + ONE_LINE) as usize + 1);
+        Ok(lines(coefficients.enumerate().map(|(n, value)| (n as f64 / period, value)).collect()))
+    }
+
     /// Number of frame and square-wave edges in a time (s).
     fn edges(&self, span: f64) -> f64 {
         span * (self.rate + 2.0 * self.modulation.frequency)
@@ -211,6 +292,48 @@ impl Course {
             (n as f64 / period, if n == 0 { Complex64::from(sum / period) } else { coefficient })
         };
         (0..=(band * period + ONE_LINE) as usize).map(term).collect()
+    }
+}
+
+/// The slow part of the sound at a point behind a response, carried on in time.
+struct Slow<'a> {
+    course: &'a Course,
+    of_frames: &'a [Complex64],
+    resonator: &'a Resonator,
+    /// s
+    time: f64,
+    value: Complex64,
+}
+
+impl Slow<'_> {
+    /// The sound at a time (s) no earlier than the last one.
+    fn sound(&mut self, time: f64) -> Complex64 {
+        let Resonator { pole, direct } = *self.resonator;
+        let start = time - FADED / pole.re;
+        if self.time < start {
+            (self.time, self.value) = (start, Complex64::ZERO);
+        }
+        let longest = STEP / pole.norm();
+        let events = self.course.events();
+        while self.time < time {
+            /// Part of the distance of events: times are rounded.
+            const ROUNDING: f64 = 1e-9;
+            let next = |rate: f64| {
+                if rate > 0.0 { ((self.time * rate + ROUNDING).floor() + 1.0) / rate } else { f64::INFINITY }
+            };
+            let until = events.into_iter().map(next).fold(time.min(self.time + longest), f64::min);
+            let span = until - self.time;
+            // The frame in the middle: at the ends it may be either.
+            let frame = self.of_frames[self.course.frame(self.time + span / 2.0)];
+            let gained = |[node, weight]: &[f64; 2]| {
+                let envelope = self.course.modulation.envelope(self.time + node * span);
+                weight * envelope * (-pole * (1.0 - node) * span).exp()
+            };
+            let gained: Complex64 = NODES.iter().map(gained).sum();
+            self.value = self.value * (-pole * span).exp() + pole * span * gained * frame;
+            self.time = until;
+        }
+        direct * self.course.driven(self.of_frames, time) + (1.0 - direct) * self.value
     }
 }
 

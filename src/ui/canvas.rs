@@ -277,7 +277,7 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
 
 fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
     let quantity = map.quantity;
-    let reading = probe::reading(&sound.aperture, &sound.drives, point);
+    let reading = probe::reading(&sound.aperture, &sound.heard, point);
     let value = map.number(uv).or_else(|| sound.value(map, point));
     let of_map = match quantity.declaration().range {
         Range::Amount => value.map(|value| {

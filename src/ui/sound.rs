@@ -22,6 +22,8 @@ pub struct Sound {
     pub bead: Bead,
     /// Drives in turn, at least one.
     pub drives: Vec<Drive>,
+    /// The same behind the response of the elements.
+    pub heard: Vec<Drive>,
     pub foci: Vec<Focus>,
     /// The readings at the foci.
     pub readings: Vec<Reading>,
@@ -33,12 +35,17 @@ impl Sound {
         &self.drives[0]
     }
 
+    /// The drives for the request of a map, which adds the response of drives in turn by itself.
+    pub fn of_map(&self) -> &[Drive] {
+        if self.heard.len() == 1 { &self.heard } else { &self.drives }
+    }
+
     /// The values of a map at points of its plane, in f64; empty for quantities that depend on more than the points.
     pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
         probe::values(
             (&self.aperture, &self.air, &self.bead),
-            &self.drives,
+            &self.heard,
             (map.quantity, map.phase),
             axes,
             points,
@@ -62,7 +69,7 @@ pub fn drives(
         Some(cycle) if quantity.declaration().is_slow && playback.frame.is_none() => {
             cycle.frames.iter().map(|frame| frame.drive.clone()).collect()
         }
-        _ => sound.iter().flat_map(|sound| sound.drives.clone()).collect(),
+        _ => sound.iter().flat_map(|sound| sound.of_map()).cloned().collect(),
     }
 }
 

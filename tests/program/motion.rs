@@ -307,3 +307,62 @@ fn bad_arguments_are_refused() {
         assert!(message.contains(part), "{args:?}: {message}");
     }
 }
+
+/// A focus on a circle of 20 mm at 6.28 m/s.
+const CIRCLE: &str = "format = 1\n[array]\nresponse = \"t4010a1\"\n[[target]]\nat = [0, 0, 0.1]\n[plane]\nsize = [0.04, 0.04]\n\
+                      [motion]\npath = \"circle\"\nsize = 0.02\nrate = 100\nframes = 100\n";
+
+#[test]
+fn a_response_is_told_refused_by_line_and_absent() {
+    let plain = CIRCLE.replace("response = \"t4010a1\"\n", "");
+    let bad = CIRCLE.replace("t4010a1", "t4010");
+    let slow = CIRCLE.replace("\"t4010a1\"", "{ resonance = 39789, tau = 0.2 }");
+    let folder =
+        folder_with(&[("a.toml", CIRCLE), ("plain.toml", &plain), ("bad.toml", &bad), ("slow.toml", &slow)]);
+    let solve = |more: &[&str]| succeed(folder.path(), &[&["solve"], more].concat());
+    let value: Value = serde_json::from_str(&solve(&["a.toml", "--motion", "--json"])).unwrap();
+    let kept = value["response"]["kept"].as_f64().unwrap();
+    assert!((kept - 0.933).abs() < 0.003, "{kept}");
+    // A solution at rest tells of the motion, too, and so does a batch.
+    let value: Value = serde_json::from_str(&solve(&["a.toml", "--json"])).unwrap();
+    assert_eq!(value["response"]["kept"].as_f64(), Some(kept));
+    let told = solve(&["a.toml", "--motion"]);
+    assert!(told.contains("pressure kept     93.") && told.contains("deepest dip"), "{told}");
+    let value: Value = serde_json::from_str(&solve(&["plain.toml", "--motion", "--json"])).unwrap();
+    assert!(value.get("response").is_none());
+    let message = refuse(folder.path(), &["solve", "bad.toml"]);
+    assert!(message.contains("bad.toml:3") && message.contains("t4010a1"), "{message}");
+    let message = refuse(folder.path(), &["solve", "slow.toml"]);
+    assert!(message.contains("slow.toml:3: array.response.tau = 0.2: must be a number from"), "{message}");
+}
+
+#[test]
+fn a_map_of_a_motion_keeps_what_its_foci_keep() {
+    // On the axis of a circling focus every frame has the same |p|; the mean of the response is below it.
+    let plain = CIRCLE.replace("response = \"t4010a1\"\n", "");
+    let folder =
+        folder_with(&[("a.toml", CIRCLE), ("plain.toml", &plain), ("at.csv", "x,y,z\n0.01,0,0.1\n")]);
+    let probed = |name: &str| {
+        let text =
+            succeed(folder.path(), &["probe", name, "--points", "at.csv", "--time", "--rate", "100000"]);
+        let squares =
+            text.lines().skip(1).map(|line| line.rsplit(',').next().unwrap().parse::<f64>().unwrap());
+        let squares: Vec<_> = squares.collect();
+        squares.iter().sum::<f64>() / squares.len() as f64
+    };
+    let mapped = |name: &str| {
+        let out = format!("{name}.npy");
+        let size = ["--size", "81x81", "--quantity", "radiation", "--tolerance", "exact"];
+        let files = ["render", name, "-o", "a.png", "--data", &out];
+        succeed(folder.path(), &[&files[..], &size].concat());
+        fs::read(folder.path().join(out)).unwrap()
+    };
+    let ratio = probed("a.toml") / probed("plain.toml");
+    assert!(ratio < 0.99 && ratio > 0.5, "{ratio}");
+    let sums = ["a.toml", "plain.toml"].map(|name| {
+        let bytes = mapped(name);
+        let values = bytes[bytes.len() - 4 * 81 * 81..].chunks_exact(4);
+        values.map(|value| f64::from(f32::from_le_bytes(value.try_into().unwrap()))).sum::<f64>()
+    });
+    assert!(sums[0] < 0.99 * sums[1], "{sums:?}");
+}

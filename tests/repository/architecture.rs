@@ -15,7 +15,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("table", &["csv", "thiserror"]),
     ("rounding", &[]),
     ("simd", &[]),
-    ("acoustics", &["glam", "libm", "num_complex", "rayon"]),
+    ("acoustics", &["glam", "libm", "num_complex", "rayon", "sonoglyph_fourier"]),
     ("drive", &["glam", "num_complex"]),
     ("force", &["glam", "num_complex", "rayon"]),
     ("surface", &["num_complex", "rayon", "sonoglyph_fourier"]),

@@ -206,3 +206,21 @@ fn the_frames_of_keyframes_have_their_pressures() {
         assert!((loud[i] / loud[0] - part).abs() < 1e-9, "{i}: {loud:?}");
     }
 }
+
+#[test]
+fn a_response_brings_figures_and_a_lead_beside_speed() {
+    let mut screen = open_on(Motion { path: MotionPath::Circle, frames: 10, ..Motion::default() });
+    assert!(screen.query_by_label("Pressure kept").is_none());
+    screen.state_mut().editor_mut().panel = Panel::Scene;
+    rest(&mut screen);
+    screen.get_by_label("Array").click();
+    rest(&mut screen);
+    pick(&mut screen, "Response", "T4010A1");
+    screen.state_mut().editor_mut().panel = Panel::Motion;
+    rest(&mut screen);
+    assert!(screen.query_by_label("Pressure kept").is_some());
+    assert!(screen.query_by_label_contains("take more frames").is_some(), "ten frames are few");
+    screen.get_by_label("Ahead").click();
+    rest(&mut screen);
+    assert!(scene(&screen).motion.lead);
+}

@@ -21,6 +21,8 @@ mod emitters;
 mod face;
 mod jacobian;
 mod partial;
+#[doc(hidden)]
+pub mod response;
 mod row;
 mod slopes;
 mod transfer;

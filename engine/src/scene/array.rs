@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use strum::VariantArray;
 
 use crate::scene::board::{Elements, Placed};
+use crate::scene::response::Response;
 use crate::scene::solver::is_zero;
 use crate::scene::wires::Wires;
 
@@ -39,6 +40,9 @@ pub struct Array {
     /// Pressure reflection coefficient of the array's own face.
     #[serde(skip_serializing_if = "is_zero")]
     pub reflectivity: f64,
+    /// How an element follows changes of its drive; absent: at once.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub response: Option<Response>,
 }
 
 impl Default for Array {
@@ -57,6 +61,7 @@ impl Default for Array {
             wiring: None,
             wires: Wires::default(),
             reflectivity: 0.0,
+            response: None,
         }
     }
 }

@@ -10,6 +10,7 @@ use crate::scene::modulation::{Envelope, Modulation};
 use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
 use crate::scene::motion::{Keyframe, Motion, MotionPath, Tempo};
 use crate::scene::range::{Key, KeyError, count, direction, finite, length, point, refuse, within};
+use crate::scene::response::Response;
 use crate::scene::shape::{Shape, ShapeKey, ShapeValue};
 use crate::scene::solver::{Pressures, Solver};
 use crate::scene::space::Front;
@@ -119,7 +120,15 @@ fn array(array: &Array) -> Result<(), KeyError> {
     length("element_radius", array.element_radius)?;
     within("frequency", array.frequency, 1e3, 1e6, "Hz")?;
     within("strength", array.strength, 1e-9, 1e6, "Pa·m")?;
-    within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")
+    within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")?;
+    match array.response {
+        None | Some(Response::Preset(_)) => Ok(()),
+        Some(Response::Pole(pole)) => {
+            let under = |e: KeyError| e.under(&["response".into()]);
+            within("resonance", pole.resonance, 1e3, 1e6, "Hz").map_err(under)?;
+            within("tau", pole.tau, 1e-6, 0.1, "s").map_err(under)
+        }
+    }
 }
 
 /// Elements in `off` exist, and at least one other is wired and on.

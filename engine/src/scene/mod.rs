@@ -29,6 +29,7 @@ pub mod outline;
 mod pixels;
 mod plane;
 mod range;
+mod response;
 #[doc(hidden)]
 pub mod rewrite;
 mod run;
@@ -65,6 +66,8 @@ pub use motion::{Easing, Keyframe, Motion, MotionPath, Tempo};
 pub use pixels::{Dab, Grey, Pixels};
 pub use plane::Plane;
 pub use range::{Key, KeyError};
+pub(crate) use response::Circuit;
+pub use response::{Pole, Response, Transducer};
 pub use shape::{Shape, ShapeKey, ShapeValue};
 pub use solver::{Aim, Amplitudes, Method, Pressures, Solver};
 #[doc(hidden)]

@@ -10,7 +10,9 @@ use strum::VariantNames;
 
 use crate::scene::liquid::{Light, LiquidName};
 use crate::scene::motion::{Easing, MotionPath};
-use crate::scene::{bead::Material, modulation::Envelope, shape, solver::Method, trap::Trap, zone};
+use crate::scene::{
+    bead::Material, modulation::Envelope, response::Transducer, shape, solver::Method, trap::Trap, zone,
+};
 
 struct Name<T>(PhantomData<T>);
 
@@ -42,4 +44,16 @@ macro_rules! by_name {
     )*};
 }
 
-by_name!(Easing, Envelope, Light, LiquidName, Material, Method, MotionPath, Trap, shape::Kind, zone::Kind);
+by_name!(
+    Easing,
+    Envelope,
+    Light,
+    LiquidName,
+    Material,
+    Method,
+    MotionPath,
+    Transducer,
+    Trap,
+    shape::Kind,
+    zone::Kind
+);

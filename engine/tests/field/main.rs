@@ -20,6 +20,7 @@ mod quantities;
 mod reference;
 #[path = "../../../tests/requirement/mod.rs"]
 mod requirement;
+mod response;
 mod side_lobe;
 mod space;
 mod stages;

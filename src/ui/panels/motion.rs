@@ -58,8 +58,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 
 fn settings(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "Path");
+    let moving = editor.parts.response.newest().copied().flatten();
     let scene = &mut editor.document.scene;
-    let figures = Figures::of(scene, None);
+    let figures = Figures::of(scene, None).map(|figures| figures.with(moving));
     let before = scene.motion.path;
     path::settings(&mut scene.motion, figures, false, ui);
     if scene.motion.path != before {

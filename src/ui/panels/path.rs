@@ -6,10 +6,12 @@ use egui::{ComboBox, Ui};
 use glam::DVec3;
 use strum::VariantArray;
 
+use crate::rounding::percent;
 use crate::scene::check::FACTORS;
 use crate::scene::{Easing, Keyframe, Motion, MotionPath, Scene, Tempo, motion};
+use crate::studio::response::Moving;
 use crate::ui::panels::form::{choice, coordinates, count, heading, variants};
-use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_number, fact, form, number};
+use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_number, caption, fact, form, number, value};
 
 /// Time between two keyframes, in cycles.
 const APART: f64 = 1e-4;
@@ -35,6 +37,10 @@ pub struct Figures {
     frames_per_second: f64,
     /// Whether one repetition of it is the cycle.
     leads: bool,
+    /// Whether elements need time to follow.
+    is_slow: bool,
+    /// What the cycle keeps, if that is known.
+    moving: Option<Moving>,
 }
 
 impl Figures {
@@ -50,7 +56,16 @@ impl Figures {
             rate: cycle.rate,
             frames_per_second: cycle.frames_per_second(),
             leads: index == cycle.leader,
+            is_slow: scene.array.response.is_some(),
+            moving: None,
         })
+    }
+}
+
+impl Figures {
+    /// The same beside what the cycle keeps.
+    pub fn with(self, moving: Option<Moving>) -> Self {
+        Self { moving, ..self }
     }
 }
 
@@ -97,7 +112,7 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
 
 /// Rate and speed: the given one is kept, the other follows.
 fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
-    let Figures { length, asked, rounds, rate, frames_per_second, leads } = figures;
+    let Figures { length, asked, rounds, rate, frames_per_second, leads, is_slow, moving } = figures;
     let mut rounds_per_second = asked;
     let tip = "Repetitions of the path per second; the one of rate and speed that was typed last is kept";
     if number(ui, ("Rate", tip), &mut rounds_per_second, HERTZ, 0.01..=1e4).changed() {
@@ -108,6 +123,25 @@ fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
         let tip = "Of a focus along its path; 5 to 8 m/s feel strongest";
         if number(ui, ("Speed", tip), &mut speed, SPEED, 1e-3..=1e3).changed() {
             motion.tempo = Tempo::Speed(speed);
+        }
+    }
+    if is_slow && length > 0.0 {
+        caption(ui, "Lead");
+        let tip = "Foci are ahead of their path by the time that the elements need to follow: half of the loss comes back";
+        value(ui, |ui| ui.checkbox(&mut motion.lead, "Ahead").on_hover_text(tip));
+        ui.end_row();
+    }
+    if let Some(moving) = moving {
+        let tip = "RMS pressure at the moving foci, relative to foci at rest: elements follow with a delay. A lower speed keeps more";
+        fact(ui, ("Pressure kept", tip), percent(moving.kept));
+        let tip = "The least pressure between two frames, relative to the focus at rest. More frames make it shallower";
+        fact(ui, ("Deepest dip", tip), percent(moving.dip));
+        let advice = if moving.is_coarse() { ": take more frames" } else { ", fine" };
+        let tip = "Mean phase change per frame: up to 9° dips stay shallow and frames inaudible";
+        fact(ui, ("Steps", tip), format!("{:.1}°{advice}", moving.step.to_degrees()));
+        if let Some(noise) = moving.noise {
+            let tip = "A-weighted changes of |p|² at the foci, relative to its mean";
+            fact(ui, ("Step noise", tip), format!("{noise:.0} dB(A)"));
         }
     }
     if leads {

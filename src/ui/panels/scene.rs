@@ -5,12 +5,15 @@ use glam::DVec3;
 use strum::VariantArray;
 
 use crate::acoustics::Air;
-use crate::scene::{ElementModel, Listener, Target, Wires};
+use crate::scene::{Array, ElementModel, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
 use crate::ui::panels::form::{choice, count, given, heading};
 use crate::ui::panels::{MM, PLAIN, Unit, boards, fact, form, number, target};
 use crate::ui::parts::levitation;
 use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme};
+
+/// Time constant (s) of a resonance of 10 mm transducers.
+const TYPICAL_TAU: f64 = 1.9e-4;
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     targets(editor, ui);
@@ -161,7 +164,7 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     form(ui, "listener", |ui| {
         target::point(ui, "Ear", &mut listener.at);
         if let Some(sound) = &shown.sound {
-            let heard = probe::reading(&sound.aperture, &sound.drives, listener.at);
+            let heard = probe::reading(&sound.aperture, &sound.heard, listener.at);
             let tip = "Sound pressure level at the ear, of the unmodulated sound";
             fact(ui, ("Level", tip), format!("{:.1} dB SPL", heard.spl()));
             if let Some(warning) = heard.warning() {
@@ -278,11 +281,34 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
         };
         let models: Vec<_> = ElementModel::VARIANTS.iter().map(described).collect();
         choice(ui, ("Directivity", "Of one element"), &mut array.element, &models);
+        response(array, ui);
     });
     boards::known(editor, ui);
     boards::wiring(editor, ui);
     ui.label("Click or drag to switch elements on and off:");
     switches(editor, ui);
+}
+
+/// How elements follow their drive: at once, as a known transducer, or as a resonance.
+fn response(array: &mut Array, ui: &mut Ui) {
+    let own = match array.response {
+        Some(Response::Pole(pole)) => pole,
+        Some(Response::Preset(_)) | None => Pole { resonance: array.frequency, tau: TYPICAL_TAU },
+    };
+    let known = Transducer::VARIANTS.iter().map(|&it| (Some(Response::Preset(it)), it.title()));
+    let choices: Vec<_> = [(None, "at once")]
+        .into_iter()
+        .chain(known)
+        .chain([(Some(Response::Pole(own)), "resonance")])
+        .collect();
+    let tip = "How an element follows changes of its drive: moving foci and modulations lose pressure";
+    choice(ui, ("Response", tip), &mut array.response, &choices);
+    if let Some(Response::Pole(pole)) = &mut array.response {
+        let hertz = Unit { per: 1.0, suffix: " Hz", decimals: 0, speed: 5.0 };
+        number(ui, ("Resonance", "Of the motional branch"), &mut pole.resonance, hertz, 1e3..=1e6);
+        let ms = Unit { per: 1e3, suffix: " ms", decimals: 3, speed: 0.001 };
+        number(ui, ("Time constant", "Of the amplitude"), &mut pole.tau, ms, 1e-6..=0.1);
+    }
 }
 
 /// The array as a map of switches. A drag sets every element like the first.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use num_complex::Complex64;
 
-use crate::acoustics::{Air, Aperture};
+use crate::acoustics::{Air, Aperture, response::responding};
 use crate::drive::Drive;
 use crate::field::gpu_report::GpuError;
 use crate::field::quantity::{Constants, Declaration, Quantity};
@@ -52,7 +52,7 @@ impl Request {
             aperture: Aperture::new(scene),
             air: Air::new(&scene.medium, scene.array.frequency),
             plane: scene.plane.clone(),
-            drives: drives.into(),
+            drives: responding(scene, drives, is_slow).into(),
             quantity,
             moment: 0.0,
             part: if is_slow { scene.modulation.mean_square() } else { 1.0 },

@@ -10,6 +10,7 @@ use crate::scene::motion::limits::{
     behind, check_group, check_memory, check_steps, check_turns, key, refuse, steps,
 };
 use crate::scene::range::KeyError;
+use crate::scene::response::Response;
 use crate::scene::run::Vertex;
 use crate::scene::space::Front;
 use crate::scene::{content::Scene, focus::Focus, motion::MotionPath, outline, target::Target};
@@ -47,6 +48,8 @@ struct Score<'a> {
     /// The groups, each with the kind of its motion and its repetitions per cycle.
     ways: Vec<(Group<'a>, Way<'a>)>,
     steps: Vec<Vec<Part>>,
+    /// Fraction of the cycle in which the elements follow a change.
+    lead: f64,
 }
 
 enum Way<'a> {
@@ -83,7 +86,9 @@ impl<'a> Score<'a> {
         for (group, way) in &ways {
             check_group(group, matches!(way, Way::Run(_)), frames)?;
         }
-        let mut score = Self { scene, frames, ways, steps: Vec::new() };
+        let follows = scene.array.response.map_or(0.0, Response::tau);
+        let lead = cycle.as_ref().map_or(0.0, |cycle| cycle.rate * follows);
+        let mut score = Self { scene, frames, ways, steps: Vec::new(), lead };
         score.steps = (0..steps(scene)).map(|step| score.parts(step)).collect::<Result<_, _>>()?;
         if let Some(cycle) = &cycle {
             score.check_size(cycle)?;
@@ -162,7 +167,11 @@ impl<'a> Score<'a> {
         let (frames, foci) = (u128::from(self.frames), u128::from(group.motion.foci));
         let whole = frames * foci;
         let done = u128::from(frame) * u128::from(group.rounds) * foci + u128::from(focus) * frames;
-        (done % whole) as f64 / whole as f64
+        let part = (done % whole) as f64 / whole as f64;
+        if self.lead == 0.0 || !group.motion.lead {
+            return part;
+        }
+        (part + self.lead * group.rounds as f64).fract()
     }
 
     /// The step, counted from 0, that a frame shows: steps share the frames evenly.

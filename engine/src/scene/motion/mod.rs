@@ -50,6 +50,9 @@ pub struct Motion {
     /// Focal points that run along an outline, at equal distances.
     #[serde(skip_serializing_if = "is_one")]
     pub foci: u32,
+    /// Foci are ahead of their places by the time that the elements need to follow.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub lead: bool,
 }
 
 fn is_one(foci: &u32) -> bool {
@@ -68,6 +71,7 @@ impl Default for Motion {
             points: Vec::new(),
             keyframes: Vec::new(),
             foci: 1,
+            lead: false,
         }
     }
 }
@@ -111,6 +115,7 @@ pub struct MotionTable {
     points: Vec<DVec3>,
     keyframes: Vec<Keyframe>,
     foci: Option<u32>,
+    lead: bool,
 }
 
 impl MotionTable {
@@ -119,7 +124,7 @@ impl MotionTable {
     /// # Errors
     /// Both a rate and a speed.
     pub fn into_motion(self) -> Result<Motion, KeyError> {
-        let Self { path, size, angle, rate, speed, frames, points, keyframes, foci } = self;
+        let Self { path, size, angle, rate, speed, frames, points, keyframes, foci, lead } = self;
         let tempo = match (rate, speed) {
             (Some(_), Some(_)) => {
                 let message =
@@ -132,7 +137,7 @@ impl MotionTable {
         };
         let Motion { size: usual_size, frames: usual_frames, .. } = Motion::default();
         let (size, frames) = (size.unwrap_or(usual_size), frames.unwrap_or(usual_frames));
-        Ok(Motion { path, size, angle, tempo, frames, points, keyframes, foci: foci.unwrap_or(1) })
+        Ok(Motion { path, size, angle, tempo, frames, points, keyframes, foci: foci.unwrap_or(1), lead })
     }
 }
 

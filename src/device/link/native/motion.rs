@@ -7,6 +7,9 @@
 const CYCLE_TOLERANCE: f64 = 1e-2;
 /// Part of the line's capacity for a stream: the rest is for retransmissions.
 const LINE_SHARE: f64 = 0.9;
+/// The least phase step of a cycle's ramps, 1/256 of a unit per period: at 1.5 units elements are 234 Hz off the carrier, which leaves a
+/// T4010A1 0.91 of its amplitude. The step of single frames (3 units) leaves 0.80, but follows a hand sooner.
+pub const GENTLE: u16 = 0x0180;
 /// Most periods that a slot is played for.
 const LONGEST_SLOT: f64 = 65_535.0;
 
@@ -94,7 +97,13 @@ pub fn phase_step(delays: &[Vec<u8>], divider: u16, least: u16) -> u16 {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
+    use num_complex::Complex64;
+
     use super::*;
+    use crate::acoustics::response::Resonator;
+    use crate::scene::{Array, Response, Scene, Transducer};
 
     fn motion(frames: usize, rate: f64, line: f64) -> Motion {
         Motion { frames, rate, slots: 64, carrier: 40_000.0, line }
@@ -154,5 +163,26 @@ mod tests {
         // 20 units in 4 periods, and a half turn in one.
         assert_eq!(phase_step(&[vec![0, 10], vec![20, 250]], 4, least), 20 * 64);
         assert_eq!(phase_step(&[vec![0], vec![128]], 1, least), 128 * 256);
+    }
+
+    /// The least amplitude of an element that follows a half turn by this step (1/256 of a unit per period) and back.
+    fn dip(step: u16) -> f64 {
+        let array = Array { response: Some(Response::Preset(Transducer::T4010A1)), ..Array::default() };
+        let resonator = Resonator::new(&Scene { array, ..Scene::default() }).unwrap();
+        let ramp = |period: u32| f64::from((period * u32::from(step)).min(128 * 256)) / 256.0;
+        let there = (0..400).map(ramp);
+        let back = (0..400).map(|period| 128.0 - ramp(period));
+        let drive = |units: f64| vec![Complex64::from_polar(1.0, units * TAU / 256.0)];
+        let drives: Vec<_> = there.chain(back).map(drive).collect();
+        let missing = resonator.missing(&drives, 1.0 / 40_000.0);
+        let sounds = drives.iter().zip(missing).map(|(drive, missing)| (drive[0] + missing[0]).norm());
+        sounds.fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn slow_cycles_are_ramped_without_deep_dips() {
+        let step = phase_step(&[vec![0], vec![128]], 400, GENTLE);
+        assert!(dip(step) > 0.9, "{}", dip(step));
+        assert!(dip(0x0300) < 0.82 && dip(u16::MAX) < 0.2, "the steps of single frames, and a jump");
     }
 }

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
-use crate::scene::{Scene, SpectralLine, motion};
+use crate::scene::{Array, Scene, SpectralLine, motion};
 use crate::studio::performance::Performance;
 use crate::studio::time_course;
 use crate::ui::layout::Panel;
@@ -101,7 +101,10 @@ impl Part for TimeCourse {
 
 /// The part of a scene that times follow from.
 fn timed(scene: &Scene) -> Scene {
+    let array =
+        Array { response: scene.array.response, frequency: scene.array.frequency, ..Array::default() };
     Scene {
+        array,
         targets: if motion::moves(scene) { scene.targets.clone() } else { Vec::new() },
         drive: scene.drive.clone(),
         motion: scene.motion.clone(),
@@ -120,14 +123,10 @@ fn compute(input: &Input) -> Result<Course, String> {
     let of_frames: Vec<_> = performance.drives().iter().map(pressure).collect();
     let course = time_course::Course::new(scene, of_frames.len());
     let lines = course.spectrum(&of_frames, BAND)?;
-    let modulus = |time: f64| course.pressure(&of_frames, time).norm();
     let rate = course.usual_rate();
     let instants = (course.usual_span() * rate).round().clamp(1.0, MOST) as usize;
-    let at_instant = |instant: usize| {
-        let time = instant as f64 / rate;
-        [time, modulus(time)]
-    };
-    let all: Vec<_> = (0..=instants).map(at_instant).collect();
+    let pressures = course.pressures(&of_frames, instants + 1, rate).into_iter().enumerate();
+    let all: Vec<_> = pressures.map(|(instant, p)| [instant as f64 / rate, p.norm()]).collect();
     Ok(Course { at: *at, moduli: thinned(&all), lines })
 }
 

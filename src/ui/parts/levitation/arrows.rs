@@ -53,7 +53,7 @@ impl Part for Arrows {
         Some(Input {
             scene: now.scene.clone(),
             aperture: sound.aperture.clone(),
-            drives: sound.drives.clone(),
+            drives: sound.heard.clone(),
             places: places(now.scene, &now.view.axes(now.scene), lens),
         })
     }

@@ -69,7 +69,7 @@ impl Part for Levitation {
         Some(Input {
             scene: now.scene.clone(),
             aperture: sound.aperture.clone(),
-            drives: sound.drives.clone(),
+            drives: sound.heard.clone(),
             at: at.filter(is_in_front)?,
         })
     }

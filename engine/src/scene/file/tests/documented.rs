@@ -216,6 +216,7 @@ fn defaults_are_those_of_an_empty_scene() {
         ("modulation", "file", "".into()),
         ("motion", "angle", 0.0.into()),
         ("motion", "foci", 1.into()),
+        ("motion", "lead", false.into()),
     ] {
         empty[table].as_table_mut().unwrap().insert(key.to_owned(), value);
     }

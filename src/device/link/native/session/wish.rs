@@ -173,7 +173,7 @@ impl Session<'_> {
             playing(chosen[slot - first], address, slot as u8, commit)
         };
         let delays: Vec<_> = chosen.iter().map(|levels| delays(levels)).collect();
-        let phase_step = motion::phase_step(&delays, divider, SILENCER.0);
+        let phase_step = motion::phase_step(&delays, divider, motion::GENTLE);
         let addresses = self.addresses();
         for address in addresses.clone() {
             self.push(frame(standing, address, true), false);
