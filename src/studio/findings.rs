@@ -4,12 +4,14 @@ use serde_json::{Value, json};
 
 use crate::acoustics::Aperture;
 use crate::drive::{Drive, delay_level};
+use crate::field::harmonic::NoHarmonic;
 use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::rounding::percent_at_most;
 use crate::scene::{Pressures, Scene, outline};
 use crate::solver::levels::{self, Reached};
 use crate::solver::{Limits, Problem, Solution, SolveError, room, shape};
 use crate::studio::levitation::{self, Held};
+use crate::studio::nonlinear::Nonlinear;
 use crate::studio::probe::{self, Reading};
 use crate::studio::{json, reach};
 
@@ -22,6 +24,7 @@ pub struct Findings {
     pub heard: Option<Reading>,
     /// The bead in every trap.
     pub traps: Vec<Held>,
+    pub nonlinear: Result<Nonlinear, NoHarmonic>,
     /// Warnings about all of it, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -49,6 +52,7 @@ impl Findings {
         let heard =
             scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
         let traps = levitation::held(scene, aperture, &solution.drives());
+        let nonlinear = Nonlinear::of_solution(scene, aperture, &solution);
         let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
         let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
@@ -60,7 +64,7 @@ impl Findings {
         warnings.extend(heard.and_then(|heard| heard.warning()));
         warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
         warnings.extend(levitation::warning(scene).filter(|_| !traps.is_empty()));
-        Self { solution, limits, side_lobe, heard, traps, warnings }
+        Self { solution, limits, side_lobe, heard, traps, nonlinear, warnings }
     }
 
     /// The same from a scene and its solution, whose figures it completes.
@@ -90,6 +94,10 @@ impl Findings {
         if let Some(heard) = &self.heard {
             value["listener"] =
                 json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });
+        }
+        if let Ok(nonlinear) = &self.nonlinear {
+            value["harmonic"] = json!(nonlinear.harmonic);
+            value["nonlinear"] = json::nonlinear(nonlinear);
         }
         if !self.traps.is_empty() {
             value["traps"] = self.traps.iter().map(json::trap).collect();

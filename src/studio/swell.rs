@@ -123,7 +123,7 @@ impl Swell {
         let modulation = scene.modulation.clone();
         let (lines, knots) = match modulation.shape {
             Envelope::Off => (Vec::new(), 0.0),
-            Envelope::Sine | Envelope::Tones => (square_lines(&modulation), 0.0),
+            Envelope::Sine | Envelope::Tones => (square_lines(&modulation, 0.0), 0.0),
             Envelope::Square => (Vec::new(), 2.0 * modulation.frequency),
             Envelope::File => (Vec::new(), modulation.wave.get().map_or(0.0, |samples| samples.rate)),
         };

@@ -6,8 +6,9 @@
 //! is taken.
 //!
 //! Menus, arguments, legends, colour maps, contour lines and both evaluators use the declaration, so a new quantity
-//! is one more declaration (`docs/adding-a-quantity.md`). Only the force on a bead has no formula (`is_vector`): it
-//! needs second derivatives of the sound in all directions (`stages::force`).
+//! is one more declaration (`docs/adding-a-quantity.md`). Two have no formula: the force on a bead (`is_vector`) needs
+//! second derivatives of the sound in all directions (`stages::force`), and the second harmonic (`of_volume`) the sound
+//! of all the air before the array (`stages::harmonic`).
 
 use std::ops::{Mul, Sub};
 
@@ -92,6 +93,8 @@ pub struct Declaration {
     pub of_moment: bool,
     /// The magnitude of a vector, whose components are computed in f64 instead of by the formula.
     pub is_vector: bool,
+    /// An integral over the air before the array, instead of a formula of the sound at a point.
+    pub of_volume: bool,
 }
 
 /// The components of a vector.
@@ -135,6 +138,7 @@ const USUAL: Declaration = Declaration {
     of_bead: false,
     of_moment: false,
     is_vector: false,
+    of_volume: false,
 };
 
 macro_rules! quantities {
@@ -340,6 +344,17 @@ quantities! {
         of_bead: true,
         is_vector: true,
     }
+    /// RMS pressure (Pa) of the second harmonic, at twice the frequency: [`crate::field::harmonic`].
+    Harmonic {
+        parts: PRESSURE,
+        formula: |_s, _c| 0.0,
+        wgsl: "0.0",
+        name: "harmonic",
+        title: "Harmonic",
+        words: "RMS pressure of the second harmonic",
+        help: "RMS pressure at twice the frequency, which the loud sound makes on its way",
+        of_volume: true,
+    }
 }
 
 /// The mean of a formula over drives at one point, in f64.
@@ -372,6 +387,17 @@ impl Mean {
 }
 
 impl Declaration {
+    /// Whether it is a formula of the sound at a point.
+    #[doc(hidden)]
+    pub fn has_formula(&self) -> bool {
+        !self.is_vector && !self.of_volume
+    }
+
+    /// The promised error of its maps, relative to their peak: an integral over the air has its own steps.
+    pub fn tolerance(&self, of_plane: f64) -> f64 {
+        if self.of_volume { of_plane.max(crate::field::harmonic::TOLERANCE) } else { of_plane }
+    }
+
     /// Whether it is a liquid's surface, which has a relief.
     pub fn is_surface(&self) -> bool {
         self.of_liquid && !self.of_light

@@ -84,7 +84,7 @@ pub fn value(
             let squares: f64 = slopes.iter().map(|slope| slope.norm_sqr()).sum();
             volume * (f1 * kappa * p.norm_sqr() / 4.0 - 3.0 * f2 * squares / (8.0 * rho * omega * omega))
         }),
-        Quantity::Depression | Quantity::Caustic | Quantity::Force => {
+        Quantity::Depression | Quantity::Caustic | Quantity::Force | Quantity::Harmonic => {
             panic!("{quantity:?} does not follow from the sound at a point")
         }
     }

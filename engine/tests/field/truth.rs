@@ -132,7 +132,7 @@ fn quantity(scene: &Scene, dice: &mut Dice) -> Quantity {
         .filter(|quantity| {
             !quantity.declaration().of_liquid
                 && *quantity != Quantity::Gorkov
-                && !quantity.declaration().is_vector
+                && quantity.declaration().has_formula()
         })
         .filter(|quantity| !is_near || quantity.declaration().parts == PRESSURE)
         .collect();

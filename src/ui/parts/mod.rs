@@ -3,6 +3,7 @@
 mod bound;
 pub mod course;
 pub mod levitation;
+mod nonlinear;
 pub(crate) mod radiation;
 pub(crate) mod survey;
 
@@ -13,6 +14,7 @@ use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
 use crate::ui::parts::levitation::Levitation;
 use crate::ui::parts::levitation::arrows::Arrows;
+use crate::ui::parts::nonlinear::Harmonic;
 use crate::ui::parts::radiation::Radiation;
 use crate::ui::parts::survey::Survey;
 
@@ -25,20 +27,21 @@ pub struct Parts {
     pub arrows: Derived<Arrows>,
     pub bound: Derived<Bound>,
     pub course: Derived<TimeCourse>,
+    pub harmonic: Derived<Harmonic>,
     pub levitation: Derived<Levitation>,
     pub radiation: Derived<Radiation>,
     pub survey: Derived<Survey>,
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 6] {
-        let Self { arrows, bound, course, levitation, radiation, survey } = self;
-        [arrows, bound, course, levitation, radiation, survey]
+    fn all(&self) -> [&dyn Background; 7] {
+        let Self { arrows, bound, course, harmonic, levitation, radiation, survey } = self;
+        [arrows, bound, course, harmonic, levitation, radiation, survey]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 6] {
-        let Self { arrows, bound, course, levitation, radiation, survey } = self;
-        [arrows, bound, course, levitation, radiation, survey]
+    fn all_mut(&mut self) -> [&mut dyn Background; 7] {
+        let Self { arrows, bound, course, harmonic, levitation, radiation, survey } = self;
+        [arrows, bound, course, harmonic, levitation, radiation, survey]
     }
 
     /// Collects finished values, and returns whether there were any.
