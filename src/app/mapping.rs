@@ -292,8 +292,7 @@ impl Mapping {
             return Ok(true);
         }
         self.slow.keep(Some(request));
-        // A page cannot wait for its GPU.
-        let gpu = self.gpu().filter(|_| !cfg!(target_arch = "wasm32")).map(Gpu::twin);
+        let gpu = self.gpu().map(Gpu::twin);
         self.slow.ask_with(request, wake(ctx), move |request, answer| {
             let own = |evaluator: Evaluator| {
                 let mut stages = Stages::new(evaluator);

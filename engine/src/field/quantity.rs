@@ -14,6 +14,7 @@ use std::ops::{Mul, Sub};
 
 use num_complex::Complex;
 
+use crate::field::harmonic::TOLERANCE;
 pub use crate::field::sound::{ALONG, Constants, NORMAL, PRESSURE, Part, Sound, Sounds, narrow};
 pub use crate::field::unit::Unit;
 use crate::rounding;
@@ -394,8 +395,9 @@ impl Declaration {
     }
 
     /// The promised error of its maps, relative to their peak: an integral over the air has its own steps.
+    #[doc(hidden)]
     pub fn tolerance(&self, of_plane: f64) -> f64 {
-        if self.of_volume { of_plane.max(crate::field::harmonic::TOLERANCE) } else { of_plane }
+        if self.of_volume { of_plane.max(TOLERANCE) } else { of_plane }
     }
 
     /// Whether it is a liquid's surface, which has a relief.

@@ -27,7 +27,7 @@ use sonoglyph_fourier::{Transform, transform};
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::gpu_report::GpuError;
-use crate::field::harmonic::{self, NEAREST, NoHarmonic};
+use crate::field::harmonic::source::{self, NEAREST, NoHarmonic};
 use crate::field::interpolation::Resampling;
 use crate::field::samples::Samples;
 use crate::gauge::{self, Gauge};
@@ -46,7 +46,7 @@ const LOW: f64 = 1.5;
 const BESIDE: usize = 3;
 /// Limit of samples along an axis, and of all samples of spectra.
 const MOST_ALONG: usize = 1 << 10;
-const MOST: usize = 1 << 26;
+const MOST: usize = 1 << 25;
 /// Half-width and shape of the window: 1e-3 off for waves of 9 samples to two cycles.
 const HALF_WIDTH: usize = 4;
 const BETA: f64 = 7.0;
@@ -92,7 +92,7 @@ pub fn over(
     sample: Sampler<'_>,
     progress: &Gauge,
 ) -> Result<Overtone, MarchError> {
-    harmonic::check(aperture)?;
+    source::check(aperture)?;
     let silent =
         Overtone { values: vec![0.0; size.0 * size.1], error: 0.0, evaluated: 0, steps: [0.0; 2], planes: 0 };
     let (Some(fine), Some(compared)) =
@@ -139,7 +139,7 @@ struct Air3 {
 impl Air3 {
     /// `None` without air between the boards and the plane.
     fn new(aperture: &Aperture, plane: &Plane, per_wavelength: f64) -> Result<Option<Self>, NoHarmonic> {
-        let elements = harmonic::elements(aperture);
+        let elements = source::elements(aperture);
         let Some((x, y)) = plane.axes() else { return Ok(None) };
         let Some(&(_, first)) = elements.first() else { return Ok(None) };
         let mean = elements.iter().map(|(_, normal)| *normal).sum::<DVec3>() / elements.len() as f64;
@@ -149,7 +149,7 @@ impl Air3 {
         let axes = [x_axis, y_axis, along];
         let place = |point: DVec3| DVec3::from_array(axes.map(|axis| point.dot(axis)));
         let wavelength = aperture.wavelength();
-        let margin = harmonic::wavelengths(aperture, MARGIN);
+        let margin = source::wavelengths(aperture, MARGIN);
         let half = plane.size / 2.0;
         let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
         let corners = corners.map(|(a, b)| place(plane.centre + x * (a * half.x) + y * (b * half.y)));
@@ -161,7 +161,7 @@ impl Air3 {
         let is_both_ways = elements.iter().any(|(_, normal)| normal.dot(along) < 0.0);
         let (start, end) = match is_both_ways {
             true => (low.z, high.z),
-            false => (low.z, plane_high.z + harmonic::wavelengths(aperture, BEHIND)),
+            false => (low.z, plane_high.z + source::wavelengths(aperture, BEHIND)),
         };
         if plane_high.z <= start || end <= start {
             return Ok(None);
@@ -219,7 +219,7 @@ impl Air3 {
     ) -> Result<Vec<f64>, MarchError> {
         let view = View::new(self, aperture, plane, size);
         let steps = Steps::new(self, aperture, air);
-        let factor = -harmonic::source(aperture, air);
+        let factor = -source::source(aperture, air);
         let mut squares = vec![0.0; size.0 * size.1];
         for (number, drive) in drives.iter().enumerate() {
             let progress = progress.part(number..number + 1, drives.len());

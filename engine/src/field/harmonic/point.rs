@@ -11,7 +11,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::{Air, Aperture};
-use crate::field::harmonic::{self, NEAREST, NoHarmonic};
+use crate::field::harmonic::source::{self, NEAREST, NoHarmonic};
 
 /// Distance in wavelengths within which every direction counts, by halves from the middle on.
 const AROUND: f64 = 2.4;
@@ -44,7 +44,7 @@ struct Seen {
 }
 
 /// Complex pressure (Pa, peak) of the second harmonic at a point near a maximum of the sound of one drive, given by u
-/// of every driven element. Along beams and beside foci waves of other phases count more, and [`harmonic::over`] is
+/// of every driven element. Along beams and beside foci waves of other phases count more, and [`crate::field::harmonic::over`] is
 /// better.
 ///
 /// # Errors
@@ -55,7 +55,7 @@ pub fn at(
     excitation: &[Complex64],
     point: DVec3,
 ) -> Result<Complex64, NoHarmonic> {
-    harmonic::check(aperture)?;
+    source::check(aperture)?;
     let second = Complex64::new(air.attenuation_of_second, 2.0 * aperture.element.wavenumber);
     let nodes = nodes(aperture, point);
     let places: Vec<_> = nodes.iter().map(|(place, _, _)| *place).collect();
@@ -63,13 +63,13 @@ pub fn at(
     let of_node =
         |(&(_, weight, r), p): (&(DVec3, f64, f64), Complex64)| p * p * (-second * r).exp() * (weight * r);
     let sum: Complex64 = nodes.iter().zip(pressures).map(of_node).sum();
-    Ok(sum * (-harmonic::source(aperture, air) / (4.0 * PI)))
+    Ok(sum * (-source::source(aperture, air) / (4.0 * PI)))
 }
 
 /// Places, their weights (m·sr), and their distances (m).
 fn nodes(aperture: &Aperture, point: DVec3) -> Vec<(DVec3, f64, f64)> {
     let wavelength = aperture.wavelength();
-    let elements: Vec<_> = harmonic::elements(aperture)
+    let elements: Vec<_> = source::elements(aperture)
         .into_iter()
         .filter_map(|(position, normal)| {
             let distance = position.distance(point);

@@ -7,6 +7,7 @@ use crate::field::evaluator::{in_f32, on_cpu};
 use crate::field::gpu::Gpu;
 use crate::field::gpu_report::GpuError;
 use crate::field::harmonic::{Overtone, over};
+use crate::field::plan::{Costs, Plan};
 use crate::field::samples::Samples;
 use crate::field::stages::request::{By, FieldError, Map, Request};
 use crate::field::stages::work::Work;
@@ -32,6 +33,7 @@ impl OfVolume {
         progress: &Gauge,
     ) -> Result<Map, FieldError> {
         let Request { aperture, air, plane, drives, size, .. } = request;
+        Plan::new(aperture, plane, Costs::CPU).ok_or(FieldError::NoPlane)?;
         let pixels = Samples::on_plane(plane, size.0, size.1).ok_or(FieldError::NoPlane)?;
         let sample = |drive: &Drive, samples: &Samples| -> Result<Vec<Complex32>, GpuError> {
             if exact {

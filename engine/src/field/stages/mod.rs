@@ -294,11 +294,11 @@ impl Stages {
         if !request.quantity.declaration().has_formula() {
             map.key = None;
             map.value = match request.quantity.declaration().of_volume {
-                // A GPU would block.
+                // A page cannot wait for its GPU.
                 true => of_volume.map(
                     request,
                     *exact,
-                    gpu.as_ref().map(OnGpu::gpu).filter(|_| wait),
+                    gpu.as_ref().map(OnGpu::gpu).filter(|_| !cfg!(target_arch = "wasm32")),
                     &cpu.progress,
                 )?,
                 false => of_bead.map(request, *exact, &cpu.progress)?,
