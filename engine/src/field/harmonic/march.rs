@@ -11,7 +11,9 @@
 //! as e^{-jκz} or a little slower, so S e^{jκz} is taken as straight from plane to plane and the step is integrated in
 //! closed form (Filon): exact for any step as long as waves of 2f and their source keep pace, and as good for the
 //! sweep against the sound, where the integrand turns by 2κ. Between boards that face each other sound runs both ways;
-//! there planes are closer, and S itself is straight.
+//! there planes are closer, and the
+//! trapezoidal rule sums waves of either way: those that keep pace are constant, and those against it turn by less than half a
+//! turn per step.
 //!
 //! Spectra are those of a lattice twice as wide, so that the periodic repetitions do not overlap on the plane.
 //! Pixels are interpolated by a Kaiser window within planes, on a lattice of half the step, and by six planes across.
@@ -387,16 +389,21 @@ impl Steps {
             // The root that decays.
             let root = (second * second - u * u - v * v).sqrt();
             let along = if root.im > 0.0 { -root } else { root };
-            let pace = if air3.is_both_ways { 0.0 } else { along.re };
-            let turn = |rate: Complex64| (Complex64::new(0.0, -h) * rate).exp();
-            let (onward, paced) = (turn(along), turn(Complex64::new(-pace, 0.0)));
+            let onward = (Complex64::new(0.0, -h) * along).exp();
+            let green = (Complex64::new(0.0, 2.0) * along).inv();
+            let half = Complex64::new(h / 2.0, 0.0);
+            if air3.is_both_ways {
+                return Step { onward, forward: [onward * half, half], back: [half, onward * half], green };
+            }
+            let pace = along.re;
+            let paced = Complex64::cis(pace * h);
             let (first, second) = ramps(Complex64::new(0.0, h) * (along - pace));
             let (near, far) = ramps(Complex64::new(0.0, -h) * (along + pace));
             Step {
                 onward,
                 forward: [onward * first * h, onward * paced * second * h],
                 back: [near * h, paced * far * h],
-                green: (Complex64::new(0.0, 2.0) * along).inv(),
+                green,
             }
         };
         Self {
