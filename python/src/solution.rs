@@ -11,6 +11,7 @@ use sonoglyph::acoustics::Aperture;
 use sonoglyph::scene::{self, ElementModel};
 use sonoglyph::solver::{self, Limits, Problem, room};
 use sonoglyph::studio::json;
+use sonoglyph::studio::nonlinear::Nonlinear;
 
 use crate::convert;
 use crate::error;
@@ -133,6 +134,15 @@ impl Solution {
             let _ = self.quality.set(py.detach(|| self.judged())?);
         }
         convert::python(py, self.quality.get().unwrap_or(&Value::Null))
+    }
+
+    /// The figures beyond linear theory that `sonoglyph solve --json` writes under `nonlinear`, as a dictionary; `None` without
+    /// sound at foci, and with reflectors that are not rigid.
+    #[getter]
+    fn nonlinear<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let scene = &self.scene.get().scene;
+        let found = py.detach(|| Nonlinear::of_solution(scene, &Aperture::new(scene), &self.solution));
+        convert::python(py, &found.map_or(Value::Null, |found| json::nonlinear(&found)))
     }
 
     /// The method's name, or `drive` if the scene names a file of drives.

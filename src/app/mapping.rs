@@ -22,10 +22,13 @@ use crate::field::sound::PRESSURE;
 use crate::field::{
     Colouring, Evaluator, FieldError, Gpu, GpuError, Map as Values, Quantity, Request, Stages, Work,
 };
+use crate::gauge::Gauge;
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
+use crate::studio::later::Later;
 use crate::studio::map::remark;
+use crate::ui::part::wake;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Cut, Lens, View};
 use crate::ui::{Map, Sound, Texture};
@@ -116,6 +119,8 @@ pub struct Mapping {
     drawn: Option<Drawn>,
     /// For GPUs whose pictures do not stay on the screen's device.
     awaited: Option<Box<Awaited>>,
+    /// Integrals over the air, which take longer than a frame.
+    slow: Later<Request, Result<Values, FieldError>>,
     /// The reason for abandoning the GPU, until reported.
     given_up: Option<GpuError>,
     has_lost_screen: bool,
@@ -147,6 +152,7 @@ impl Mapping {
             registered: None,
             drawn: None,
             awaited: None,
+            slow: Later::default(),
             given_up: None,
             has_lost_screen: false,
             veil: None,
@@ -197,7 +203,9 @@ impl Mapping {
 
     /// Whether values of a picture are pending.
     pub fn is_awaiting(&self) -> bool {
-        self.awaited.is_some() || self.veil.as_ref().is_some_and(|veil| veil.mapping.is_awaiting())
+        self.awaited.is_some()
+            || self.slow.is_running()
+            || self.veil.as_ref().is_some_and(|veil| veil.mapping.is_awaiting())
     }
 
     /// The request of the displayed map.
@@ -235,6 +243,15 @@ impl Mapping {
             return done;
         };
         let is_drawn = self.drawn.as_ref().is_some_and(|drawn| drawn.wanted == wanted);
+        match self.is_there(&wanted.request, ctx) {
+            Ok(true) => {}
+            // The previous map stays until then.
+            Ok(false) => return done,
+            Err(error) => {
+                done.problem = Some(error.to_string());
+                return done;
+            }
+        }
         let frame = Frame { cut: look.view.cut, axes: look.view.axes(look.scene), lens: *look.lens };
         let made = if is_drawn {
             self.awaited = None;
@@ -258,6 +275,36 @@ impl Mapping {
             ctx.request_repaint();
         }
         done
+    }
+
+    /// Whether the map can be made within a frame; otherwise its values are computed on a thread.
+    fn is_there(&mut self, request: &Request, ctx: &Context) -> Result<bool, FieldError> {
+        if !request.quantity.declaration().of_volume {
+            self.slow.keep(None);
+            return Ok(true);
+        }
+        self.slow.collect();
+        if self.stages.has(request) {
+            return Ok(true);
+        }
+        if let Some(values) = self.slow.get(request) {
+            self.stages.keep(request, values.clone()?)?;
+            return Ok(true);
+        }
+        self.slow.keep(Some(request));
+        let gpu = self.gpu().map(Gpu::twin);
+        self.slow.ask_with(request, wake(ctx), move |request, answer| {
+            let own = |evaluator: Evaluator| {
+                let mut stages = Stages::new(evaluator);
+                stages.show_progress(Gauge::default().until(&answer.cancel));
+                stages.map(request).cloned()
+            };
+            match gpu.map(|gpu| own(Evaluator::Gpu(Box::new(gpu)))) {
+                Some(Err(FieldError::Gpu(_))) | None => own(Evaluator::Cpu),
+                Some(made) => made,
+            }
+        });
+        Ok(false)
     }
 
     /// Makes the picture of values read back from a GPU once available, without blocking; the previous one stays

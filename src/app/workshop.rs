@@ -455,6 +455,7 @@ fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
     }
     warnings.extend(shown.board.steadied.clone());
     let map = shown.map.as_ref();
-    warnings.extend(map.and_then(|map| missed(map.error, editor.scene().plane.tolerance)));
+    let tolerance = editor.view.quantity.declaration().tolerance(editor.scene().plane.tolerance);
+    warnings.extend(map.and_then(|map| missed(map.error, tolerance)));
     warnings
 }

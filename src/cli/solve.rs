@@ -14,6 +14,7 @@ use crate::cli::names;
 use crate::cli::scene::{COLUMN, Source, read_scene};
 use crate::drive::Drive;
 use crate::echo;
+use crate::field::harmonic::NoHarmonic;
 use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
 use crate::rounding::{
     millimetres, milliseconds, pascals, pascals_at_most, percent, percent_at_least, percent_at_most,
@@ -23,6 +24,7 @@ use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::findings::{Findings, Played};
 use crate::studio::levitation::{self, Held};
+use crate::studio::nonlinear::Nonlinear;
 use crate::studio::output::{self, Files, note, say, warn};
 use crate::studio::response::Moving;
 
@@ -395,12 +397,46 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         ));
     }
     rows.extend(findings.moving.iter().flat_map(Moving::rows));
+    rows.extend(nonlinear_rows(&findings.nonlinear));
     for (name, value) in rows {
         let is_void = quality.is_silent() && COMPARED.contains(&name);
         let value = if is_void { format!("-, {SILENT}") } else { value };
         say!("{name:<COLUMN$}{value}")?;
     }
     Ok(())
+}
+
+/// Where linear theory ends.
+fn nonlinear_rows(found: &Result<Nonlinear, NoHarmonic>) -> Vec<(&'static str, String)> {
+    let found = match found {
+        Ok(found) => found,
+        Err(NoHarmonic::Silent) => return Vec::new(),
+        Err(why) => return vec![("second harmonic", format!("-, {why}"))],
+    };
+    let [x, y, z] = coordinates(found.position);
+    let linear = match found.linear_drive {
+        part if part < 1.0 => format!("a tenth at {} of full drive", percent_at_most(part, 0)),
+        _ => "at most a tenth at full drive".to_owned(),
+    };
+    let mut rows = vec![
+        (
+            "second harmonic",
+            format!("{} of the pressure at ({x}, {y}, {z}) mm; {linear}", percent(found.harmonic)),
+        ),
+        ("streaming", format!("at most {:.2} m/s along the beam", found.streaming)),
+    ];
+    if let Some(audible) = found.audible {
+        rows.push((
+            "audible",
+            format!(
+                "{:.0} dB(A) at the listener, mostly at {:.0} Hz ({:.0} dB re 20 µPa), from the modulated beam, ± 6 dB",
+                audible.weighted_level(),
+                audible.frequency,
+                audible.level()
+            ),
+        ));
+    }
+    rows
 }
 
 fn side_lobe_row(found: &Result<SideLobe, NoSideLobe>) -> String {

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 
 use crate::acoustics::{Aperture, response::responding};
 use crate::drive::{Drive, delay_level};
+use crate::field::harmonic::NoHarmonic;
 use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::rounding::percent_at_most;
 use crate::scene::{Pressures, Scene, motion, outline};
@@ -11,6 +12,7 @@ use crate::solver::frames;
 use crate::solver::levels::{self, Reached};
 use crate::solver::{Limits, Problem, Solution, SolveError, room, shape};
 use crate::studio::levitation::{self, Held, Neighbour};
+use crate::studio::nonlinear::Nonlinear;
 use crate::studio::probe::{self, Reading};
 use crate::studio::response::Moving;
 use crate::studio::{json, reach};
@@ -28,6 +30,7 @@ pub struct Findings {
     pub neighbour: Option<Neighbour>,
     /// Of a motion, or of drives in turn, of elements with a response.
     pub moving: Option<Moving>,
+    pub nonlinear: Result<Nonlinear, NoHarmonic>,
     /// Warnings about all of it, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -56,6 +59,7 @@ impl Findings {
         let heard = scene.listener.as_ref().map(|listener| probe::reading(aperture, &drives, listener.at));
         let traps = levitation::held(scene, aperture, &drives);
         let neighbour = levitation::neighbour(scene, aperture, &drives, &traps);
+        let nonlinear = Nonlinear::of_solution(scene, aperture, &solution);
         let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
         let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
@@ -67,7 +71,7 @@ impl Findings {
         warnings.extend(heard.and_then(|heard| heard.warning()));
         warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
         warnings.extend(levitation::warning(scene).filter(|_| !traps.is_empty()));
-        Self { solution, limits, side_lobe, heard, traps, neighbour, moving: None, warnings }
+        Self { solution, limits, side_lobe, heard, traps, neighbour, moving: None, nonlinear, warnings }
     }
 
     /// The same from a scene and its solution, whose figures it completes.
@@ -107,6 +111,10 @@ impl Findings {
         }
         if let Some(moving) = &self.moving {
             value["response"] = moving.json();
+        }
+        if let Ok(nonlinear) = &self.nonlinear {
+            value["harmonic"] = json!(nonlinear.harmonic);
+            value["nonlinear"] = json::nonlinear(nonlinear);
         }
         if !self.traps.is_empty() {
             value["traps"] = self.traps.iter().map(json::trap).collect();

@@ -11,6 +11,7 @@ use crate::force::{Escape, Hold, Mode, Outcome, WAYS};
 use crate::scene::Focus;
 use crate::solver::{Limits, Solution};
 use crate::studio::levitation::{self, Held};
+use crate::studio::nonlinear::Nonlinear;
 use crate::studio::width;
 
 /// Limit of separate foci with widths; each takes about as long as a hundred superpositions at a point.
@@ -56,6 +57,25 @@ pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
         quality["certified"] = json!(solution.certified(limits.bound));
         quality["rank"] = json!(limits.rank);
         quality["condition"] = json!(limits.condition);
+    }
+    value
+}
+
+/// Figures beyond linear theory.
+pub fn nonlinear(nonlinear: &Nonlinear) -> Value {
+    let Nonlinear { position, harmonic, linear_drive, streaming, audible } = nonlinear;
+    let mut value = json!({
+        "position": position.to_array(),
+        "harmonic": harmonic,
+        "linear_drive": linear_drive,
+        "streaming": streaming,
+    });
+    if let Some(audible) = audible {
+        value["audible"] = json!({
+            "spl": audible.level(),
+            "spl_a": audible.weighted_level(),
+            "frequency": audible.frequency,
+        });
     }
     value
 }

@@ -113,10 +113,13 @@ fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String
     let error = match map.peak {
         0.0 if map.rounding > 0.0 => "silent: no value exceeds the rounding of its sum in f64".to_owned(),
         0.0 => "silent: every pressure underflows when squared in f32".to_owned(),
-        _ => format!(
-            "error up to {:.1e} of {whose}, estimated from places that were compared with f64",
-            map.error
-        ),
+        _ => {
+            let from = match quantity.declaration().of_volume {
+                true => "a map with longer steps",
+                false => "places that were compared with f64",
+            };
+            format!("error up to {:.1e} of {whose}, estimated from {from}", map.error)
+        }
     };
     let mut how = format!("{who} took {time} for the map and its colours\n  {}\n  {error}", map.how);
     if map.has_larger() {

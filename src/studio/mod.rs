@@ -19,6 +19,7 @@ pub mod link;
 pub mod liquid;
 pub mod map;
 pub mod motion;
+pub mod nonlinear;
 pub mod opening;
 pub mod output;
 pub mod paintings;

@@ -262,7 +262,7 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     stages.show_progress((look.begin)(step));
     let request = Request::new(scene, drives, quantity, (width, height));
     let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
-    if let Some(missed) = missed(drawn.map.error, scene.plane.tolerance) {
+    if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
         warn(&format!("{name}: {missed}"));
     }
     let peak = f64::from(drawn.map.peak);

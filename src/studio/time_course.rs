@@ -349,9 +349,10 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
-/// The lines of the square of an envelope of sines or tones, which are few; the mean is first.
-pub fn square_lines(modulation: &Modulation) -> Vec<SpectralLine> {
-    let mut terms = square_terms(modulation, 0.0);
+/// The lines of the square of an envelope, the mean first: those of sines and tones, which are few, and of edges and files up to
+/// a frequency (Hz).
+pub fn square_lines(modulation: &Modulation, reach: f64) -> Vec<SpectralLine> {
+    let mut terms = square_terms(modulation, reach);
     terms.retain(|(frequency, _)| *frequency > -ONE_LINE);
     lines(terms)
 }

@@ -28,6 +28,8 @@ fn solve_prints_its_json_contract() {
             "elements",
             "foci",
             "quality",
+            "harmonic",
+            "nonlinear",
             "seconds",
             "iterations",
             "phases",
@@ -123,6 +125,39 @@ fn solve_states_the_exposure_at_a_listener() {
     let output = run(folder.path(), &["solve", "a.toml", "--listener", "0,0,0.5"]);
     let (said, warned) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
     assert!(said.contains("dB re 20 µPa") && warned.contains("louder than 110 dB"), "{said} {warned}");
+}
+
+#[test]
+fn the_second_harmonic_is_a_figure_and_a_map() {
+    let modulated = format!("{POINT}[modulation]\nshape = \"sine\"\n[listener]\nat = [0.3, 0, 0.3]\n");
+    let soft = format!("{POINT}[[reflector]]\npoint = [0, 0, 0.2]\nnormal = [0, 0, -1]\ncoefficient = 0.5\n");
+    let folder = folder_with(&[("a.toml", POINT), ("b.toml", &modulated), ("c.toml", &soft)]);
+    let solved = |name: &str| -> Value {
+        serde_json::from_str(&succeed(folder.path(), &["solve", name, "--json"])).unwrap()
+    };
+    let steady = solved("a.toml");
+    // Sums over lattices.
+    let harmonic = steady["harmonic"].as_f64().unwrap();
+    assert!((harmonic / 0.3724 - 1.0).abs() < 0.02, "{harmonic}");
+    let linear = steady["nonlinear"]["linear_drive"].as_f64().unwrap();
+    assert!((linear * harmonic - 0.1).abs() < 1e-12 && steady["nonlinear"]["audible"].is_null(), "{steady}");
+    let audible = solved("b.toml")["nonlinear"]["audible"].clone();
+    let [all, heard] = ["spl", "spl_a"].map(|key| audible[key].as_f64().unwrap());
+    assert!(10.0 < heard && heard < all && all < 80.0, "{audible}");
+    let said = succeed(folder.path(), &["solve", "b.toml"]);
+    assert!(said.contains("second harmonic") && said.contains("dB(A) at the listener"), "{said}");
+    let args =
+        ["render", "a.toml", "-o", "a.png", "--quantity", "harmonic", "--size", "100", "--data", "a.npy"];
+    let output = run(folder.path(), &args);
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+    let bytes = fs::read(folder.path().join("a.npy")).unwrap();
+    let values: Vec<f32> = npyz::NpyFile::new(&bytes[..]).unwrap().into_vec().unwrap();
+    let peak = f64::from(values.iter().copied().fold(0.0, f32::max)) * 2f64.sqrt();
+    let expected = harmonic * steady["foci"][0]["pressure"].as_f64().unwrap();
+    assert!((peak / expected - 1.0).abs() < 0.03, "{peak}, {expected}");
+    assert_eq!(solved("c.toml")["harmonic"], Value::Null);
+    let args = ["render", "c.toml", "-o", "c.png", "--quantity", "harmonic"];
+    assert!(refuse(folder.path(), &args).contains("`coefficient = 1.0`"));
 }
 
 #[test]

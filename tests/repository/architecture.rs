@@ -19,7 +19,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("drive", &["glam", "num_complex"]),
     ("force", &["glam", "num_complex", "rayon"]),
     ("surface", &["num_complex", "rayon", "sonoglyph_fourier"]),
-    ("field", &["bytemuck", "glam", "num_complex", "rayon", "serde", "thiserror"]),
+    ("field", &["bytemuck", "glam", "num_complex", "rayon", "serde", "sonoglyph_fourier", "thiserror"]),
     ("solver", &["glam", "num_complex", "rayon", "serde", "thiserror", "web_time"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
     (

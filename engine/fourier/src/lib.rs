@@ -23,6 +23,14 @@ pub fn coefficients(mut values: Vec<Complex64>) -> Vec<Complex64> {
     values
 }
 
+/// A Fourier transform of a length with e^{-2πj}, not normalised, of as many rows as a buffer has.
+pub type Transform = Arc<dyn Fft<f64>>;
+
+/// The transform of a length.
+pub fn transform(length: usize) -> Transform {
+    plan(length)
+}
+
 /// `FftPlanner` would add the kernels for SSE.
 #[cfg(target_arch = "x86_64")]
 fn plan(length: usize) -> Arc<dyn Fft<f64>> {

@@ -14,6 +14,8 @@ pub struct Air {
     pub density: f64,
     /// Np/m: pressure falls by e^{-attenuation · r}.
     pub attenuation: f64,
+    /// The same at twice the frequency, Np/m.
+    pub attenuation_of_second: f64,
 }
 
 impl Air {
@@ -23,13 +25,16 @@ impl Air {
     /// less than 0.3 % below 30 °C.
     pub fn new(medium: &Medium, frequency: f64) -> Self {
         let kelvin = medium.kelvin();
-        let absorption = medium
-            .absorption
-            .unwrap_or_else(|| absorption(frequency, medium.temperature, medium.humidity, medium.pressure));
+        let of_weather =
+            |frequency: f64| absorption(frequency, medium.temperature, medium.humidity, medium.pressure);
+        let [own, second] = [frequency, 2.0 * frequency].map(of_weather);
+        // A given absorption rises with the frequency as that of the weather.
+        let absorption = medium.absorption.unwrap_or(own);
         Self {
             sound_speed: medium.speed_of_sound(),
             density: medium.density.unwrap_or_else(|| medium.pressure / (287.05 * kelvin)),
             attenuation: absorption / DB_PER_NEPER,
+            attenuation_of_second: second * (absorption / own) / DB_PER_NEPER,
         }
     }
 

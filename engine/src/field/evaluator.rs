@@ -33,18 +33,35 @@ impl Evaluator {
         drive: &Drive,
         samples: &Samples,
     ) -> Result<Vec<Complex32>, GpuError> {
-        let is_in_reach = !samples.is_empty() && plan::f32_error(aperture, samples) <= plan::EXACT;
-        let sources = Sources::of_faces(aperture, drive, samples).filter(|_| is_in_reach);
-        let in_f32 = match (self, sources) {
-            (Self::Gpu(gpu), Some(faces)) if faces.iter().all(Sources::has_no_sample_beside_rims) => {
-                Some(gpu.pressure(&faces)?)
-            }
-            (Self::Cpu | Self::Gpu(_), Some(_)) => Some(on_cpu(aperture, drive, samples, false)),
-            (Self::Reference, _) | (_, None) => None,
-        };
-        let exact = in_f32.filter(|field| is_exact(aperture, drive, samples, field));
-        Ok(exact.unwrap_or_else(|| on_cpu(aperture, drive, samples, true)))
+        match self {
+            Self::Reference => Ok(on_cpu(aperture, drive, samples, true)),
+            Self::Cpu => in_f32(None, aperture, drive, samples),
+            Self::Gpu(gpu) => in_f32(Some(gpu), aperture, drive, samples),
+        }
     }
+}
+
+/// Complex pressure (Pa, peak) at every sample by a GPU or the CPU, in f64 where f32 does not suffice.
+///
+/// # Errors
+/// Errors of the GPU only.
+pub fn in_f32(
+    gpu: Option<&Gpu>,
+    aperture: &Aperture,
+    drive: &Drive,
+    samples: &Samples,
+) -> Result<Vec<Complex32>, GpuError> {
+    let is_in_reach = !samples.is_empty() && plan::f32_error(aperture, samples) <= plan::EXACT;
+    let sources = Sources::of_faces(aperture, drive, samples).filter(|_| is_in_reach);
+    let in_f32 = match (gpu, sources) {
+        (Some(gpu), Some(faces)) if faces.iter().all(Sources::has_no_sample_beside_rims) => {
+            Some(gpu.pressure(&faces)?)
+        }
+        (_, Some(_)) => Some(on_cpu(aperture, drive, samples, false)),
+        (_, None) => None,
+    };
+    let exact = in_f32.filter(|field| is_exact(aperture, drive, samples, field));
+    Ok(exact.unwrap_or_else(|| on_cpu(aperture, drive, samples, true)))
 }
 
 /// Whether pressures agree with f64 at some of the samples.

@@ -18,6 +18,8 @@ mod evaluator;
 pub mod gpu;
 mod gpu_report;
 #[doc(hidden)]
+pub mod harmonic;
+#[doc(hidden)]
 pub mod interpolation;
 mod partial;
 #[doc(hidden)]

@@ -6,13 +6,15 @@
 //! is taken.
 //!
 //! Menus, arguments, legends, colour maps, contour lines and both evaluators use the declaration, so a new quantity
-//! is one more declaration (`docs/adding-a-quantity.md`). Only potential and force of a bead have no formula (`of_bead`): they
-//! needs second derivatives of the sound in all directions (`stages::force`).
+//! is one more declaration (`docs/adding-a-quantity.md`). Three have no formula: potential and force of a bead (`of_bead`)
+//! need partial waves (`stages::force`), and the second harmonic (`of_volume`) the sound of all the air before the array
+//! (`stages::harmonic`).
 
 use std::ops::{Mul, Sub};
 
 use num_complex::Complex;
 
+use crate::field::harmonic::TOLERANCE;
 pub use crate::field::sound::{ALONG, Constants, NORMAL, PRESSURE, Part, Sound, Sounds, narrow};
 pub use crate::field::unit::Unit;
 use crate::rounding;
@@ -88,6 +90,8 @@ pub struct Declaration {
     pub of_bead: bool,
     /// Depends on the moment, ωt.
     pub of_moment: bool,
+    /// An integral over the air before the array, instead of a formula of the sound at a point.
+    pub of_volume: bool,
 }
 
 /// The components of a vector.
@@ -130,6 +134,7 @@ const USUAL: Declaration = Declaration {
     of_light: false,
     of_bead: false,
     of_moment: false,
+    of_volume: false,
 };
 
 macro_rules! quantities {
@@ -329,6 +334,17 @@ quantities! {
         decibels: 10.0,
         of_bead: true,
     }
+    /// RMS pressure (Pa) of the second harmonic, at twice the frequency: [`crate::field::harmonic`].
+    Harmonic {
+        parts: PRESSURE,
+        formula: |_s, _c| 0.0,
+        wgsl: "0.0",
+        name: "harmonic",
+        title: "Harmonic",
+        words: "RMS pressure of the second harmonic",
+        help: "RMS pressure at twice the frequency, which the loud sound makes on its way",
+        of_volume: true,
+    }
 }
 
 /// The mean of a formula over drives at one point, in f64.
@@ -361,6 +377,18 @@ impl Mean {
 }
 
 impl Declaration {
+    /// Whether it is a formula of the sound at a point.
+    #[doc(hidden)]
+    pub fn has_formula(&self) -> bool {
+        !self.of_bead && !self.of_volume
+    }
+
+    /// The promised error of its maps, relative to their peak: an integral over the air has its own steps.
+    #[doc(hidden)]
+    pub fn tolerance(&self, of_plane: f64) -> f64 {
+        if self.of_volume { of_plane.max(TOLERANCE) } else { of_plane }
+    }
+
     /// Whether it is a liquid's surface, which has a relief.
     pub fn is_surface(&self) -> bool {
         self.of_liquid && !self.of_light

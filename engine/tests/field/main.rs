@@ -12,6 +12,7 @@ mod evaluators;
 mod force;
 mod grazing;
 mod growth;
+mod harmonic;
 mod means;
 mod model;
 mod peak;

@@ -75,7 +75,7 @@ pub fn value(
         Quantity::Velocity => {
             mean(&|Sound { slopes: [_, _, n], .. }| (n.norm() / (rho * omega) / SQRT_2).powi(2)).sqrt()
         }
-        Quantity::Depression | Quantity::Caustic | Quantity::Gorkov | Quantity::Force => {
+        Quantity::Depression | Quantity::Caustic | Quantity::Gorkov | Quantity::Force | Quantity::Harmonic => {
             panic!("{quantity:?} does not follow from the sound at a point")
         }
     }

@@ -35,7 +35,7 @@ fn a_formula_is_the_same_in_wgsl_and_in_rust() {
             of_velocity: 1.0 + number(),
             turn: Complex32::cis(4.0 * number()),
         };
-        for quantity in Quantity::ALL.into_iter().filter(|quantity| !quantity.declaration().of_bead) {
+        for quantity in Quantity::ALL.into_iter().filter(|quantity| quantity.declaration().has_formula()) {
             let got = gpu.form(quantity, &sounds, &constants).unwrap();
             let expected: Vec<_> = sounds.iter().map(|&sound| quantity.of(sound, &constants)).collect();
             assert_eq!(got.len(), expected.len());
@@ -125,7 +125,7 @@ fn every_quantity_keeps_the_tolerance_on_any_plane() {
     let (scene, drives) = three_foci();
     let aperture = Aperture::new(&scene);
     let is_pointwise =
-        |quantity: &Quantity| !quantity.declaration().of_liquid && !quantity.declaration().of_bead;
+        |quantity: &Quantity| !quantity.declaration().of_liquid && quantity.declaration().has_formula();
     let pointwise = Quantity::ALL.into_iter().filter(is_pointwise);
     let mut stages: Vec<_> = evaluators().into_iter().map(|it| (own(&it), Stages::new(it))).collect();
     for (name, plane) in planes() {

@@ -80,7 +80,7 @@ pub fn write(
     let request = Request::new(scene, look.drives(solved)?, quantity, (1, 1));
     let gpu_is_asked_for = look.backend == Backend::Gpu;
     let drawn = figure::draw((scene, &solution.foci), &request, wish, stages, gpu_is_asked_for)?;
-    if let Some(missed) = missed(drawn.map.error, scene.plane.tolerance) {
+    if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
         warn(&format!("{name}: {missed}"));
     }
     if let Some(beyond) = drawn.slope.and_then(liquid::beyond_linear_theory) {

@@ -133,9 +133,35 @@ fn quality(editor: &Editor, shown: &Shown, solution: &Solution, ui: &mut Ui) {
             None => "…".to_owned(),
         };
         fact(ui, ("Fraction of the upper bound", "Guaranteed; no drive exceeds the bound"), certified);
+        nonlinear(editor, ui);
     });
     for warning in &shown.warnings {
         ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));
+    }
+}
+
+/// Where linear theory ends.
+fn nonlinear(editor: &Editor, ui: &mut Ui) {
+    let tip = "Amplitude at twice the frequency over that of the sound, at the loudest focus, and the drive below which it is a \
+               tenth: up to there linear theory is right";
+    let found = match editor.parts.harmonic.exact() {
+        None => return fact(ui, ("Second harmonic", tip), "…".to_owned()),
+        Some(Err(why)) => return fact(ui, ("Second harmonic", &why.to_string()), "-".to_owned()),
+        Some(Ok(found)) => found,
+    };
+    let linear = match found.linear_drive {
+        part if part < 1.0 => format!(", a tenth at {:.0} % drive", 100.0 * part),
+        _ => String::new(),
+    };
+    fact(ui, ("Second harmonic", tip), format!("{:.0} %{linear}", 100.0 * found.harmonic));
+    let tip = "Bound of the air's speed along the beam, which absorbed sound drives";
+    fact(ui, ("Streaming", tip), format!("at most {:.1} m/s", found.streaming));
+    if let Some(audible) = found.audible {
+        let tip = format!(
+            "At the listener, from the modulated beam itself, mostly at {:.0} Hz; an estimate to some 6 dB",
+            audible.frequency
+        );
+        fact(ui, ("Audible sound", &tip), format!("{:.0} dB(A)", audible.weighted_level()));
     }
 }
 

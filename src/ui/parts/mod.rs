@@ -3,6 +3,7 @@
 mod bound;
 pub mod course;
 pub mod levitation;
+mod nonlinear;
 pub(crate) mod radiation;
 mod response;
 pub(crate) mod survey;
@@ -14,6 +15,7 @@ use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
 use crate::ui::parts::levitation::Levitation;
 use crate::ui::parts::levitation::arrows::Arrows;
+use crate::ui::parts::nonlinear::Harmonic;
 use crate::ui::parts::radiation::Radiation;
 use crate::ui::parts::response::Response;
 use crate::ui::parts::survey::Survey;
@@ -27,6 +29,7 @@ pub struct Parts {
     pub arrows: Derived<Arrows>,
     pub bound: Derived<Bound>,
     pub course: Derived<TimeCourse>,
+    pub harmonic: Derived<Harmonic>,
     pub levitation: Derived<Levitation>,
     pub radiation: Derived<Radiation>,
     pub response: Derived<Response>,
@@ -34,14 +37,14 @@ pub struct Parts {
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 7] {
-        let Self { arrows, bound, course, levitation, radiation, response, survey } = self;
-        [arrows, bound, course, levitation, radiation, response, survey]
+    fn all(&self) -> [&dyn Background; 8] {
+        let Self { arrows, bound, course, harmonic, levitation, radiation, response, survey } = self;
+        [arrows, bound, course, harmonic, levitation, radiation, response, survey]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 7] {
-        let Self { arrows, bound, course, levitation, radiation, response, survey } = self;
-        [arrows, bound, course, levitation, radiation, response, survey]
+    fn all_mut(&mut self) -> [&mut dyn Background; 8] {
+        let Self { arrows, bound, course, harmonic, levitation, radiation, response, survey } = self;
+        [arrows, bound, course, harmonic, levitation, radiation, response, survey]
     }
 
     /// Collects finished values, and returns whether there were any.

@@ -165,7 +165,7 @@ fn renders(stages: &mut Stages, scene: &Scene, name: &str) {
     };
     assert!(solution.pressures.iter().all(|p| p.is_finite()), "{name}: {:?}", solution.pressures);
     assert!(solution.drive.phases.iter().chain(&solution.drive.amplitudes).all(|x| x.is_finite()), "{name}");
-    for quantity in Quantity::ALL {
+    for quantity in Quantity::ALL.into_iter().filter(|quantity| !quantity.declaration().of_volume) {
         let request = Request::new(scene, vec![solution.drive.clone()], quantity, (9, 7));
         match stages.map(&request) {
             Ok(map) => assert!(map.values.iter().all(|value| value.is_finite()), "{name}: {quantity:?}"),

@@ -27,6 +27,7 @@
 mod caustic;
 mod depression;
 mod force;
+mod harmonic;
 mod job;
 mod kept;
 mod lattice;
@@ -55,6 +56,7 @@ use crate::field::{colouring::Colouring, evaluator::Evaluator, gpu::Gpu};
 use crate::gauge::Gauge;
 use crate::surface::{Dent, Tank};
 use force::OfBead;
+use harmonic::OfVolume;
 use kept::Kept;
 use on_cpu::{Made, OnCpu};
 use on_gpu::{OnGpu, Progress};
@@ -81,6 +83,7 @@ pub struct Stages {
     gpu: Option<OnGpu>,
     cpu: OnCpu,
     of_bead: OfBead,
+    of_volume: OfVolume,
     ground: Ground,
     /// Keyed by the relevant part of the request.
     map: Kept<Request, Map>,
@@ -189,6 +192,7 @@ impl Stages {
             gpu: if let Evaluator::Gpu(gpu) = evaluator { Some(OnGpu::new(*gpu)) } else { None },
             cpu: OnCpu::default(),
             of_bead: OfBead::default(),
+            of_volume: OfVolume::default(),
             ground: Ground::default(),
             map: Kept::default(),
             declined: None,
@@ -220,7 +224,7 @@ impl Stages {
     /// The run counts of all stages.
     pub fn work(&self) -> Work {
         let of_gpu = self.gpu.as_ref().map(OnGpu::work).unwrap_or_default();
-        self.work + self.ground.work + self.cpu.work() + self.of_bead.work + of_gpu
+        self.work + self.ground.work + self.cpu.work() + self.of_bead.work + self.of_volume.work + of_gpu
     }
 
     /// The GPU, if any.
@@ -254,6 +258,22 @@ impl Stages {
         Ok(std::mem::take(&mut self.map.value))
     }
 
+    /// Whether the map of this request is the newest.
+    #[doc(hidden)]
+    pub fn has(&self, request: &Request) -> bool {
+        request.relevant().is_ok_and(|request| self.map.is_of(&request))
+    }
+
+    /// Takes over a map that other stages made of this request.
+    ///
+    /// # Errors
+    /// An invalid request.
+    #[doc(hidden)]
+    pub fn keep(&mut self, request: &Request, map: Map) -> Result<(), FieldError> {
+        (self.map.key, self.map.value) = (Some(request.relevant()?), map);
+        Ok(())
+    }
+
     /// The map, if available; otherwise starts it, without blocking on a GPU. To be polled from a frame or timer of a
     /// browser.
     ///
@@ -267,13 +287,22 @@ impl Stages {
     /// Whether the map of a relevant request is available.
     fn advance(&mut self, request: &Request, wait: bool) -> Result<bool, FieldError> {
         let costs = self.costs();
-        let Self { gpu, cpu, of_bead, ground, map, declined, exact, .. } = self;
+        let Self { gpu, cpu, of_bead, of_volume, ground, map, declined, exact, .. } = self;
         if map.is_of(request) {
             return Ok(true);
         }
-        if request.quantity.declaration().of_bead {
+        if !request.quantity.declaration().has_formula() {
             map.key = None;
-            map.value = of_bead.map(request, *exact, &cpu.progress)?;
+            map.value = match request.quantity.declaration().of_volume {
+                // A page cannot wait for its GPU.
+                true => of_volume.map(
+                    request,
+                    *exact,
+                    gpu.as_ref().map(OnGpu::gpu).filter(|_| !cfg!(target_arch = "wasm32")),
+                    &cpu.progress,
+                )?,
+                false => of_bead.map(request, *exact, &cpu.progress)?,
+            };
             map.key = Some(request.clone());
             return Ok(true);
         }
@@ -313,7 +342,7 @@ impl Stages {
         let Self { gpu, ground, declined, exact, .. } = self;
         if let Some(gpu) = gpu
             && declined.as_ref() != Some(&request)
-            && !request.quantity.declaration().of_bead
+            && request.quantity.declaration().has_formula()
         {
             let job = ground.job(&request, *exact, costs)?;
             if let Some(texture) = gpu.picture(&job, colouring)? {
@@ -336,8 +365,8 @@ impl Stages {
         if map.is_of(&request) {
             return Ok(Some((map.value.without_values(), None)));
         }
-        let is_of_bead = request.quantity.declaration().of_bead;
-        let declines = is_of_bead || declined.as_ref() == Some(&request);
+        let has_none = !request.quantity.declaration().has_formula();
+        let declines = has_none || declined.as_ref() == Some(&request);
         let Some(gpu) = gpu.as_mut().filter(|_| !declines) else { return Ok(None) };
         let job = ground.job(&request, *exact, costs)?;
         let figures = gpu.figures(&job)?;

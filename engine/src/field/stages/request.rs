@@ -8,6 +8,7 @@ use num_complex::Complex64;
 use crate::acoustics::{Air, Aperture, response::responding};
 use crate::drive::Drive;
 use crate::field::gpu_report::GpuError;
+use crate::field::harmonic::{MarchError, NoHarmonic};
 use crate::field::quantity::{Constants, Declaration, Quantity};
 use crate::field::stages::depression::Depression;
 use crate::scene::{Bead, Liquid, Plane, Reflector, Scene};
@@ -234,7 +235,18 @@ pub enum FieldError {
     )]
     TooManyCells,
     #[error(transparent)]
+    Harmonic(#[from] NoHarmonic),
+    #[error(transparent)]
     Gpu(#[from] GpuError),
+}
+
+impl From<MarchError> for FieldError {
+    fn from(error: MarchError) -> Self {
+        match error {
+            MarchError::None(why) => Self::Harmonic(why),
+            MarchError::Gpu(error) => Self::Gpu(error),
+        }
+    }
 }
 
 /// The inputs of plan and transfer: positions of elements and plane, and the medium.
