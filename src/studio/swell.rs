@@ -99,7 +99,7 @@ pub struct Swell {
 /// request have already.
 fn swinging(scene: &Scene) -> Vec<SpectralLine> {
     let modulation = &scene.modulation;
-    let Some(resonator) = Resonator::new(scene) else { return square_lines(modulation) };
+    let Some(resonator) = Resonator::new(scene) else { return square_lines(modulation, 0.0) };
     let mut lines = resonator.square_lines(modulation);
     let part = modulation.mean_square() / lines.first().map_or(1.0, |mean| mean.amplitude);
     lines.iter_mut().for_each(|line| line.amplitude *= part);

@@ -10,8 +10,8 @@ use num_complex::Complex64;
 
 use crate::acoustics::element::{NEAREST, Radiator};
 use crate::acoustics::row::{COSINE, LANES, ROUNDER, SINE, horner};
-use crate::acoustics::{bessel, element::Element};
-use crate::simd::{Instructions, Isa, Kernel, lanes};
+use crate::acoustics::{aperture::Aperture, bessel, element::Element};
+use crate::simd::{Instructions, Isa, Kernel, lanes, total};
 
 type Lanes = [f64; LANES];
 
@@ -39,6 +39,29 @@ pub(super) struct Emitters {
 }
 
 impl Emitters {
+    /// The driven elements of an aperture and of its images, with a drive for each driven element.
+    pub fn new(aperture: &Aperture, excitation: &[Complex64]) -> Self {
+        let mut emitters = Self::none(aperture.element);
+        for face in &aperture.faces {
+            for column in face.among(&aperture.driven) {
+                let u = excitation[column] * (aperture.element.strength * face.gain);
+                if u != Complex64::ZERO {
+                    let n = aperture.driven[column] - face.first;
+                    let normal = face.pose.world_direction(face.layout.normal(n));
+                    emitters.push(face.pose.world(face.layout.positions[n]), normal, Complex64::I * u);
+                }
+            }
+        }
+        emitters.pad();
+        emitters
+    }
+
+    /// Pressure (Pa) and its slopes along the scene's axes (Pa/m) at a point; `None` for exact pistons, which have no closed
+    /// form.
+    pub fn sum(&self, point: DVec3) -> Option<[Complex64; 4]> {
+        Some(Isa::best().run(Sum(self.heard(point, self.pattern()?))))
+    }
+
     /// Without any source.
     pub(super) fn none(element: Element) -> Self {
         Self { element, places: Default::default(), normals: Default::default(), played: Default::default() }
@@ -66,18 +89,20 @@ impl Emitters {
 
     /// The waves of all sources at a point, each for itself; `false` for exact pistons, which have no closed form.
     pub(super) fn waves(&self, point: DVec3, waves: &mut Waves) -> bool {
-        let pattern = match self.element.radiator() {
-            Radiator::Monopole => Pattern::Even,
-            Radiator::Piston(radius) => self.piston(radius),
-            Radiator::Disk(_) => return false,
-        };
+        let Some(pattern) = self.pattern() else { return false };
         waves.0.iter_mut().flatten().for_each(|values| values.resize(self.places[0].len(), 0.0));
         Isa::best().run(Each { heard: self.heard(point, pattern), waves });
         true
     }
 
-    fn piston(&self, radius: f64) -> Pattern {
-        Pattern::Piston { ka2: (self.element.wavenumber * radius).powi(2) }
+    fn pattern(&self) -> Option<Pattern> {
+        match self.element.radiator() {
+            Radiator::Monopole => Some(Pattern::Even),
+            Radiator::Piston(radius) => {
+                Some(Pattern::Piston { ka2: (self.element.wavenumber * radius).powi(2) })
+            }
+            Radiator::Disk(_) => None,
+        }
     }
 
     fn heard(&self, point: DVec3, pattern: Pattern) -> Heard<'_> {
@@ -164,6 +189,27 @@ impl Heard<'_> {
 /// real and the imaginary parts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Waves(pub(super) [[Vec<f64>; 2]; 4]);
+
+struct Sum<'a>(Heard<'a>);
+
+impl Kernel for Sum<'_> {
+    type Output = [Complex64; 4];
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> [Complex64; 4] {
+        let mut sums = [[[0.0; LANES]; 4]; 2];
+        for block in 0..self.0.blocks() {
+            let Block { waves, ways: d, normals: n } = self.0.block::<I>(block);
+            for (sums, wave) in sums.iter_mut().zip(&waves) {
+                let [x, y, z] = axes!(A => lanes::<LANES>(|l| wave.q[l] * d[A][l] + wave.h[l] * n[A][l]));
+                for (sum, own) in sums.iter_mut().zip([&wave.value, &x, &y, &z]) {
+                    *sum = lanes(|l| sum[l] + own[l]);
+                }
+            }
+        }
+        std::array::from_fn(|part| Complex64::new(total(&sums[0][part]), total(&sums[1][part])))
+    }
+}
 
 struct Each<'a> {
     heard: Heard<'a>,

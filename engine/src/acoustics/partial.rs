@@ -41,12 +41,17 @@ impl PartialWaves {
         (at, radius): (DVec3, f64),
         pressures: impl FnOnce(&[DVec3]) -> Vec<Complex64>,
     ) -> Self {
-        let pressures = pressures(&points(order, (at, radius)));
+        let pressures = pressures(&Self::points(order, (at, radius)));
         let sum = |weights: &[f64]| weights.iter().zip(&pressures).map(|(weight, p)| weight * p).sum();
         let mut values: Vec<Complex64> = shell(order).rows().map(sum).collect();
         let bessel = bessel::spherical(order, wavenumber * radius);
         values.iter_mut().enumerate().for_each(|(harmonic, value)| *value /= bessel[harmonic.isqrt()]);
         Self { order, wavenumber, values }
+    }
+
+    /// The points of that sphere.
+    pub(crate) fn points(order: usize, (at, radius): (DVec3, f64)) -> Vec<DVec3> {
+        shell(order).directions.iter().map(|direction| at + *direction * radius).collect()
     }
 
     /// Those with these coefficients.
@@ -139,7 +144,7 @@ impl Aperture {
     /// The transfer from every driven element to the partial waves up to an order, from the sphere of a radius about a
     /// point (m): a row per harmonic.
     pub(crate) fn partial_waves(&self, order: usize, (at, radius): (DVec3, f64)) -> Transfer {
-        let pressures = self.transfer(&points(order, (at, radius)));
+        let pressures = self.transfer(&PartialWaves::points(order, (at, radius)));
         let mut waves = Transfer::zeros((order + 1).pow(2), self.driven.len());
         let bessel = bessel::spherical(order, self.element.wavenumber * radius);
         for (harmonic, weights) in shell(order).rows().enumerate() {
@@ -153,11 +158,6 @@ impl Aperture {
         }
         waves
     }
-}
-
-/// Points (m) on a sphere about a point.
-fn points(order: usize, (at, radius): (DVec3, f64)) -> Vec<DVec3> {
-    shell(order).directions.iter().map(|direction| at + *direction * radius).collect()
 }
 
 /// The cosine of an axis between two harmonics, the lower one of this order and the upper one of the next.

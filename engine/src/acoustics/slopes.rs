@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::element::NEAREST;
 use crate::acoustics::emitters::{Emitters, Waves};
-use crate::acoustics::{aperture::Aperture, transfer::Transfer};
+use crate::acoustics::{aperture::Aperture, partial::PartialWaves, transfer::Transfer};
 
 /// Positions (steps) and weights (per step) of differences: relative error (kh)⁴/30.
 const STENCIL: [(f64, f64); 4] =
@@ -60,6 +60,42 @@ impl Aperture {
             }
         }
         transfer
+    }
+
+    /// Pressures (Pa) of a drive at points, and their slopes along the scene's axes (Pa/m).
+    fn pressures_with_slopes(&self, points: &[DVec3], drive: &[Complex64]) -> [Vec<Complex64>; 4] {
+        let emitters = Emitters::new(self, drive);
+        let sums: Option<Vec<_>> = points.iter().map(|&point| emitters.sum(point)).collect();
+        if let Some(sums) = sums {
+            return std::array::from_fn(|part| sums.iter().map(|sum| sum[part]).collect());
+        }
+        // Longer steps than of single waves: rows share their rounding, and bodies of interest are clear of the elements.
+        let step = 10.0 * HAIR * self.wavelength();
+        let along = |axis: DVec3| {
+            let mut slopes = vec![Complex64::ZERO; points.len()];
+            for (at, weight) in STENCIL {
+                let beside: Vec<_> = points.iter().map(|point| *point + axis * (at * step)).collect();
+                let pressures = self.pressures(&beside, drive);
+                slopes.iter_mut().zip(pressures).for_each(|(slope, p)| *slope += p * (weight / step));
+            }
+            slopes
+        };
+        let [x, y, z] = DVec3::AXES.map(along);
+        [self.pressures(points, drive), x, y, z]
+    }
+
+    /// The partial waves of a drive up to an order, from the sphere of a radius about a point (m), and those of its slopes
+    /// along the scene's axes: also of sound that does not quite obey the wave equation.
+    pub(crate) fn waves_with_slopes(
+        &self,
+        order: usize,
+        shell: (DVec3, f64),
+        drive: &[Complex64],
+    ) -> (PartialWaves, [PartialWaves; 3]) {
+        let all = self.pressures_with_slopes(&PartialWaves::points(order, shell), drive);
+        let [waves, x, y, z] =
+            all.map(|values| PartialWaves::new(order, self.element.wavenumber, shell, |_| values));
+        (waves, [x, y, z])
     }
 
     /// The wave of an exact piston and its slopes along directions.

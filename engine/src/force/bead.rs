@@ -26,7 +26,7 @@ use crate::scene::Bead;
 
 /// Largest ka of exact forces: up to it, the highest order of partial waves counts for nothing.
 const LARGEST: f64 = 5.0;
-/// Orders whose ψ is a smaller part of the largest are left out.
+/// Orders whose ψ is a smaller part of the largest are not asked for.
 const NEGLIGIBLE: f64 = 1e-7;
 
 /// A bead in inviscid air with sound of one wavenumber.
@@ -85,7 +85,7 @@ impl Sphere {
         }
     }
 
-    /// Order of partial waves for potential and force; one more for the stiffness.
+    /// Order of partial waves for potential and force to 1e-7.
     pub fn order(&self) -> usize {
         self.order
     }
@@ -143,9 +143,13 @@ impl Sphere {
         DVec3::AXES.map(|axis| 0.5 * real_product(waves, &self.response(waves, axis))).into()
     }
 
-    /// N/m, -∂Fᵢ/∂xⱼ in row i and column j.
+    /// N/m, -∂Fᵢ/∂xⱼ in row i and column j, in sound that obeys the wave equation; of waves of one order more.
     pub fn stiffness(&self, waves: &PartialWaves) -> DMat3 {
-        let slopes = DVec3::AXES.map(|axis| waves.along(axis));
+        self.stiffness_by(waves, &DVec3::AXES.map(|axis| waves.along(axis)))
+    }
+
+    /// The same in any sound, from its waves and those of its slopes.
+    pub(crate) fn stiffness_by(&self, waves: &PartialWaves, slopes: &[PartialWaves; 3]) -> DMat3 {
         let rows = DVec3::AXES.map(|axis| {
             let response = self.response(waves, axis);
             [0, 1, 2].map(|j: usize| -real_product(&slopes[j], &response))
@@ -178,13 +182,13 @@ impl Sphere {
         gradient
     }
 
-    /// H a for the force along v, which is its gradient: of partial waves, up to the order of both.
+    /// H a for the force along v, which is its gradient.
     pub(crate) fn response(&self, waves: &PartialWaves, v: DVec3) -> PartialWaves {
         let mut response = waves.silent();
-        let (a, to, lowers) = (waves.values(), response.values_mut(), self.order * self.order);
+        let (a, to) = (waves.values(), response.values_mut());
         for (axis, part) in couplings(waves.order()).iter().zip(v.to_array()).filter(|(_, part)| *part != 0.0)
         {
-            for coupling in axis.iter().take_while(|coupling| coupling.lower < lowers) {
+            for coupling in axis {
                 let entry = self.entry(coupling) * part;
                 to[coupling.lower] += entry.conj() * a[coupling.upper];
                 to[coupling.upper] += entry * a[coupling.lower];

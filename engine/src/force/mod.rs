@@ -99,11 +99,13 @@ impl Levitation {
     /// Potential, force and stiffness at a point, m.
     pub fn forces(&self, point: DVec3) -> Forces {
         let mut mean = Forces { gorkov: 0.0, force: DVec3::ZERO, stiffness: DMat3::ZERO };
-        for waves in self.waves(self.sphere.order() + 1, point) {
+        let shell = (point, self.sphere.shell());
+        for drive in &self.drives {
+            let (waves, slopes) = self.aperture.waves_with_slopes(self.sphere.order(), shell, drive);
             let part = 1.0 / self.drives.len() as f64;
             mean.gorkov += part * self.sphere.potential(&waves);
             mean.force += part * self.sphere.force(&waves);
-            mean.stiffness += part * self.sphere.stiffness(&waves);
+            mean.stiffness += part * self.sphere.stiffness_by(&waves, &slopes);
         }
         mean
     }

@@ -75,7 +75,11 @@ pub fn value(
         Quantity::Velocity => {
             mean(&|Sound { slopes: [_, _, n], .. }| (n.norm() / (rho * omega) / SQRT_2).powi(2)).sqrt()
         }
-        Quantity::Depression | Quantity::Caustic | Quantity::Gorkov | Quantity::Force | Quantity::Harmonic => {
+        Quantity::Depression
+        | Quantity::Caustic
+        | Quantity::Gorkov
+        | Quantity::Force
+        | Quantity::Harmonic => {
             panic!("{quantity:?} does not follow from the sound at a point")
         }
     }

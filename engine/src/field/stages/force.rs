@@ -27,6 +27,10 @@ use crate::gauge::Gauge;
 use crate::scene::Plane;
 use crate::simd::Isa;
 
+/// The samples' part of the tolerance, since derivatives raise what the window lets through; and the finest tolerance of
+/// interpolation in f32.
+const FINER: f64 = 0.1;
+const FINEST: f64 = 1e-6;
 /// Points per task.
 const RUN: usize = 32;
 /// Cells per task.
@@ -62,7 +66,8 @@ impl Site {
     fn new(Setting { aperture, plane }: &Setting, order: usize) -> Option<Self> {
         let cells = Cells::new(aperture, plane, 0.0, plane.tolerance)?;
         let costs = Costs::CPU.for_values(cells.count() * (order + 1).pow(2));
-        let grid = Plan::new(aperture, &cells.plane, costs)?.grid?;
+        let tolerance = (FINER * cells.plane.tolerance).max(FINEST);
+        let grid = Plan::new(aperture, &Plane { tolerance, ..cells.plane.clone() }, costs)?.grid?;
         let rows: Vec<_> = cells.places(1).collect();
         let is_clear = |row: &f64| (grid.covered.start..=grid.covered.end).contains(row);
         let (first, last) = (rows.iter().position(is_clear)?, rows.iter().rposition(is_clear)?);
@@ -122,6 +127,15 @@ impl OfBead {
             });
             self.work.interpolation += 1;
             let map = scenery.interpolated(site, formed, &mut self.between);
+            if std::env::var("DBG").is_ok() {
+                eprintln!(
+                    "error {:e} of {:e}: {} {:?}",
+                    map.error,
+                    promised(tolerance),
+                    map.how,
+                    site.grid.step
+                );
+            }
             if map.error <= promised(tolerance) {
                 return Ok(map);
             }

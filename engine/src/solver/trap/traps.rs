@@ -3,7 +3,7 @@
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::acoustics::{Air, Aperture, PartialWaves};
+use crate::acoustics::{Air, Aperture};
 use crate::force::{Sphere, modes};
 use crate::scene::{Focus, Part, Scene, Trap};
 
@@ -59,12 +59,10 @@ impl Traps {
 
     /// The weakest stiffness (N/m) of each trap under a drive.
     pub fn weakest(&self, aperture: &Aperture, excitation: &[Complex64]) -> Vec<f64> {
-        let (order, wavenumber) = (self.sphere.order() + 1, aperture.element.wavenumber);
         let of = |trap: &Wanted| {
-            let waves = PartialWaves::new(order, wavenumber, (trap.at, self.sphere.shell()), |points| {
-                aperture.pressures(points, excitation)
-            });
-            let stiffness = self.sphere.stiffness(&waves);
+            let shell = (trap.at, self.sphere.shell());
+            let (waves, slopes) = aperture.waves_with_slopes(self.sphere.order(), shell, excitation);
+            let stiffness = self.sphere.stiffness_by(&waves, &slopes);
             modes(&((stiffness + stiffness.transpose()) * 0.5))[0].stiffness
         };
         self.traps.iter().map(of).collect()

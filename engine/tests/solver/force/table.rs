@@ -41,9 +41,8 @@ fn four_traps_have_the_values_of_partial_waves() {
         let forces = levitation.forces(AT);
         assert!((forces.force.z * 1e6 - force).abs() < 1e-4, "{name}: {} µN", forces.force.z * 1e6);
         let own = [0, 1, 2].map(|i| forces.stiffness.col(i)[i] * 1e3);
-        // Far fields are no exact waves, so that stiffness is not exactly the slope of the force.
         for (own, said) in own.into_iter().zip([kx, ky, kz]) {
-            assert!((own - said).abs() < 3e-3, "{name}: {own} mN/m, not {said}");
+            assert!((own - said).abs() < 2e-4, "{name}: {own} mN/m, not {said}");
         }
     }
     let weight = Levitation::new(&scene, &aperture, &[]).sphere.mass * 9.80665;
