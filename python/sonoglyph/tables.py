@@ -42,6 +42,14 @@ class Medium(_Table):
 
 
 @dataclass(kw_only=True)
+class Spread(_Table):
+    """Random differences between elements, rms: of the gain (relative), and of the phase (rad)."""
+
+    gain: float | None = None
+    phase: float | None = None
+
+
+@dataclass(kw_only=True)
 class Array(_Table):
     """Equal elements in rows and columns, `pitch` (m) apart, or at the positions of an `elements` table."""
 
@@ -62,6 +70,8 @@ class Array(_Table):
     wiring: FileName | None = None
     """the boards' channels: a CSV file with element,channel, or preset:NAME"""
     reflectivity: float | None = None
+    spread: Spread | None = None
+    """random differences between elements"""
 
 
 @dataclass(kw_only=True)

@@ -34,5 +34,6 @@ pub fn sound(scene: &Scene, levels: Option<u32>, source: &Source) -> Sound {
         }
     }
     let air = Air::new(&scene.medium, scene.array.frequency);
-    Sound { aperture, air, bead: scene.bead.clone(), drives, foci: foci.to_vec(), readings }
+    let (bead, spread) = (scene.bead.clone(), scene.array.spread);
+    Sound { aperture, air, bead, spread, drives, foci: foci.to_vec(), readings }
 }

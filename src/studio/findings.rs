@@ -8,7 +8,7 @@ use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::rounding::percent_at_most;
 use crate::scene::{Pressures, Scene, outline};
 use crate::solver::levels::{self, Reached};
-use crate::solver::{Limits, Problem, Solution, SolveError, room, shape};
+use crate::solver::{Limits, Problem, Ranges, Solution, SolveError, room, shape};
 use crate::studio::levitation::{self, Held};
 use crate::studio::probe::{self, Reading};
 use crate::studio::{json, reach};
@@ -20,6 +20,8 @@ pub struct Findings {
     pub limits: Limits,
     pub side_lobe: Result<SideLobe, NoSideLobe>,
     pub heard: Option<Reading>,
+    /// 5, 50 and 95 % of the figures, if elements differ.
+    pub ranges: Option<Ranges>,
     /// The bead in every trap.
     pub traps: Vec<Held>,
     /// Warnings about all of it, a sentence each.
@@ -46,6 +48,7 @@ impl Findings {
                 side_lobe(stages, aperture, &plane, &solution.drives(), &solution.foci)
             }
         };
+        let ranges = Ranges::new(scene, problem, (&solution, side_lobe.as_ref().ok()), stages);
         let heard =
             scene.listener.as_ref().map(|listener| probe::reading(aperture, &solution.drives(), listener.at));
         let traps = levitation::held(scene, aperture, &solution.drives());
@@ -60,7 +63,7 @@ impl Findings {
         warnings.extend(heard.and_then(|heard| heard.warning()));
         warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
         warnings.extend(levitation::warning(scene).filter(|_| !traps.is_empty()));
-        Self { solution, limits, side_lobe, heard, traps, warnings }
+        Self { solution, limits, side_lobe, heard, ranges, traps, warnings }
     }
 
     /// The same from a scene and its solution, whose figures it completes.
@@ -90,6 +93,9 @@ impl Findings {
         if let Some(heard) = &self.heard {
             value["listener"] =
                 json!({ "position": heard.position.to_array(), "rms": heard.rms(), "spl": heard.spl() });
+        }
+        if let Some(ranges) = &self.ranges {
+            value["spread"] = ranges.named().map(|(name, range)| (name.to_owned(), json!(range))).collect();
         }
         if !self.traps.is_empty() {
             value["traps"] = self.traps.iter().map(json::trap).collect();

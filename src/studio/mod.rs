@@ -30,6 +30,7 @@ pub mod probe;
 pub mod reach;
 pub mod solving;
 pub mod space;
+pub mod spread;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod still;
 pub mod swell;

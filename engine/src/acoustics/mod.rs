@@ -19,8 +19,10 @@ mod derivatives;
 mod disk;
 pub(crate) mod element;
 mod emitters;
+mod ensemble;
 mod face;
 mod jacobian;
+mod normal;
 mod row;
 mod slopes;
 mod transfer;
@@ -34,6 +36,10 @@ pub use element::Element;
 #[doc(hidden)]
 pub use element::{directivity, piston_nodes};
 pub use emitters::Emitters;
+#[doc(hidden)]
+pub use ensemble::Ensemble;
+pub(crate) use ensemble::Moments;
+
 pub use face::Face;
 pub(crate) use face::{Layout, Pose};
 pub(crate) use jacobian::PhaseJacobian;

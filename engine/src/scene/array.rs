@@ -39,6 +39,9 @@ pub struct Array {
     /// Pressure reflection coefficient of the array's own face.
     #[serde(skip_serializing_if = "is_zero")]
     pub reflectivity: f64,
+    /// Random differences between elements.
+    #[serde(skip_serializing_if = "Spread::is_none")]
+    pub spread: Spread,
 }
 
 impl Default for Array {
@@ -57,6 +60,7 @@ impl Default for Array {
             wiring: None,
             wires: Wires::default(),
             reflectivity: 0.0,
+            spread: Spread::default(),
         }
     }
 }
@@ -65,6 +69,23 @@ impl Array {
     /// Number of elements of one board, driven or not.
     pub fn elements(&self) -> usize {
         self.placed.get().map_or(self.rows as usize * self.columns as usize, <[Placed]>::len)
+    }
+}
+
+/// Random differences between elements, independent of each other: the deviations of gain and phase, rms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Spread {
+    /// Relative to the mean gain.
+    pub gain: f64,
+    /// rad
+    pub phase: f64,
+}
+
+impl Spread {
+    #[doc(hidden)]
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
     }
 }
 

@@ -1,10 +1,10 @@
 //! The limits of every number in a scene, and their checks.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use crate::scene::array::{Array, ElementModel};
+use crate::scene::array::{Array, ElementModel, Spread};
 use crate::scene::content::{Listener, Scene};
 use crate::scene::modulation::{Envelope, Modulation};
 use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
@@ -119,7 +119,13 @@ fn array(array: &Array) -> Result<(), KeyError> {
     length("element_radius", array.element_radius)?;
     within("frequency", array.frequency, 1e3, 1e6, "Hz")?;
     within("strength", array.strength, 1e-9, 1e6, "Pa·m")?;
-    within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")
+    within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")?;
+    spread(&array.spread).map_err(|e| e.under(&["spread".into()]))
+}
+
+fn spread(spread: &Spread) -> Result<(), KeyError> {
+    within("gain", spread.gain, 0.0, 1.0, "of the mean gain, rms")?;
+    within("phase", spread.phase, 0.0, PI, "rad, rms")
 }
 
 /// Elements in `off` exist, and at least one other is wired and on.

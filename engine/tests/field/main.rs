@@ -22,6 +22,7 @@ mod reference;
 mod requirement;
 mod side_lobe;
 mod space;
+mod spread;
 mod stages;
 mod surface;
 mod texels;

@@ -4,6 +4,7 @@ mod bound;
 pub mod course;
 pub mod levitation;
 pub(crate) mod radiation;
+mod ranges;
 pub(crate) mod survey;
 
 use egui::Context;
@@ -14,6 +15,7 @@ use crate::ui::parts::course::TimeCourse;
 use crate::ui::parts::levitation::Levitation;
 use crate::ui::parts::levitation::arrows::Arrows;
 use crate::ui::parts::radiation::Radiation;
+use crate::ui::parts::ranges::FigureRanges;
 use crate::ui::parts::survey::Survey;
 
 pub use radiation::RadiationFigures;
@@ -27,18 +29,19 @@ pub struct Parts {
     pub course: Derived<TimeCourse>,
     pub levitation: Derived<Levitation>,
     pub radiation: Derived<Radiation>,
+    pub ranges: Derived<FigureRanges>,
     pub survey: Derived<Survey>,
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 6] {
-        let Self { arrows, bound, course, levitation, radiation, survey } = self;
-        [arrows, bound, course, levitation, radiation, survey]
+    fn all(&self) -> [&dyn Background; 7] {
+        let Self { arrows, bound, course, levitation, radiation, ranges, survey } = self;
+        [arrows, bound, course, levitation, radiation, ranges, survey]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 6] {
-        let Self { arrows, bound, course, levitation, radiation, survey } = self;
-        [arrows, bound, course, levitation, radiation, survey]
+    fn all_mut(&mut self) -> [&mut dyn Background; 7] {
+        let Self { arrows, bound, course, levitation, radiation, ranges, survey } = self;
+        [arrows, bound, course, levitation, radiation, ranges, survey]
     }
 
     /// Collects finished values, and returns whether there were any.
