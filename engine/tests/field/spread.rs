@@ -61,7 +61,6 @@ fn maps_with_a_spread_are_means_over_arrays() {
                 (f64::from(*value) - expected).abs() / expected.max(f64::from(map.peak))
             };
             let off = map.values.iter().zip(&expected).map(off).fold(0.0, f64::max);
-            println!("{by:?} scene {number}: off by {off:.1e}, said to be {:.1e}", map.error);
             assert!(off < 1.5e-3 && off <= map.error.max(1e-6), "{by:?} {number}: {off} of {}", map.error);
             let equal = Request { spread: Spread::default(), ..request };
             let equal = stages.map(&equal).unwrap().values.clone();
