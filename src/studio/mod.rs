@@ -35,6 +35,7 @@ pub mod spread;
 pub mod still;
 pub mod swell;
 pub mod time_course;
+pub mod trade;
 #[cfg_attr(target_arch = "wasm32", path = "no_video.rs")]
 pub mod video;
 #[cfg(not(target_arch = "wasm32"))]

@@ -6,6 +6,7 @@ pub mod levitation;
 pub(crate) mod radiation;
 mod ranges;
 pub(crate) mod survey;
+pub mod trade;
 
 use egui::Context;
 
@@ -17,6 +18,7 @@ use crate::ui::parts::levitation::arrows::Arrows;
 use crate::ui::parts::radiation::Radiation;
 use crate::ui::parts::ranges::FigureRanges;
 use crate::ui::parts::survey::Survey;
+use crate::ui::parts::trade::Trade;
 
 pub use radiation::RadiationFigures;
 pub use survey::Extremes;
@@ -31,17 +33,18 @@ pub struct Parts {
     pub radiation: Derived<Radiation>,
     pub ranges: Derived<FigureRanges>,
     pub survey: Derived<Survey>,
+    pub trade: Derived<Trade>,
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 7] {
-        let Self { arrows, bound, course, levitation, radiation, ranges, survey } = self;
-        [arrows, bound, course, levitation, radiation, ranges, survey]
+    fn all(&self) -> [&dyn Background; 8] {
+        let Self { arrows, bound, course, levitation, radiation, ranges, survey, trade } = self;
+        [arrows, bound, course, levitation, radiation, ranges, survey, trade]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 7] {
-        let Self { arrows, bound, course, levitation, radiation, ranges, survey } = self;
-        [arrows, bound, course, levitation, radiation, ranges, survey]
+    fn all_mut(&mut self) -> [&mut dyn Background; 8] {
+        let Self { arrows, bound, course, levitation, radiation, ranges, survey, trade } = self;
+        [arrows, bound, course, levitation, radiation, ranges, survey, trade]
     }
 
     /// Collects finished values, and returns whether there were any.
