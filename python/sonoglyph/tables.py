@@ -42,6 +42,14 @@ class Medium(_Table):
 
 
 @dataclass(kw_only=True)
+class Spread(_Table):
+    """Random differences between elements, rms: of the gain (relative), and of the phase (rad)."""
+
+    gain: float | None = None
+    phase: float | None = None
+
+
+@dataclass(kw_only=True)
 class Array(_Table):
     """Equal elements in rows and columns, `pitch` (m) apart, or at the positions of an `elements` table."""
 
@@ -64,6 +72,8 @@ class Array(_Table):
     reflectivity: float | None = None
     response: Mapping[str, float] | str | None = None
     """of an element: resonance (Hz) and tau (s), or t4010a1"""
+    spread: Spread | None = None
+    """random differences between elements"""
 
 
 @dataclass(kw_only=True)

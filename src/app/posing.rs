@@ -44,5 +44,6 @@ pub fn sound(scene: &Scene, levels: Option<u32>, source: &Source) -> Sound {
         readings = probe::readings(&aperture, &heard, &points);
     }
     let air = Air::new(&scene.medium, scene.array.frequency);
-    Sound { aperture, air, bead: scene.bead.clone(), drives, heard, foci: foci.to_vec(), readings }
+    let (bead, spread) = (scene.bead.clone(), scene.array.spread);
+    Sound { aperture, air, bead, spread, drives, heard, foci: foci.to_vec(), readings }
 }

@@ -52,7 +52,7 @@ type Part = (Subject, &'static str, &'static [&'static str], fn() -> anyhow::Res
 const PARTS: [Part; 4] = [
     (Subject::Field, "field", &["field-error"], field::run),
     (Subject::Solve, "solve", &["solve-loss-8", "solve-loss-32"], solve::run),
-    (Subject::Shapes, "shapes", &["shapes-side-lobe"], shapes::run),
+    (Subject::Shapes, "shapes", &["shapes-side-lobe", "shapes-strength"], shapes::run),
     (Subject::Stability, "stability", &[], || stability::run(false)),
 ];
 

@@ -8,8 +8,9 @@ use crate::bench::drawings::{DRAWINGS, Drawing};
 use crate::bench::time::{ROUNDS, Spent, Spread, Times};
 use crate::drive::Drive;
 use crate::picture::chart::{Chart, Series};
-use crate::scene::{Method, Sampling, Scene, outline};
+use crate::scene::{Amplitudes, Method, Sampling, Scene, outline};
 use crate::solver::{self, Figures, Problem, SolveError, Surroundings, shape};
+use crate::studio::trade::{self, Point};
 
 /// Shapes of a short run.
 const COUNT: usize = 3;
@@ -106,7 +107,7 @@ pub fn run() -> anyhow::Result<Report> {
 /// # Errors
 /// A shape that cannot be solved.
 pub fn on(drawings: &[Drawing]) -> anyhow::Result<Report> {
-    let summaries = measure(drawings)?;
+    let (summaries, trades) = (measure(drawings)?, trades(drawings)?);
     let names: Vec<_> = drawings.iter().map(|drawing| drawing.name).collect();
     Ok(Report {
         header: vec![
@@ -119,7 +120,7 @@ pub fn on(drawings: &[Drawing]) -> anyhow::Result<Report> {
             "strength (least)",
             "drag ratio (most)",
         ],
-        rows: summaries.iter().map(row).collect(),
+        rows: summaries.iter().map(row).chain(trades.iter().map(Trade::row)).collect(),
         notes: vec![
             format!(
                 "Means over the shapes {}, in brackets the worst; 256 elements, plane z = 0.1 m. CPU ms of a full \
@@ -135,10 +136,79 @@ pub fn on(drawings: &[Drawing]) -> anyhow::Result<Report> {
                  CPU ms of a frame. drag ratio: side lobe of the last frame over that of a full search there.",
                 STRIDE * 1e3,
             ),
+            "free: amplitudes beside phases (`amplitudes = \"free\"`), and uniform ones, by `quiet`.".to_owned(),
         ],
-        charts: vec![("shapes-side-lobe".to_owned(), chart(&summaries))],
-        records: summaries.iter().flat_map(records).collect(),
+        charts: vec![
+            ("shapes-side-lobe".to_owned(), chart(&summaries)),
+            ("shapes-strength".to_owned(), trade_chart(&trades)),
+        ],
+        records: summaries.iter().flat_map(records).chain(trades.iter().map(Trade::json)).collect(),
     })
+}
+
+/// Strength and side lobe at one `quiet`, means over the shapes.
+#[derive(Clone, Copy, Debug)]
+struct Trade {
+    amplitudes: Amplitudes,
+    quiet: f64,
+    strength: f64,
+    side_lobe: f64,
+}
+
+/// The curves of both amplitudes, one after the other.
+fn trades(drawings: &[Drawing]) -> Result<Vec<Trade>, SolveError> {
+    let mut trades = Vec::new();
+    for amplitudes in [Amplitudes::Uniform, Amplitudes::Free] {
+        let of_one = |drawing: &Drawing| trade::curve(&drawing.scene(0.0, Sampling::Continuous), amplitudes);
+        let curves = drawings.iter().map(of_one).collect::<Result<Vec<_>, _>>()?;
+        let share = 1.0 / drawings.len() as f64;
+        for (index, quiet) in trade::QUIET.into_iter().enumerate() {
+            let mean =
+                |of: fn(&Point) -> f64| share * curves.iter().map(|curve| of(&curve[index])).sum::<f64>();
+            let (strength, side_lobe) = (mean(|point| point.strength), mean(|point| point.side_lobe));
+            trades.push(Trade { amplitudes, quiet, strength, side_lobe });
+        }
+    }
+    Ok(trades)
+}
+
+impl Trade {
+    fn name(&self) -> &'static str {
+        match self.amplitudes {
+            Amplitudes::Uniform => "uniform",
+            Amplitudes::Free => "free",
+        }
+    }
+
+    fn row(&self) -> Vec<String> {
+        let cell = |value: f64| format!("{value:.3}");
+        let name = format!("{}, quiet {}", self.name(), self.quiet);
+        let mut row = vec![name, "-".into(), "-".into(), "-".into(), "-".into()];
+        row.extend([cell(self.side_lobe), cell(self.strength), "-".into()]);
+        row
+    }
+
+    fn json(&self) -> Value {
+        let Self { quiet, strength, side_lobe, .. } = self;
+        json!({
+            "drawing": "all", "amplitudes": self.name(),
+            "quiet": quiet, "strength": strength, "side_lobe": side_lobe,
+        })
+    }
+}
+
+fn trade_chart(trades: &[Trade]) -> Chart {
+    let series = |trades: &[Trade]| Series {
+        name: format!("{} amplitudes", trades[0].name()),
+        points: trades.iter().map(|it| (it.strength, it.side_lobe)).collect(),
+    };
+    Chart {
+        title: "Side lobe against strength: shapes, 256 elements".to_owned(),
+        x_label: "mean pressure over that of the strongest drive".to_owned(),
+        y_label: "side lobe over the mean along the strokes".to_owned(),
+        series: trades.chunk_by(|a, b| a.amplitudes == b.amplitudes).map(series).collect(),
+        levels: Vec::new(),
+    }
 }
 
 /// The approaches alternate, shape by shape.

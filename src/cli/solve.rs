@@ -27,6 +27,7 @@ use crate::studio::levitation::{self, Held};
 use crate::studio::nonlinear::Nonlinear;
 use crate::studio::output::{self, Files, note, say, warn};
 use crate::studio::response::Moving;
+use crate::studio::spread;
 
 /// Replaces the figures that compare pressures if the foci are silent, in these rows.
 const SILENT: &str = "no sound reaches the foci";
@@ -144,6 +145,7 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         say!("{}", serde_json::to_string_pretty(&value)?)?;
     } else {
         print(&findings, &scene)?;
+        print_ranges(&findings, &scene)?;
         for Held { target, hold } in &findings.traps {
             say!("{:<COLUMN$}{}", format!("trap, target {}", target + 1), levitation::verdict(hold))?;
         }
@@ -437,6 +439,17 @@ fn nonlinear_rows(found: &Result<Nonlinear, NoHarmonic>) -> Vec<(&'static str, S
         ));
     }
     rows
+}
+
+/// Prints 5, 50 and 95 % of the figures of elements that differ.
+fn print_ranges(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
+    let Some(ranges) = &findings.ranges else { return Ok(()) };
+    say!("\nOf {} (5, 50, 95 %):", spread::title(scene.array.spread))?;
+    let more = [("calibration would win", spread::won(ranges)), ("faults", spread::faults(scene))];
+    for (name, value) in spread::rows(ranges, pascals).into_iter().chain(more) {
+        say!("{name:<COLUMN$}{value}")?;
+    }
+    Ok(())
 }
 
 fn side_lobe_row(found: &Result<SideLobe, NoSideLobe>) -> String {

@@ -10,7 +10,7 @@ use crate::rounding::percent_at_most;
 use crate::scene::{Pressures, Scene, motion, outline};
 use crate::solver::frames;
 use crate::solver::levels::{self, Reached};
-use crate::solver::{Limits, Problem, Solution, SolveError, room, shape};
+use crate::solver::{Limits, Problem, Ranges, Solution, SolveError, room, shape};
 use crate::studio::levitation::{self, Held, Neighbour};
 use crate::studio::nonlinear::Nonlinear;
 use crate::studio::probe::{self, Reading};
@@ -24,6 +24,8 @@ pub struct Findings {
     pub limits: Limits,
     pub side_lobe: Result<SideLobe, NoSideLobe>,
     pub heard: Option<Reading>,
+    /// 5, 50 and 95 % of the figures, if elements differ.
+    pub ranges: Option<Ranges>,
     /// The bead in every trap.
     pub traps: Vec<Held>,
     /// The force between beads, if it counts.
@@ -56,6 +58,7 @@ impl Findings {
                 side_lobe(stages, aperture, &plane, &drives, &solution.foci)
             }
         };
+        let ranges = Ranges::new(scene, problem, (&solution, side_lobe.as_ref().ok()), stages);
         let heard = scene.listener.as_ref().map(|listener| probe::reading(aperture, &drives, listener.at));
         let traps = levitation::held(scene, aperture, &drives);
         let neighbour = levitation::neighbour(scene, aperture, &drives, &traps);
@@ -71,7 +74,18 @@ impl Findings {
         warnings.extend(heard.and_then(|heard| heard.warning()));
         warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
         warnings.extend(levitation::warning(scene).filter(|_| !traps.is_empty()));
-        Self { solution, limits, side_lobe, heard, traps, neighbour, moving: None, nonlinear, warnings }
+        Self {
+            solution,
+            limits,
+            side_lobe,
+            heard,
+            ranges,
+            traps,
+            neighbour,
+            moving: None,
+            nonlinear,
+            warnings,
+        }
     }
 
     /// The same from a scene and its solution, whose figures it completes.
@@ -115,6 +129,9 @@ impl Findings {
         if let Ok(nonlinear) = &self.nonlinear {
             value["harmonic"] = json!(nonlinear.harmonic);
             value["nonlinear"] = json::nonlinear(nonlinear);
+        }
+        if let Some(ranges) = &self.ranges {
+            value["spread"] = ranges.named().map(|(name, range)| (name.to_owned(), json!(range))).collect();
         }
         if !self.traps.is_empty() {
             value["traps"] = self.traps.iter().map(json::trap).collect();

@@ -12,7 +12,7 @@ use crate::field::Quantity;
 use crate::field::slope::SoundTransfer;
 use crate::field::sound::Constants;
 use crate::force::Levitation;
-use crate::scene::Bead;
+use crate::scene::{Bead, Spread};
 
 /// Pa, RMS: 0 dB.
 const REFERENCE: f64 = 20e-6;
@@ -47,10 +47,10 @@ pub fn reading(aperture: &Aperture, drives: &[Drive], position: DVec3) -> Readin
 }
 
 /// The values of a map at points of its plane, whose axes and normal these are; `moment` (rad) is that of an
-/// instantaneous pressure. Empty for quantities that depend on more than the points; for several drives in turn,
-/// their mean or, without a mean, the first.
+/// instantaneous pressure. Empty for quantities that depend on more than the points; for several drives in turn, and
+/// over a spread of elements, their mean or, without a mean, the first.
 pub fn values(
-    (aperture, air, bead): (&Aperture, &Air, &Bead),
+    (aperture, air, bead, spread): (&Aperture, &Air, &Bead, Spread),
     drives: &[Drive],
     (quantity, moment): (Quantity, f64),
     axes: [DVec3; 3],
@@ -71,7 +71,7 @@ pub fn values(
     let drives = if declaration.has_mean { drives } else { &drives[..1] };
     let sound = SoundTransfer::new(aperture, declaration.parts, axes, points);
     let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
-    let means = sound.means(&excitations, (quantity, &constants));
+    let means = sound.means_of_arrays(&excitations, spread, (quantity, &constants));
     means.into_iter().map(|mean| quantity.exact_value(mean)).collect()
 }
 

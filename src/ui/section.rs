@@ -36,6 +36,8 @@ pub struct Profile {
     start: f64,
     pub points: Vec<DVec3>,
     pub values: Vec<f64>,
+    /// 5 and 95 % of the RMS pressure, if elements differ.
+    pub band: Option<Vec<[f64; 2]>>,
 }
 
 /// The lobe with the largest value on a line.
@@ -70,7 +72,8 @@ impl Profile {
             Some(_) => (0..POINTS).map(|i| map.number(place(i)).unwrap_or(0.0)).collect(),
             None => sound.values(map, &points),
         };
-        (values.len() == POINTS).then_some(Self { quantity: map.quantity, ends, start, points, values })
+        let band = (map.quantity == Quantity::Rms).then(|| sound.band(&points)).flatten();
+        (values.len() == POINTS).then_some(Self { quantity: map.quantity, ends, start, points, values, band })
     }
 
     /// m
@@ -112,18 +115,17 @@ impl Profile {
         (values[top] > 0.0).then_some(Lobe { at: top as f64 * step, value: values[top], half })
     }
 
-    /// CSV: distance from the beginning (m), position (m) and value in SI units.
+    /// CSV: distance from the beginning (m), position (m) and value in SI units, with the band of 5 to 95 %, if any.
     pub fn csv(&self) -> String {
-        let mut text = format!("distance,x,y,z,{}\n", self.quantity.declaration().name);
+        let of_band = if self.band.is_some() { ",p5,p95" } else { "" };
+        let mut text = format!("distance,x,y,z,{}{of_band}\n", self.quantity.declaration().name);
         let step = self.length() / (POINTS - 1) as f64;
         for (i, (point, value)) in self.points.iter().zip(&self.values).enumerate() {
-            text.push_str(&format!(
-                "{:?},{:?},{:?},{:?},{value:?}\n",
-                i as f64 * step,
-                point.x,
-                point.y,
-                point.z
-            ));
+            let band = self.band.as_ref().map(|band| band[i]);
+            let columns = [i as f64 * step, point.x, point.y, point.z, *value];
+            let columns: Vec<_> =
+                columns.into_iter().chain(band.into_iter().flatten()).map(|it| format!("{it:?}")).collect();
+            text.push_str(&(columns.join(",") + "\n"));
         }
         text
     }
@@ -312,7 +314,8 @@ impl<'a> Plot<'a> {
             ProfileLine::Between([from, to]) => [0.0, from.distance(to)],
         };
         let lowest = profile.values.iter().copied().fold(0.0, f64::min) * factor;
-        let highest = profile.values.iter().copied().fold(0.0, f64::max) * factor;
+        let above = profile.band.iter().flatten().map(|[_, high]| *high);
+        let highest = profile.values.iter().copied().chain(above).fold(0.0, f64::max) * factor;
         let values = [lowest, highest + 0.06 * (highest - lowest).max(1e-30)];
         let unit = format!("{unit} {name}").trim_end().to_owned();
         Self { editor, sound: shown.sound.as_ref(), map, profile, rect, places, values, factor, unit }
@@ -336,6 +339,7 @@ impl<'a> Plot<'a> {
             self.width(&inside, &lobe);
         }
         self.foci(&inside);
+        self.band(&inside);
         let point = |(i, &value): (usize, &f64)| pos2(self.x(self.profile.place(i)), self.y(value));
         let curve = self.profile.values.iter().enumerate().map(point).collect();
         inside.add(egui::Shape::line(curve, Stroke::new(1.5, theme::ACCENT)));
@@ -390,6 +394,23 @@ impl<'a> Plot<'a> {
         painter.text(rect.right_top() + vec2(8.0, 0.0), Align2::LEFT_TOP, &self.unit, font, ink);
     }
 
+    /// Draws the band of 5 to 95 %.
+    fn band(&self, painter: &Painter) {
+        let Some(band) = &self.profile.band else { return };
+        let mut mesh = egui::Mesh::default();
+        for (i, edges) in (0u32..).zip(band) {
+            let x = self.x(self.profile.place(i as usize));
+            for &edge in edges {
+                mesh.colored_vertex(pos2(x, self.y(edge)), theme::ACCENT.gamma_multiply(0.25));
+            }
+            if i > 0 {
+                mesh.add_triangle(2 * i - 2, 2 * i - 1, 2 * i);
+                mesh.add_triangle(2 * i - 1, 2 * i, 2 * i + 1);
+            }
+        }
+        painter.add(mesh);
+    }
+
     /// Draws the -6 dB width of the loudest lobe.
     fn width(&self, painter: &Painter, lobe: &Lobe) {
         let Some(half) = lobe.half else { return };
@@ -439,7 +460,8 @@ mod tests {
         let length = 0.1;
         let values = (0..POINTS).map(|i| value(length * i as f64 / (POINTS - 1) as f64)).collect();
         let ends = [DVec2::ZERO, DVec2::X * length];
-        Profile { quantity: Quantity::Rms, ends, start: 0.0, points: vec![DVec3::ZERO; POINTS], values }
+        let points = vec![DVec3::ZERO; POINTS];
+        Profile { quantity: Quantity::Rms, ends, start: 0.0, points, values, band: None }
     }
 
     #[test]

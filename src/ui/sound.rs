@@ -1,14 +1,15 @@
 //! The played drive and its pressures.
 
 use std::collections::BTreeSet;
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::sync::Arc;
 
 use glam::DVec3;
 
-use crate::acoustics::{Air, Aperture};
+use crate::acoustics::{Air, Aperture, Ensemble};
 use crate::drive::Drive;
 use crate::field::Quantity;
-use crate::scene::{Bead, Focus, Scene, outline};
+use crate::scene::{Bead, Focus, Scene, Spread, outline};
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
 use crate::ui::map::Map;
@@ -20,6 +21,8 @@ pub struct Sound {
     pub aperture: Aperture,
     pub air: Air,
     pub bead: Bead,
+    /// Differences between elements.
+    pub spread: Spread,
     /// Drives in turn, at least one.
     pub drives: Vec<Drive>,
     /// The same behind the response of the elements.
@@ -44,12 +47,24 @@ impl Sound {
     pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
         probe::values(
-            (&self.aperture, &self.air, &self.bead),
+            (&self.aperture, &self.air, &self.bead, self.spread),
             &self.heard,
             (map.quantity, map.phase),
             axes,
             points,
         )
+    }
+
+    /// 5 and 95 % of the RMS pressure (Pa) at points, of arrays with these differences between elements; `None` without
+    /// any.
+    pub fn band(&self, points: &[DVec3]) -> Option<Vec<[f64; 2]>> {
+        if self.spread.is_none() {
+            return None;
+        }
+        let played: Vec<_> =
+            self.drives.iter().flat_map(|drive| drive.excitation(&self.aperture.driven)).collect();
+        let ensemble = Ensemble::new(&self.aperture.transfer(points), &played, self.spread);
+        Some(ensemble.quantiles().map(|[low, _, high]| [low, high].map(|p| p * FRAC_1_SQRT_2)).collect())
     }
 
     pub fn value(&self, map: &Map, point: DVec3) -> Option<f64> {

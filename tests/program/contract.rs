@@ -161,6 +161,34 @@ fn the_second_harmonic_is_a_figure_and_a_map() {
 }
 
 #[test]
+fn solve_states_what_a_spread_of_elements_does() {
+    let spread = |spread: &str| format!("{POINT}[array]\nspread = {spread}\n");
+    let folder = folder_with(&[
+        ("equal.toml", POINT),
+        ("spread.toml", &spread("{ gain = 0.1, phase = 0.4 }")),
+        ("wrong.toml", &spread("{ gain = 0.1, phase = 4 }")),
+    ]);
+    let solved = |scene: &str| -> Value {
+        serde_json::from_str(&succeed(folder.path(), &["solve", scene, "--json"])).unwrap()
+    };
+    let (equal, other) = (solved("equal.toml"), solved("spread.toml"));
+    assert_eq!((&equal["spread"], &equal["quality"]), (&Value::Null, &other["quality"]));
+    let range = |figure: &str| [0, 1, 2].map(|i| other["spread"][figure][i].as_f64().unwrap());
+    // A focus keeps exp(-φ²/2) of its pressure, and of the normal deviates 5 % are below -1.645.
+    let nominal = equal["quality"]["mean_pressure"].as_f64().unwrap();
+    let [low, median, high] = range("mean_pressure").map(|pressure| pressure / nominal);
+    assert!((median - (-0.08f64).exp()).abs() < 5e-4, "{other}");
+    assert!(low < median && (low + high - 2.0 * median).abs() < 1e-9 && high < 0.95, "{other}");
+    let lobe = equal["quality"]["side_lobe"].as_f64().unwrap();
+    assert!(range("side_lobe")[1] > 1.05 * lobe, "{other}");
+    let said = succeed(folder.path(), &["solve", "spread.toml"]);
+    assert!(said.contains("calibration would win") && said.contains("0.39 % of the pressure"), "{said}");
+    let refused = run(folder.path(), &["solve", "wrong.toml"]);
+    let warned = String::from_utf8_lossy(&refused.stderr);
+    assert!(refused.status.code() == Some(2) && warned.contains("array.spread.phase"), "{warned}");
+}
+
+#[test]
 fn solve_compares_methods_and_writes_the_drive() {
     let folder = folder_with(&[("a.toml", POINT)]);
     let all: Value =

@@ -35,6 +35,7 @@ mod serving;
 mod shape;
 mod shell;
 mod space;
+mod spread;
 mod view;
 
 use std::path::Path;

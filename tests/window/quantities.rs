@@ -54,7 +54,7 @@ fn shows(screen: &mut Screen, quantity: Quantity) {
         let centre = vec2((column.floor() + 0.5) / map.width as f32, (row.floor() + 0.5) / map.height as f32);
         let centre = lens.rect.left_bottom() + vec2(centre.x, -centre.y) * lens.rect.size();
         let point = map.axes.world(lens.flat(centre));
-        let air = (&sound.aperture, &sound.air, &sound.bead);
+        let air = (&sound.aperture, &sound.air, &sound.bead, sound.spread);
         let expected = probe::values(air, &sound.drives, (quantity, map.phase), axes, &[point]);
         let value = f64::from(values[row as usize * map.width + column as usize]);
         let (off, largest) = match expected[..] {

@@ -18,8 +18,10 @@ mod clearance;
 mod disk;
 pub(crate) mod element;
 mod emitters;
+mod ensemble;
 mod face;
 mod jacobian;
+mod normal;
 mod partial;
 #[doc(hidden)]
 pub mod response;
@@ -33,6 +35,9 @@ pub use clearance::Clearance;
 pub use element::Element;
 #[doc(hidden)]
 pub use element::{directivity, piston_nodes};
+#[doc(hidden)]
+pub use ensemble::Ensemble;
+pub(crate) use ensemble::Moments;
 pub use face::Face;
 pub(crate) use face::{Layout, Pose};
 pub(crate) use jacobian::PhaseJacobian;

@@ -60,6 +60,7 @@ pub use quantity::{Declaration, Norm, Quantity, Range, Unit};
 #[doc(hidden)]
 pub use raster::Raster;
 pub use samples::Samples;
+pub(crate) use side_lobe::side_lobes;
 pub use side_lobe::{NoSideLobe, SideLobe, side_lobe};
 #[doc(hidden)]
 pub use sources::{Sources, Wave};

@@ -389,6 +389,11 @@ impl Declaration {
         if self.of_volume { of_plane.max(TOLERANCE) } else { of_plane }
     }
 
+    /// Whether the scattered sound of elements that differ adds to it, point by point.
+    pub(crate) fn has_scatter(&self) -> bool {
+        self.is_square && !self.of_liquid
+    }
+
     /// Whether it is a liquid's surface, which has a relief.
     pub fn is_surface(&self) -> bool {
         self.of_liquid && !self.of_light

@@ -87,15 +87,7 @@ pub fn side_lobe(
     drives: &[Drive],
     foci: &[Focus],
 ) -> Result<SideLobe, NoSideLobe> {
-    let is_rectangle = plane.size.is_finite() && plane.size.min_element() > 0.0;
-    let (x_axis, y_axis) = plane.axes().filter(|_| is_rectangle).ok_or(FieldError::NoPlane)?;
-    let lobes = Lobes::new(aperture, foci);
-    // Drawings belong to their plane also where they are beyond its rectangle.
-    let size = if foci.iter().all(Focus::is_separate) { plane.size } else { DVec2::INFINITY };
-    let is_met = |middle: DVec3| lobes.contain(nearest(plane, [x_axis, y_axis], size, middle));
-    if !lobes.lobes.iter().any(|lobe| is_met(lobe.middle)) {
-        return Err(NoSideLobe::NoFocus);
-    }
+    let outskirts = Outskirts::new(aperture, plane, foci)?;
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
     let pressures_at = |points: &[DVec3]| -> Vec<f64> {
         aperture.pressures(points, &played).into_iter().map(Complex64::norm).collect()
@@ -105,20 +97,66 @@ pub fn side_lobe(
     if mean == 0.0 {
         return Err(NoSideLobe::Silent);
     }
-    let at = |place: DVec2| plane.centre + x_axis * place.x + y_axis * place.y;
-    let clearance = Clearance::new(aperture);
-    let counts = |place: DVec2| {
-        let point = at(place);
-        // Within a wavelength of a board the elements themselves dominate.
-        clearance.at(point) > aperture.wavelength() && !lobes.contain(point)
-    };
     let pressures = |places: &[DVec2]| {
-        let points: Vec<_> = places.iter().map(|&place| at(place)).collect();
+        let points: Vec<_> = places.iter().map(|&place| outskirts.at(place)).collect();
         points.par_chunks(RUN).flat_map_iter(pressures_at).collect()
     };
     let samples = sampled(stages, aperture, plane, drives)?;
-    let found = samples.summit(counts, pressures).ok_or(NoSideLobe::NoMaximum)?;
-    Ok(SideLobe { position: at(found.place), pressure: found.value, part: found.value / mean })
+    let found = samples.summit(|at| outskirts.count(at), pressures).ok_or(NoSideLobe::NoMaximum)?;
+    Ok(SideLobe { position: outskirts.at(found.place), pressure: found.value, part: found.value / mean })
+}
+
+/// The places (m) of the loudest local maxima outside the main lobes, at most `most`.
+///
+/// # Errors
+/// The errors of [`side_lobe`].
+pub(crate) fn side_lobes(
+    stages: &mut Stages,
+    aperture: &Aperture,
+    plane: &Plane,
+    drives: &[Drive],
+    (foci, most): (&[Focus], usize),
+) -> Result<Vec<DVec3>, NoSideLobe> {
+    let outskirts = Outskirts::new(aperture, plane, foci)?;
+    let samples = sampled(stages, aperture, plane, drives)?;
+    let places = samples.highest(|at| outskirts.count(at), most);
+    Ok(places.into_iter().map(|place| outskirts.at(place)).collect())
+}
+
+/// The part of a plane outside the main lobes and clear of the boards.
+struct Outskirts<'a> {
+    centre: DVec3,
+    axes: [DVec3; 2],
+    lobes: Lobes,
+    clearance: Clearance<'a>,
+    wavelength: f64,
+}
+
+impl<'a> Outskirts<'a> {
+    fn new(aperture: &'a Aperture, plane: &Plane, foci: &[Focus]) -> Result<Self, NoSideLobe> {
+        let is_rectangle = plane.size.is_finite() && plane.size.min_element() > 0.0;
+        let (x_axis, y_axis) = plane.axes().filter(|_| is_rectangle).ok_or(FieldError::NoPlane)?;
+        let lobes = Lobes::new(aperture, foci);
+        // Drawings belong to their plane also where they are beyond its rectangle.
+        let size = if foci.iter().all(Focus::is_separate) { plane.size } else { DVec2::INFINITY };
+        let is_met = |middle: DVec3| lobes.contain(nearest(plane, [x_axis, y_axis], size, middle));
+        if !lobes.lobes.iter().any(|lobe| is_met(lobe.middle)) {
+            return Err(NoSideLobe::NoFocus);
+        }
+        let clearance = Clearance::new(aperture);
+        let (centre, axes) = (plane.centre, [x_axis, y_axis]);
+        Ok(Self { centre, axes, lobes, clearance, wavelength: aperture.wavelength() })
+    }
+
+    fn at(&self, place: DVec2) -> DVec3 {
+        self.centre + self.axes[0] * place.x + self.axes[1] * place.y
+    }
+
+    fn count(&self, place: DVec2) -> bool {
+        let point = self.at(place);
+        // Within a wavelength of a board the elements themselves dominate.
+        self.clearance.at(point) > self.wavelength && !self.lobes.contain(point)
+    }
 }
 
 /// |p| (Pa, peak) on a plane, sampled from edge to edge.

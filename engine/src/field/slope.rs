@@ -9,12 +9,13 @@ use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
-use crate::acoustics::{Aperture, Transfer};
+use crate::acoustics::{Aperture, Moments, Transfer};
 use crate::drive::Drive;
 use crate::field::evaluator::on_cpu;
 use crate::field::quantity::{Constants, Mean, Part, Quantity, Sound, narrow};
 use crate::field::samples::Samples;
 use crate::gauge::Gauge;
+use crate::scene::Spread;
 
 /// Positions (steps) and weights (per step) for pressures in f32: relative error (kh)⁴/30.
 const STENCIL: [(f64, f64); 4] =
@@ -128,6 +129,43 @@ impl SoundTransfer {
             }
         }
         means.iter().map(|mean| mean.of(declaration)).collect()
+    }
+
+    /// The same over all arrays whose elements differ by a spread, of quantities with scatter.
+    pub fn means_of_arrays(
+        &self,
+        excitations: &[Vec<Complex64>],
+        spread: Spread,
+        (quantity, constants): (Quantity, &Constants<f64>),
+    ) -> Vec<f64> {
+        let nominal = self.means(excitations, (quantity, constants));
+        if spread.is_none() || !quantity.declaration().has_scatter() {
+            return nominal;
+        }
+        let moments = Moments::new(spread);
+        let share = moments.variance / excitations.len() as f64;
+        let square = |n: usize| excitations.iter().map(|u| u[n].norm_sqr()).sum::<f64>();
+        let weights: Vec<_> = (0..self.transfer.elements).map(|n| share * square(n)).collect();
+        let scatter = self.scatter(&weights, (quantity, constants));
+        nominal.iter().zip(scatter).map(|(nominal, term)| moments.mean.powi(2) * nominal + term).collect()
+    }
+
+    /// The sum over the elements of a quantity's formula of each alone, times its weight, at every point.
+    pub fn scatter(&self, weights: &[f64], (quantity, constants): (Quantity, &Constants<f64>)) -> Vec<f64> {
+        let slopes: Vec<_> = Part::of(self.parts).filter(|part| *part != Part::Pressure).collect();
+        let exact = quantity.declaration().exact;
+        let at = |point: usize| {
+            let first = point * (1 + slopes.len());
+            let own = |(n, weight): (usize, &f64)| {
+                let mut sound = Sound { p: self.transfer.at(first, n), ..Sound::default() };
+                for (row, &part) in (first + 1..).zip(&slopes) {
+                    *sound.part_mut(part) = self.transfer.at(row, n);
+                }
+                weight * exact(sound, constants)
+            };
+            weights.iter().enumerate().map(own).sum()
+        };
+        (0..self.transfer.points / (1 + slopes.len())).map(at).collect()
     }
 
     /// The transfer of the pressure from every element to each point.

@@ -96,6 +96,13 @@ impl Lattice {
         counts(place) || SIDES.iter().any(|side| counts(self.beside(place, *side, 1.0)))
     }
 
+    /// The places of the highest counted maxima, at most some, the highest first, from the samples around them.
+    pub fn highest(&self, counts: impl Fn(DVec2) -> bool, most: usize) -> Vec<DVec2> {
+        let mut maxima: Vec<_> = self.maxima().map(|index| self.vertex(index)).collect();
+        maxima.sort_by(|a, b| b.1.total_cmp(&a.1));
+        maxima.into_iter().map(|(place, _)| place).filter(|&place| counts(place)).take(most).collect()
+    }
+
     /// The highest of the counted maxima, found from samples not exceeded by a neighbour; `value` evaluates the
     /// function at some points. `None` without a counted maximum.
     pub fn summit(

@@ -43,6 +43,9 @@ pub struct Array {
     /// How an element follows changes of its drive; absent: at once.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub response: Option<Response>,
+    /// Random differences between elements.
+    #[serde(skip_serializing_if = "Spread::is_none")]
+    pub spread: Spread,
 }
 
 impl Default for Array {
@@ -62,6 +65,7 @@ impl Default for Array {
             wires: Wires::default(),
             reflectivity: 0.0,
             response: None,
+            spread: Spread::default(),
         }
     }
 }
@@ -70,6 +74,23 @@ impl Array {
     /// Number of elements of one board, driven or not.
     pub fn elements(&self) -> usize {
         self.placed.get().map_or(self.rows as usize * self.columns as usize, <[Placed]>::len)
+    }
+}
+
+/// Random differences between elements, independent of each other: the deviations of gain and phase, rms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Spread {
+    /// Relative to the mean gain.
+    pub gain: f64,
+    /// rad
+    pub phase: f64,
+}
+
+impl Spread {
+    #[doc(hidden)]
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
     }
 }
 

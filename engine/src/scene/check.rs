@@ -1,10 +1,10 @@
 //! The limits of every number in a scene, and their checks.
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 
-use crate::scene::array::{Array, ElementModel};
+use crate::scene::array::{Array, ElementModel, Spread};
 use crate::scene::content::{Listener, Scene};
 use crate::scene::modulation::{Envelope, Modulation};
 use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
@@ -121,6 +121,7 @@ fn array(array: &Array) -> Result<(), KeyError> {
     within("frequency", array.frequency, 1e3, 1e6, "Hz")?;
     within("strength", array.strength, 1e-9, 1e6, "Pa·m")?;
     within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")?;
+    spread(&array.spread).map_err(|e| e.under(&["spread".into()]))?;
     match array.response {
         None | Some(Response::Preset(_)) => Ok(()),
         Some(Response::Pole(pole)) => {
@@ -129,6 +130,11 @@ fn array(array: &Array) -> Result<(), KeyError> {
             within("tau", pole.tau, 1e-6, 0.1, "s").map_err(under)
         }
     }
+}
+
+fn spread(spread: &Spread) -> Result<(), KeyError> {
+    within("gain", spread.gain, 0.0, 1.0, "of the mean gain, rms")?;
+    within("phase", spread.phase, 0.0, PI, "rad, rms")
 }
 
 /// Elements in `off` exist, and at least one other is wired and on.

@@ -46,7 +46,7 @@ mod wave;
 mod wires;
 mod zone;
 
-pub use array::{Array, ElementModel};
+pub use array::{Array, ElementModel, Spread};
 pub use bead::{Bead, Material};
 pub use board::{Board, Elements, Placed, Reflector};
 pub use content::{FORMAT, Listener, Scene};

@@ -33,6 +33,7 @@ mod method;
 mod own;
 mod problem;
 mod quality;
+mod ranges;
 #[doc(hidden)]
 pub mod room;
 mod run;
@@ -52,6 +53,8 @@ pub use inverse::rank_and_condition;
 pub use method::{excite, excite_from, search};
 pub use problem::{Excitation, Problem};
 pub use quality::{Limits, Quality, bound};
+#[doc(hidden)]
+pub use ranges::{Ranges, left_by_faults};
 pub use run::{solve, solve_on, solve_with};
 #[doc(hidden)]
 pub use shape::{Search, Stage, Surroundings};

@@ -24,6 +24,7 @@ mod requirement;
 mod response;
 mod side_lobe;
 mod space;
+mod spread;
 mod stages;
 mod surface;
 mod texels;

@@ -10,3 +10,4 @@ mod force;
 mod methods;
 mod properties;
 mod shape;
+mod spread;

@@ -24,6 +24,8 @@ pub const MM: Unit = Unit { per: 1e3, suffix: " mm", decimals: 2, speed: 0.25 };
 
 pub const PLAIN: Unit = Unit { per: 1.0, suffix: "", decimals: 3, speed: 0.01 };
 
+pub const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 2, speed: 0.1 };
+
 pub const DEGREES: Unit = Unit { per: 180.0 / std::f64::consts::PI, suffix: "°", decimals: 1, speed: 0.5 };
 
 pub fn heading(ui: &mut Ui, text: &str) -> Response {

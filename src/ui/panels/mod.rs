@@ -20,7 +20,7 @@ use strum::VariantArray;
 
 use crate::ui::{command::Command, editor::Editor, layout::Panel, shown::Shown};
 
-pub use form::{DEGREES, MM, PLAIN, Unit, bare_number, caption, fact, form, number, value};
+pub use form::{DEGREES, MM, PERCENT, PLAIN, Unit, bare_number, caption, fact, form, number, value};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.add_space(4.0);

@@ -11,7 +11,7 @@ use crate::scene::check::FACTORS;
 use crate::scene::{Easing, Keyframe, Motion, MotionPath, Scene, Tempo, motion};
 use crate::studio::response::Moving;
 use crate::ui::panels::form::{choice, coordinates, count, heading, variants};
-use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_number, caption, fact, form, number, value};
+use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, bare_number, caption, fact, form, number, value};
 
 /// Time between two keyframes, in cycles.
 const APART: f64 = 1e-4;
@@ -19,7 +19,6 @@ const APART: f64 = 1e-4;
 const FIRST_POINTS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.02, 0.02, 0.0)];
 /// Initial keyframes: times in a cycle and offsets.
 const FIRST_KEYFRAMES: [(f64, DVec3); 2] = [(0.0, DVec3::ZERO), (0.5, DVec3::new(0.02, 0.0, 0.0))];
-const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 2, speed: 0.1 };
 const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 2, speed: 0.1 };
 const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
 

@@ -1,5 +1,7 @@
 //! The Scene page: targets, plane, air and array.
 
+use std::f64::consts::PI;
+
 use egui::{RichText, Sense, Ui};
 use glam::DVec3;
 use strum::VariantArray;
@@ -8,7 +10,7 @@ use crate::acoustics::Air;
 use crate::scene::{Array, ElementModel, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
 use crate::ui::panels::form::{choice, count, given, heading};
-use crate::ui::panels::{MM, PLAIN, Unit, boards, fact, form, number, target};
+use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, number, target};
 use crate::ui::parts::levitation;
 use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme};
 
@@ -282,6 +284,10 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
         let models: Vec<_> = ElementModel::VARIANTS.iter().map(described).collect();
         choice(ui, ("Directivity", "Of one element"), &mut array.element, &models);
         response(array, ui);
+        let tip = "Random differences of gain between elements, rms; the Solver page shows what they do";
+        number(ui, ("Spread of gain", tip), &mut array.spread.gain, PERCENT, 0.0..=1.0);
+        let tip = "Random differences of phase between elements, rms";
+        number(ui, ("Spread of phase", tip), &mut array.spread.phase, DEGREES, 0.0..=PI);
     });
     boards::known(editor, ui);
     boards::wiring(editor, ui);

@@ -8,6 +8,7 @@ use crate::echo;
 use crate::rounding::{millimetres, milliseconds, percent_at_least};
 use crate::scene::{Aim, Amplitudes, DriveFile, Method, Pressures, Turns, motion};
 use crate::solver::{Figures, Quality, Solution};
+use crate::studio::spread;
 use crate::ui::panels::form::{choice, count, heading, variants};
 use crate::ui::panels::{PLAIN, fact, form, number, profile};
 use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
@@ -135,6 +136,7 @@ fn quality(editor: &Editor, shown: &Shown, solution: &Solution, ui: &mut Ui) {
         fact(ui, ("Fraction of the upper bound", "Guaranteed; no drive exceeds the bound"), certified);
         nonlinear(editor, ui);
     });
+    ranges(editor, ui);
     for warning in &shown.warnings {
         ui.label(egui::RichText::new(warning).color(theme::warning(ui.visuals())));
     }
@@ -163,6 +165,28 @@ fn nonlinear(editor: &Editor, ui: &mut Ui) {
         );
         fact(ui, ("Audible sound", &tip), format!("{:.0} dB(A)", audible.weighted_level()));
     }
+}
+
+/// 5, 50 and 95 % of the figures, if elements differ.
+fn ranges(editor: &Editor, ui: &mut Ui) {
+    let (scene, convention) = (editor.scene(), editor.view.convention);
+    if scene.array.spread.is_none() {
+        return;
+    }
+    heading(ui, "Spread of elements");
+    ui.label(egui::RichText::new(format!("Of {}", spread::title(scene.array.spread))).weak());
+    let Some(Some(ranges)) = editor.parts.ranges.exact() else {
+        ui.weak("…");
+        return;
+    };
+    form(ui, "ranges", |ui| {
+        for (name, values) in spread::rows(ranges, |pressure| convention.pressure(pressure)) {
+            fact(ui, (name, "5, 50 and 95 % of arrays with such elements"), values);
+        }
+        let tip = "Over the median: what elements that are measured and corrected would win";
+        fact(ui, ("Calibration wins", tip), spread::won(ranges));
+    });
+    ui.label(egui::RichText::new(spread::faults(scene)).weak());
 }
 
 /// The number of drives in turn: as many as pay, or as many as are named.

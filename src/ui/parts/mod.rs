@@ -5,8 +5,10 @@ pub mod course;
 pub mod levitation;
 mod nonlinear;
 pub(crate) mod radiation;
+mod ranges;
 mod response;
 pub(crate) mod survey;
+pub mod trade;
 
 use egui::Context;
 
@@ -17,8 +19,10 @@ use crate::ui::parts::levitation::Levitation;
 use crate::ui::parts::levitation::arrows::Arrows;
 use crate::ui::parts::nonlinear::Harmonic;
 use crate::ui::parts::radiation::Radiation;
+use crate::ui::parts::ranges::FigureRanges;
 use crate::ui::parts::response::Response;
 use crate::ui::parts::survey::Survey;
+use crate::ui::parts::trade::Trade;
 
 pub use radiation::RadiationFigures;
 pub use survey::Extremes;
@@ -32,19 +36,23 @@ pub struct Parts {
     pub harmonic: Derived<Harmonic>,
     pub levitation: Derived<Levitation>,
     pub radiation: Derived<Radiation>,
+    pub ranges: Derived<FigureRanges>,
     pub response: Derived<Response>,
     pub survey: Derived<Survey>,
+    pub trade: Derived<Trade>,
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 8] {
-        let Self { arrows, bound, course, harmonic, levitation, radiation, response, survey } = self;
-        [arrows, bound, course, harmonic, levitation, radiation, response, survey]
+    fn all(&self) -> [&dyn Background; 10] {
+        let Self { arrows, bound, course, harmonic, levitation, radiation, ranges, response, survey, trade } =
+            self;
+        [arrows, bound, course, harmonic, levitation, radiation, ranges, response, survey, trade]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 8] {
-        let Self { arrows, bound, course, harmonic, levitation, radiation, response, survey } = self;
-        [arrows, bound, course, harmonic, levitation, radiation, response, survey]
+    fn all_mut(&mut self) -> [&mut dyn Background; 10] {
+        let Self { arrows, bound, course, harmonic, levitation, radiation, ranges, response, survey, trade } =
+            self;
+        [arrows, bound, course, harmonic, levitation, radiation, ranges, response, survey, trade]
     }
 
     /// Collects finished values, and returns whether there were any.

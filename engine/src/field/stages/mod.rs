@@ -37,6 +37,7 @@ mod on_gpu;
 mod probes;
 mod request;
 mod samples;
+mod scatter;
 mod site;
 mod weakest;
 mod work;
@@ -54,6 +55,7 @@ use crate::field::quantity::Declaration;
 use crate::field::vicinity::LeftOut;
 use crate::field::{colouring::Colouring, evaluator::Evaluator, gpu::Gpu};
 use crate::gauge::Gauge;
+use crate::scene::Spread;
 use crate::surface::{Dent, Tank};
 use force::OfBead;
 use harmonic::OfVolume;
@@ -61,6 +63,7 @@ use kept::Kept;
 use on_cpu::{Made, OnCpu};
 use on_gpu::{OnGpu, Progress};
 use probes::Probes;
+use scatter::Scatter;
 use site::{Frame, Site, SiteKey};
 
 pub use depression::Depression;
@@ -84,6 +87,7 @@ pub struct Stages {
     cpu: OnCpu,
     of_bead: OfBead,
     of_volume: OfVolume,
+    scatter: Scatter,
     ground: Ground,
     /// Keyed by the relevant part of the request.
     map: Kept<Request, Map>,
@@ -193,6 +197,7 @@ impl Stages {
             cpu: OnCpu::default(),
             of_bead: OfBead::default(),
             of_volume: OfVolume::default(),
+            scatter: Scatter::default(),
             ground: Ground::default(),
             map: Kept::default(),
             declined: None,
@@ -216,6 +221,7 @@ impl Stages {
         self.contours.key = None;
         self.cpu.forget();
         self.of_bead.forget();
+        self.scatter.forget();
         if let Some(gpu) = &mut self.gpu {
             gpu.forget();
         }
@@ -287,7 +293,7 @@ impl Stages {
     /// Whether the map of a relevant request is available.
     fn advance(&mut self, request: &Request, wait: bool) -> Result<bool, FieldError> {
         let costs = self.costs();
-        let Self { gpu, cpu, of_bead, of_volume, ground, map, declined, exact, .. } = self;
+        let Self { gpu, cpu, of_bead, of_volume, scatter, ground, map, declined, exact, .. } = self;
         if map.is_of(request) {
             return Ok(true);
         }
@@ -306,6 +312,8 @@ impl Stages {
             map.key = Some(request.clone());
             return Ok(true);
         }
+        // The map of equal elements comes first.
+        let (wanted, request) = (request, &Request { spread: Spread::default(), ..request.clone() });
         let job = ground.job(request, *exact, costs)?;
         let progress = match gpu {
             Some(gpu) if declined.as_ref() != Some(request) => gpu.map(&job, wait)?,
@@ -326,7 +334,10 @@ impl Stages {
                 made
             }
         };
-        map.key = Some(request.clone());
+        if wanted.is_of_many_arrays() {
+            scatter.add(wanted, *exact, &mut map.value);
+        }
+        map.key = Some(wanted.clone());
         Ok(true)
     }
 
@@ -342,7 +353,7 @@ impl Stages {
         let Self { gpu, ground, declined, exact, .. } = self;
         if let Some(gpu) = gpu
             && declined.as_ref() != Some(&request)
-            && request.quantity.declaration().has_formula()
+            && is_coloured_on_gpu(&request)
         {
             let job = ground.job(&request, *exact, costs)?;
             if let Some(texture) = gpu.picture(&job, colouring)? {
@@ -365,8 +376,7 @@ impl Stages {
         if map.is_of(&request) {
             return Ok(Some((map.value.without_values(), None)));
         }
-        let has_none = !request.quantity.declaration().has_formula();
-        let declines = has_none || declined.as_ref() == Some(&request);
+        let declines = !is_coloured_on_gpu(&request) || declined.as_ref() == Some(&request);
         let Some(gpu) = gpu.as_mut().filter(|_| !declines) else { return Ok(None) };
         let job = ground.job(&request, *exact, costs)?;
         let figures = gpu.figures(&job)?;
@@ -418,13 +428,13 @@ impl Stages {
             .is_some_and(|declined| request.relevant().is_ok_and(|request| request == *declined))
     }
 
-    /// The radiation pressure on a map's plane, after an update; for a moving surface, its shape instead of that at
+    /// The radiation pressure of equal elements on a map's plane, after an update; for a moving surface, its shape instead of that at
     /// rest.
     ///
     /// # Errors
     /// The errors of [`Stages::map`].
     pub fn pressed(&mut self, request: &Request) -> Result<Pressed, FieldError> {
-        let request = request.relevant()?;
+        let request = Request { spread: Spread::default(), ..request.relevant()? };
         self.advance(&request, true)?;
         let by = self.map.value.by;
         let costs = self.costs();
@@ -535,4 +545,9 @@ impl Job<'_> {
         let (near, loudest) = (self.left_out.near, peak.max(left_out));
         Map { width, height, values, peak, loudest, near, rounding: 0.0, error, evaluated, by, how }
     }
+}
+
+/// Whether a map is finished on the GPU: neither a vector nor a mean over arrays, whose values are made on the CPU.
+fn is_coloured_on_gpu(request: &Request) -> bool {
+    request.quantity.declaration().has_formula() && !request.is_of_many_arrays()
 }

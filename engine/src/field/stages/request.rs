@@ -11,7 +11,7 @@ use crate::field::gpu_report::GpuError;
 use crate::field::harmonic::{MarchError, NoHarmonic};
 use crate::field::quantity::{Constants, Declaration, Quantity};
 use crate::field::stages::depression::Depression;
-use crate::scene::{Bead, Liquid, Plane, Reflector, Scene};
+use crate::scene::{Bead, Liquid, Plane, Reflector, Scene, Spread};
 use crate::surface::Light;
 
 /// Pixels that a map may have.
@@ -36,6 +36,8 @@ pub struct Request {
     pub liquid: Liquid,
     /// The bead of a potential.
     pub bead: Bead,
+    /// Differences between elements: squares of the sound are then means over all such arrays.
+    pub spread: Spread,
     /// The scene's reflectors; their images are in the aperture.
     pub mirrors: Vec<Reflector>,
     /// A moving surface of the liquid, instead of the one at rest: its depth (m) in every cell of
@@ -59,6 +61,7 @@ impl Request {
             part: if is_slow { scene.modulation.mean_square() } else { 1.0 },
             liquid: scene.liquid.clone(),
             bead: scene.bead.clone(),
+            spread: scene.array.spread,
             mirrors: scene.mirrors(),
             depth: None,
             size,
@@ -84,9 +87,15 @@ impl Request {
             moment: if of_moment { self.moment } else { 0.0 },
             liquid,
             bead: if of_bead { self.bead.clone() } else { Bead::default() },
+            spread: if self.is_of_many_arrays() { self.spread } else { Spread::default() },
             depth: self.depth.clone().filter(|_| of_liquid),
             ..self.clone()
         })
+    }
+
+    /// Whether the map is a mean over arrays of different elements.
+    pub(super) fn is_of_many_arrays(&self) -> bool {
+        self.quantity.declaration().has_scatter() && !self.spread.is_none()
     }
 
     /// The contributing part of the aperture: for radiation pressure on a plane that is a reflector, the incident

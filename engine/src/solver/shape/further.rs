@@ -5,7 +5,7 @@ use web_time::{Duration, Instant};
 
 use crate::gauge::Gauge;
 use crate::solver::problem::{Excitation, Problem};
-use crate::solver::shape::{FINE, OTHER_STEPS, Search, Start, Surroundings, value};
+use crate::solver::shape::{FINE, FREE, OTHER_STEPS, Search, Start, Surroundings, value};
 
 /// Calls of [`FINE`] steps from each start.
 const CALLS: usize = 8;
@@ -46,13 +46,23 @@ impl Search<'_> {
     /// Replaces the better descent if this start ends better.
     fn further(&mut self, number: usize) {
         let rival = 1 - self.leader;
-        let weights = self.objective.weights;
+        let (weights, is_free) = (self.objective.weights, self.objective.is_free);
+        self.objective.is_free = false;
         self.ways[rival] = Some(self.begun(number, OTHER_STEPS));
         self.objective.weights = weights;
         self.renew(rival);
         for _ in 0..CALLS {
             if !self.run(rival, FINE.0) {
                 break;
+            }
+        }
+        self.objective.is_free = is_free;
+        if is_free {
+            self.free(rival);
+            for _ in 0..FREE.1 {
+                if !self.run(rival, FREE.0) {
+                    break;
+                }
             }
         }
         if value(&self.ways[rival]) < value(&self.ways[self.leader]) {

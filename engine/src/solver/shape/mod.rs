@@ -38,7 +38,7 @@ use std::time::Duration;
 use num_complex::Complex64;
 use strum::VariantArray;
 
-use crate::scene::{Focus, Plane};
+use crate::scene::{Amplitudes, Focus, Plane};
 use crate::solver::descent::{Descent, Function};
 use crate::solver::iteration;
 use crate::solver::problem::{Excitation, Problem};
@@ -88,6 +88,12 @@ const PICTURE: f64 = 10.0;
 const AREA_FIRST: usize = 25;
 const AREA: (usize, u32) = (20, 12);
 const AREA_TURNS: u32 = 7;
+/// Steps of one call with free amplitudes, and calls; the angle ψ (rad) that they start from, short of full drive, where
+/// the slope is 0.
+const FREE: (usize, u32) = (25, 12);
+const SHORT: f64 = 0.4;
+/// Tolerated loss of strength by free amplitudes at `quiet` = 1.
+const FREE_COST: f64 = 0.5;
 
 /// A search for the drive of a shape that can be continued until it converges.
 #[derive(Debug)]
@@ -124,6 +130,8 @@ pub enum Stage {
     Last(u32),
     /// Areas, by this number of drives in turn.
     Area(usize, u32),
+    /// Amplitudes beside phases.
+    Free(u32),
     /// Continues from a drive.
     Moved,
     Going,
@@ -170,7 +178,8 @@ impl<'a> Search<'a> {
         if is_drive && matches!(search.stage, Stage::First) {
             search.stage = Stage::Moved;
         }
-        search.given = is_drive.then(|| before.iter().map(|&u| iteration::phase(u)).collect());
+        let given = |&u: &Complex64| if search.may_be_free() { u } else { iteration::phase(u) };
+        search.given = is_drive.then(|| before.iter().map(given).collect());
         search
     }
 
@@ -205,6 +214,13 @@ impl<'a> Search<'a> {
                 self.stage = if goes_on { Stage::Last(call + 1) } else { Stage::Done };
             }
             Stage::Area(drive, call) => self.area(drive, call),
+            Stage::Free(call) => {
+                if call == 0 {
+                    self.free(self.leader);
+                }
+                let goes_on = self.run(self.leader, FREE.0) && call + 1 < FREE.1;
+                self.stage = if goes_on { Stage::Free(call + 1) } else { Stage::Done };
+            }
             Stage::Moved => self.moved(),
             Stage::Going => {
                 if !self.run(0, FRAME) {
@@ -214,7 +230,34 @@ impl<'a> Search<'a> {
             Stage::Done if self.steps == 0 && self.given.is_none() => return Some(self.silent()),
             Stage::Done => return None,
         }
+        if self.stage == Stage::Done && self.may_be_free() && !self.objective.is_free {
+            self.stage = Stage::Free(0);
+        }
         (self.steps > before).then(|| self.give())
+    }
+
+    /// Whether amplitudes are to be found, too. At full strength they win nothing.
+    fn may_be_free(&self) -> bool {
+        self.surroundings.amplitudes == Amplitudes::Free && self.is_quiet()
+    }
+
+    /// Makes the amplitudes of a way unknowns, for less strength.
+    fn free(&mut self, way: usize) {
+        let Some(Descent { mut x, .. }) = self.ways[way].take() else { return };
+        if !self.objective.is_free {
+            self.set_floor(&x);
+            self.objective.is_free = true;
+        }
+        x.extend(vec![SHORT; x.len()]);
+        self.objective.refresh(&x);
+        self.ways[way] = Some(Descent::new(x, &mut self.objective));
+    }
+
+    /// Sets the strength that free amplitudes keep: of the strongest drive or, of areas, of these phases at full drive.
+    fn set_floor(&mut self, phases: &[f64]) {
+        let kept = 1.0 - FREE_COST * self.surroundings.quiet.min(1.0);
+        let full = if self.strongest > 0.0 { self.strongest } else { self.objective.level(phases) };
+        self.objective.weights.floor = kept * kept * full;
     }
 
     /// The field is zero wherever targets are: any drive is equally good.
@@ -231,7 +274,7 @@ impl<'a> Search<'a> {
             return;
         }
         let way = self.begun(0, FIRST_STEPS);
-        self.strongest = self.objective.mean_square(&way.x);
+        self.strongest = self.objective.level(&way.x);
         self.ways[0] = Some(way);
         self.stage = if self.is_quiet() { Stage::Coarse(0) } else { Stage::Done };
     }
@@ -330,12 +373,19 @@ impl<'a> Search<'a> {
             let has_areas = self.objective.picture.is_some();
             if !has_areas {
                 let strong = self.begun(0, MOVED_STEPS);
-                self.strongest = self.objective.mean_square(&strong.x);
+                self.strongest = self.objective.level(&strong.x);
             }
             self.hear(!has_areas);
             self.objective.weights = self.weights(if has_areas { Loudness::Eight } else { Loudness::Twelve });
         }
-        self.ways[0] = Some(Descent::new(phases, &mut self.objective));
+        let mut x: Vec<f64> = phases;
+        if self.may_be_free() {
+            self.set_floor(&x);
+            self.objective.is_free = true;
+            // At full drive the slope is 0.
+            x.extend(self.given.iter().flatten().map(|u| u.norm().min(1.0).acos().max(0.5 * SHORT)));
+        }
+        self.ways[0] = Some(Descent::new(x, &mut self.objective));
         self.stage = if self.run(0, FRAME) { Stage::Going } else { Stage::Done };
     }
 
@@ -418,11 +468,14 @@ impl<'a> Search<'a> {
         const LEVELS: f64 = 16.0;
         const TURNS: u32 = 32;
         const STEP: f64 = TAU / LEVELS;
+        let unknowns = self.objective.unknowns(&found.values);
         let rounded = |angle: f64| {
-            let round = |u: &Complex64| ((u.arg() + angle) / STEP).round() * STEP;
-            found.values.iter().map(round).collect::<Vec<_>>()
+            let mut x = unknowns.clone();
+            let phases = &mut x[..found.values.len()];
+            phases.iter_mut().for_each(|phase| *phase = ((*phase + angle) / STEP).round() * STEP);
+            x
         };
-        let mut slopes = vec![0.0; found.values.len()];
+        let mut slopes = vec![0.0; unknowns.len()];
         let mut harm = |angle: f64| self.objective.evaluate(&rounded(angle), &mut slopes);
         let angles = (0..TURNS).map(|turn| STEP * f64::from(turn) / f64::from(TURNS));
         let best = angles.map(|angle| (angle, harm(angle))).min_by(|a, b| a.1.total_cmp(&b.1));
@@ -432,8 +485,8 @@ impl<'a> Search<'a> {
     }
 
     fn give(&mut self) -> Excitation {
-        let phases = self.ways[self.leader].iter().flat_map(|way| &way.x);
-        let mut values: Vec<_> = phases.map(|&phase| Complex64::from_polar(1.0, phase)).collect();
+        let way = self.ways[self.leader].iter();
+        let mut values: Vec<_> = way.flat_map(|way| self.objective.excitation(&way.x)).collect();
         let elements = self.problem.aperture.driven.len();
         if let Some(before) = &self.given {
             for (before, values) in before.chunks(elements).zip(values.chunks_mut(elements)) {

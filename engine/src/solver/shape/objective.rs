@@ -9,6 +9,11 @@
 //! For areas, ε L is added ([`crate::solver::shape::picture`]). M is the mean of I T over them if there are no
 //! strokes; otherwise ½ 30 (½ ln(s M))² ties the areas' scale to the strokes.
 //! Its derivative by φ_n of one of K drives is 2/K Im(u_n* b_n) with b = Hᴴ (w p) and w its derivative by I.
+//!
+//! *Free amplitudes.* Where amplitudes are free, u = cos ψ e^{jφ}: never above full drive, and smooth up to it. Angles ψ
+//! follow the phases among the unknowns; the derivative by ψ_n is -sin ψ_n 2/K Re(e^{-jφ_n} b_n).
+
+use num_complex::Complex64;
 
 use crate::simd::{Instructions, Isa, Kernel};
 use crate::solver::descent::Function;
@@ -112,10 +117,13 @@ impl<T: Real> Quiet<T> {
     }
 }
 
-/// The function to minimise, of the phases (rad) of the driven elements, drive after drive.
+/// The function to minimise, of the phases (rad) of the driven elements, drive after drive; with free amplitudes the
+/// angles ψ follow, in the same order.
 #[derive(Debug)]
 pub struct Objective<T> {
     pub weights: Weights,
+    /// Whether amplitudes are unknowns.
+    pub is_free: bool,
     pub quiet: Vec<Quiet<T>>,
     /// Areas.
     pub picture: Option<Picture<T>>,
@@ -134,7 +142,8 @@ impl<T: Real> Objective<T> {
     pub fn new(strokes: Table<T>, drives: usize, weights: Weights) -> Self {
         let u = vec![strokes.excitation(); drives];
         let (heard, p) = (u.clone(), vec![Waves::zeros(strokes.points()); drives]);
-        Self { weights, quiet: Vec::new(), picture: None, strokes, u, heard, p, intensities: Vec::new() }
+        let (quiet, intensities) = (Vec::new(), Vec::new());
+        Self { weights, is_free: false, quiet, picture: None, strokes, u, heard, p, intensities }
     }
 
     /// Number of drives in turn.
@@ -177,28 +186,59 @@ impl<T: Real> Objective<T> {
         self.heard.iter().flat_map(phases).collect()
     }
 
-    /// M at these phases.
-    pub fn mean_square(&mut self, phases: &[f64]) -> f64 {
-        self.play(phases);
-        self.intensities.iter().sum::<f64>() / self.intensities.len() as f64
+    /// M of these unknowns.
+    pub fn level(&mut self, x: &[f64]) -> f64 {
+        self.play(x);
+        match &mut self.picture {
+            Some(picture) if self.intensities.is_empty() => picture.hear(&self.u).map_or(0.0, |fit| fit.mean),
+            Some(_) | None => self.intensities.iter().sum::<f64>() / self.intensities.len() as f64,
+        }
     }
 
-    /// Selects the table rows that are loud at these phases; false without tables.
-    pub fn refresh(&mut self, phases: &[f64]) -> bool {
+    /// Selects the table rows that are loud for these unknowns; false without tables.
+    pub fn refresh(&mut self, x: &[f64]) -> bool {
         if !self.quiet.iter().any(Quiet::is_table) {
             return false;
         }
-        self.play(phases);
+        self.play(x);
         self.quiet.iter_mut().for_each(|quiet| quiet.refresh(&self.u));
         true
     }
 
-    fn play(&mut self, phases: &[f64]) {
+    /// Number of phases among the unknowns.
+    fn phases(&self, x: &[f64]) -> usize {
+        if self.is_free { x.len() / 2 } else { x.len() }
+    }
+
+    /// u of the unknowns, drive after drive.
+    pub fn excitation(&self, x: &[f64]) -> Vec<Complex64> {
+        let (phases, angles) = x.split_at(self.phases(x));
+        let u = |(n, &phase): (usize, &f64)| {
+            Complex64::from_polar(1.0, phase) * angles.get(n).map_or(1.0, |angle| angle.cos())
+        };
+        phases.iter().enumerate().map(u).collect()
+    }
+
+    /// The unknowns of u.
+    pub fn unknowns(&self, u: &[Complex64]) -> Vec<f64> {
+        let angles = u.iter().filter(|_| self.is_free).map(|u| u.norm().min(1.0).acos());
+        u.iter().map(|u| u.arg()).chain(angles).collect()
+    }
+
+    fn play(&mut self, x: &[f64]) {
+        let (phases, angles) = x.split_at(self.phases(x));
         let elements = phases.len() / self.u.len();
-        for ((phases, u), p) in phases.chunks(elements).zip(&mut self.u).zip(&mut self.p) {
+        for (drive, ((phases, u), p)) in phases.chunks(elements).zip(&mut self.u).zip(&mut self.p).enumerate()
+        {
             for ((phase, re), im) in phases.iter().zip(&mut u.re).zip(&mut u.im) {
                 let (sin, cos) = phase.sin_cos();
                 (*re, *im) = (T::of(cos), T::of(sin));
+            }
+            let angles = angles.iter().skip(drive * elements).take(elements);
+            for ((angle, re), im) in angles.zip(&mut u.re).zip(&mut u.im) {
+                let amplitude = T::of(angle.cos());
+                *re *= amplitude;
+                *im *= amplitude;
             }
             self.strokes.forward(u, p);
         }
@@ -245,8 +285,8 @@ impl<T: Real> Objective<T> {
 }
 
 impl<T: Real> Function for Objective<T> {
-    fn evaluate(&mut self, phases: &[f64], gradient: &mut [f64]) -> f64 {
-        self.play(phases);
+    fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
+        self.play(x);
         let Weights { strong, sharpness, floor, .. } = self.weights;
         let fit = self.picture.as_mut().map(|picture| picture.hear(&self.u));
         let count = self.intensities.len() as f64;
@@ -291,15 +331,23 @@ impl<T: Real> Function for Objective<T> {
                 p.im[point] *= derivative;
             }
         }
+        let (phases, angles) = x.split_at(self.phases(x));
         let elements = phases.len() / self.u.len();
         let part = 2.0 / self.u.len() as f64;
-        let slopes = gradient.chunks_mut(elements);
+        let (of_phases, of_angles) = gradient.split_at_mut(phases.len());
+        let slopes = of_phases.chunks_mut(elements);
         for (((p, u), heard), slopes) in self.p.iter().zip(&self.u).zip(&mut self.heard).zip(slopes) {
             self.strokes.back(p, heard);
             for (n, slope) in slopes.iter_mut().enumerate() {
                 let ahead = u.re[n].wide() * heard.im[n].wide();
                 *slope = part * (ahead - u.im[n].wide() * heard.re[n].wide());
             }
+        }
+        for (n, (slope, angle)) in of_angles.iter_mut().zip(angles).enumerate() {
+            let heard = &self.heard[n / elements];
+            let (sin, cos) = phases[n].sin_cos();
+            let along = cos * heard.re[n % elements].wide() + sin * heard.im[n % elements].wide();
+            *slope = -angle.sin() * part * along;
         }
         value
     }

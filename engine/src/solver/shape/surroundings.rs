@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DMat3, DVec3};
 
-use crate::scene::{self, Board, Cover, Focus, Liquid, Part, Plane, Scene, outline};
+use crate::scene::{self, Amplitudes, Board, Cover, Focus, Liquid, Part, Plane, Scene, outline};
 
 /// Requirements outside the targets.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,12 +18,15 @@ pub struct Surroundings {
     pub areas: Vec<Cover>,
     /// The liquid with the prescribed depression, instead of |p|.
     pub liquid: Option<Liquid>,
+    /// Whether amplitudes are found beside phases.
+    pub amplitudes: Amplitudes,
 }
 
 impl Surroundings {
     /// The surroundings of a drawing without zones and areas.
     pub fn of_plane(plane: Plane, quiet: f64) -> Self {
-        Self { plane, quiet, zones: Vec::new(), areas: Vec::new(), liquid: None }
+        let amplitudes = Amplitudes::Uniform;
+        Self { plane, quiet, zones: Vec::new(), areas: Vec::new(), liquid: None, amplitudes }
     }
 
     /// The surroundings of a scene: its plane if these foci lie on it and, for strokes, it is across the beam; otherwise
@@ -54,6 +57,7 @@ impl Surroundings {
             zones: zones.collect(),
             areas: areas(scene, foci),
             liquid: scene.aims_at_depression().then(|| scene.liquid.clone()),
+            amplitudes: scene.solver.amplitudes,
         }
     }
 }

@@ -48,9 +48,19 @@ fn check_strokes<T: Real>(step: f64, most: f64) {
     };
     let all = Weights { even: 1.5, quiet: 1.0, strong: 0.0, sharpness: 16, ..alone };
     let kept = Weights { loudness: Loudness::Twelve, floor: 1e3, quiet: 0.4, ..all };
-    for (drives, weights) in [(1, alone), (1, all), (1, kept), (3, kept)] {
-        let phases: Vec<_> = (0..drives * aperture.driven.len()).map(|n| 6.0 * scatter(n)).collect();
+    for (drives, weights, is_free) in [
+        (1, alone, false),
+        (1, all, false),
+        (1, kept, false),
+        (3, kept, false),
+        (1, kept, true),
+        (3, kept, true),
+    ] {
+        // Angles of amplitudes follow the phases.
+        let unknowns = drives * aperture.driven.len() * if is_free { 2 } else { 1 };
+        let phases: Vec<_> = (0..unknowns).map(|n| 6.0 * scatter(n)).collect();
         let mut objective = objective::<T>(&aperture, drives, weights);
+        objective.is_free = is_free;
         let mut gradient = vec![0.0; phases.len()];
         objective.evaluate(&phases, &mut gradient);
         let largest = gradient.iter().fold(0.0f64, |most, slope| most.max(slope.abs()));
@@ -110,6 +120,13 @@ fn on_grid<T: Real>(aperture: &Aperture, liquid: Option<&Liquid>) -> Picture<T> 
 }
 
 fn check(objective: &mut Objective<f64>, elements: usize, what: &str) {
+    for is_free in [false, true] {
+        objective.is_free = is_free;
+        check_unknowns(objective, if is_free { 2 * elements } else { elements }, what);
+    }
+}
+
+fn check_unknowns(objective: &mut Objective<f64>, elements: usize, what: &str) {
     const STEP: f64 = 1e-5;
     let phases: Vec<_> = (0..elements).map(|n| 6.0 * scatter(n)).collect();
     let mut gradient = vec![0.0; elements];
