@@ -1,8 +1,9 @@
-//! Partial waves about many points of a plane, from the pressure and its normal slope on the plane.
+//! Partial waves about many points of a plane, from the pressure and its first two normal slopes on the plane.
 //!
-//! A coefficient is a derivative: a = 4π 𝒴(∇)p/kⁿ, with 𝒴 the harmonic as a polynomial of its degree. ∂z² is
-//! -k² - ∂x² - ∂y², so derivatives along the plane of pressure and normal slope suffice: those of the interpolating
-//! sinc, which is band-limited as the sound is.
+//! A coefficient is a derivative: a = 4π 𝒴(∇)p/kⁿ, with 𝒴 the harmonic as a homogeneous polynomial of its degree. Of
+//! third and higher powers of ∂z, ∂z² is -k² - ∂x² - ∂y², so derivatives along the plane suffice: those of the
+//! interpolating sinc, which is band-limited as the sound is. The second normal slope is kept, since the sound of far-field
+//! pistons is not quite a wave.
 
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -10,39 +11,41 @@ use std::ops::Range;
 use num_complex::Complex32;
 
 use crate::acoustics::couplings;
-use crate::field::sound::Part;
 use crate::force::Sphere;
 use crate::simd::{Instructions, Kernel};
 
+/// Orders along the normal that are not replaced.
+pub const NORMALS: usize = 3;
 /// Points processed together.
 const LANES: usize = 16;
 
-/// A derivative along the plane of one part of the sound: its orders along x and y.
+/// A derivative of the sound: its orders along x, y and the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Derivative {
-    pub part: Part,
     pub orders: [usize; 2],
+    pub normal: usize,
 }
 
 /// The derivatives that partial waves up to an order need.
 pub fn derivatives(order: usize) -> Vec<Derivative> {
-    let of_part = |part: Part, most: usize| {
+    let of_normal = |normal: usize| {
+        let most = order - normal;
         let pairs = (0..=most).flat_map(move |x| (0..=most - x).map(move |y| [x, y]));
-        pairs.map(move |orders| Derivative { part, orders })
+        pairs.map(move |orders| Derivative { orders, normal })
     };
-    of_part(Part::Pressure, order).chain(of_part(Part::Normal, order - 1)).collect()
+    (0..NORMALS.min(order + 1)).flat_map(of_normal).collect()
 }
 
-/// A polynomial in X, Y and Z, the derivatives over k, with Z² = -1 - X² - Y²: the coefficients of XⁱYʲ and of XⁱYʲZ.
+/// A polynomial in X, Y and Z, the derivatives over k, with Z³ = -(1 + X² + Y²) Z: the coefficients of XⁱYʲ, XⁱYʲZ and XⁱYʲZ².
 #[derive(Clone, Debug)]
 struct Polynomial {
     degree: usize,
-    coefficients: [Vec<f64>; 2],
+    coefficients: [Vec<f64>; NORMALS],
 }
 
 impl Polynomial {
     fn constant(degree: usize, value: f64) -> Self {
-        let mut coefficients = [vec![0.0; (degree + 1).pow(2)], vec![0.0; (degree + 1).pow(2)]];
+        let mut coefficients = [(); NORMALS].map(|()| vec![0.0; (degree + 1).pow(2)]);
         coefficients[0][0] = value;
         Self { degree, coefficients }
     }
@@ -71,16 +74,17 @@ impl Polynomial {
     }
 
     fn times_z(&self) -> Self {
-        let [even, odd] = &self.coefficients;
-        let odd = Self { coefficients: [odd.clone(), vec![0.0; odd.len()]], ..*self };
-        let mut product = odd.zero();
-        for (orders, factor) in [([0, 0], -1.0), ([2, 0], -1.0), ([0, 2], -1.0)] {
-            if odd.coefficients[0].iter().any(|value| *value != 0.0) {
-                product = product.add(&odd.times(orders), factor);
-            }
-        }
-        product.coefficients[1].clone_from(even);
-        product
+        let [constant, linear, square] = &self.coefficients;
+        let none = vec![0.0; constant.len()];
+        // Z³
+        let cube = Self { coefficients: [none.clone(), square.clone(), none.clone()], ..*self };
+        let product = Self { coefficients: [none, constant.clone(), linear.clone()], ..*self };
+        product.add(&cube, -1.0).add(&cube.times([2, 0]), -1.0).add(&cube.times([0, 2]), -1.0)
+    }
+
+    /// The product with X² + Y² + Z².
+    fn times_square(&self) -> Self {
+        self.times_z().times_z().add(&self.times([2, 0]), 1.0).add(&self.times([0, 2]), 1.0)
     }
 }
 
@@ -105,8 +109,7 @@ fn harmonics(order: usize) -> Vec<Polynomial> {
                 let (n, m) = ((n + 1) as f64, m as f64);
                 let scale = ((4.0 * n * n - 1.0) / (n * n - m * m)).sqrt();
                 let last = (((n - 1.0).powi(2) - m * m) / (4.0 * (n - 1.0).powi(2) - 1.0)).sqrt();
-                // X² + Y² + Z² is -1.
-                let next = one.zero().add(&this.times_z(), scale).add(&before, scale * last);
+                let next = one.zero().add(&this.times_z(), scale).add(&before.times_square(), -scale * last);
                 (before, this) = (this, next);
             }
         }
@@ -138,10 +141,9 @@ impl Formation {
         let derivatives = derivatives(order);
         let of_harmonic = |polynomial: Polynomial| {
             let weight = |(index, derivative): (usize, &Derivative)| {
-                let Derivative { part, orders: [x, y] } = *derivative;
-                let is_normal = part == Part::Normal;
-                let degree = x + y + usize::from(is_normal);
-                let coefficient = polynomial.coefficients[usize::from(is_normal)][x * (order + 1) + y];
+                let Derivative { orders: [x, y], normal } = *derivative;
+                let coefficient = polynomial.coefficients[normal][x * (order + 1) + y];
+                let degree = x + y + normal;
                 (coefficient != 0.0).then(|| (index, (coefficient / wavenumber.powi(degree as i32)) as f32))
             };
             derivatives.iter().enumerate().filter_map(weight).collect()
@@ -242,10 +244,10 @@ mod tests {
             points.iter().map(field).collect()
         });
         let value = |derivative: &Derivative| {
-            let Derivative { part, orders: [x, y] } = *derivative;
+            let Derivative { orders: [x, y], normal } = *derivative;
             let of_wave = |(way, size): &(DVec3, Complex64)| {
                 let slope = |axis: usize, order: usize| (-Complex64::I * k * way[axis]).powu(order as u32);
-                size * slope(0, x) * slope(1, y) * slope(2, usize::from(part == Part::Normal))
+                size * slope(0, x) * slope(1, y) * slope(2, normal)
             };
             let sum: Complex64 = waves.iter().map(of_wave).sum();
             vec![Complex32::new(sum.re as f32, sum.im as f32); 3]

@@ -114,10 +114,10 @@ impl Sphere {
         [(0..=self.order).map(of_potential).sum(), (0..self.order).map(of_force).sum()]
     }
 
-    /// Radius (m) of the sphere about the bead that partial waves are taken from: its own, within limits of rounding and of the
-    /// first zero of a Bessel function.
+    /// Radius (m) of the sphere that partial waves are taken from: small enough for far-field pistons, whose sound is a wave
+    /// only near a point, and large enough for the orders of the bead.
     pub fn shell(&self) -> f64 {
-        self.radius * self.ka.clamp(0.05, 2.5) / self.ka
+        self.radius * (self.ka / 5.0).max(0.15) / self.ka
     }
 
     /// Inertial mass (kg): the sphere's mass plus half of the displaced air's.

@@ -1,27 +1,33 @@
-//! Maps of the radiation force, against the force computed at every pixel.
+//! Maps of potential and force of a bead, against those computed at every pixel.
 
 use glam::{DVec3, dvec2, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{By, Evaluator, Quantity, Request, Samples, Stages};
 use sonoglyph::force::Levitation;
-use sonoglyph::scene::{Board, Material, Plane, Scene};
+use sonoglyph::scene::{Board, ElementModel, Material, Plane, Scene};
 
 use crate::{STEP, scattered, three_foci};
 
 const SIZE: (usize, usize) = (90, 70);
 
-/// N, at every pixel of a plane.
-fn forces(scene: &Scene, drives: &[Drive], plane: &Plane) -> Vec<f64> {
+/// N or J, at every pixel of a plane.
+fn values(quantity: Quantity, scene: &Scene, drives: &[Drive], plane: &Plane) -> Vec<f64> {
     let levitation = Levitation::new(scene, &Aperture::new(scene), drives);
     let pixels = Samples::on_plane(plane, SIZE.0, SIZE.1).unwrap();
     let points: Vec<_> = (0..pixels.len()).map(|i| pixels.point(i)).collect();
-    levitation.forces_at(&points).into_iter().map(DVec3::length).collect()
+    match quantity {
+        Quantity::Gorkov => points.iter().map(|&point| levitation.potential(point)).collect(),
+        _ => levitation.forces_at(&points).into_iter().map(DVec3::length).collect(),
+    }
 }
 
 #[test]
-fn a_force_map_keeps_its_tolerance_on_any_plane() {
+fn maps_of_beads_keep_their_tolerance_on_any_plane() {
     let (mut scene, drives) = three_foci();
+    // An element whose sound is a wave everywhere.
+    scene.array.element = ElementModel::Point;
+    scene.medium.absorption = Some(0.0);
     scene.bead.material = Material::Water;
     let level = scene.plane.clone();
     let upright = Plane { y_axis: DVec3::Z, centre: dvec3(0.0, 0.002, 0.1), ..level.clone() };
@@ -45,16 +51,22 @@ fn a_force_map_keeps_its_tolerance_on_any_plane() {
         ("near", low, &drives[..1], true),
         ("down to the array", to_the_array, &drives[..1], false),
     ] {
-        let expected = forces(&scene, drives, &plane);
-        let peak = expected.iter().copied().fold(0.0, f64::max);
         let plane_width = plane.size.x;
-        for tolerance in [1e-2, 1e-3, 1e-4] {
+        for (tolerance, (quantity, expected)) in [Quantity::Force, Quantity::Gorkov]
+            .map(|quantity| (quantity, values(quantity, &scene, drives, &plane)))
+            .into_iter()
+            .flat_map(|of| [1e-2, 1e-3, 1e-4].map(|tolerance| (tolerance, of.clone())))
+        {
+            let peak = expected.iter().fold(0.0f64, |most, value| most.max(value.abs()));
             let plane = Plane { tolerance, ..plane.clone() };
-            let request = Request { plane, ..Request::new(&scene, drives.to_vec(), Quantity::Force, SIZE) };
+            let request = Request { plane, ..Request::new(&scene, drives.to_vec(), quantity, SIZE) };
             let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
             let off = map.values.iter().zip(&expected).map(|(&value, it)| (f64::from(value) - it).abs());
             let off = off.fold(0.0, f64::max) / peak;
-            println!("{name} {tolerance:e}: {off:.1e}, measured {:.1e}, {}", map.error, map.how);
+            println!(
+                "{quantity:?}, {name} {tolerance:e}: {off:.1e}, measured {:.1e}, {}",
+                map.error, map.how
+            );
             assert!(off < tolerance && map.error <= tolerance, "{name} {tolerance:e}: {off:e}, {}", map.how);
             assert!(off < 20.0 * map.error + 1e-5, "{name} {tolerance:e}: {off:e}, measured {:e}", map.error);
             assert_eq!(map.by == By::Reference, is_direct, "{name}: {}", map.how);
@@ -130,7 +142,7 @@ fn small() -> (Scene, Drive) {
 fn exact_force_maps_have_the_force_of_every_pixel_times_the_envelope() {
     let (mut scene, drive) = small();
     scene.plane.tolerance = 0.0;
-    let expected = forces(&scene, std::slice::from_ref(&drive), &scene.plane);
+    let expected = values(Quantity::Force, &scene, std::slice::from_ref(&drive), &scene.plane);
     for part in [1.0, 0.25] {
         let request = Request { part, ..Request::new(&scene, vec![drive.clone()], Quantity::Force, SIZE) };
         let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
@@ -159,10 +171,10 @@ fn only_rows_near_the_array_are_left_out_of_the_interpolation() {
         let (&[_, rows, near], Some(step)) = (&said[..], step) else { panic!("{}", map.how) };
         let (rows, step) = (rows as f64, 1e-3 * step);
         // Cells go on beyond the plane by the reach of the interpolation, and those of the lowest interpolated row
-        // are three quarters of a wavelength above the array.
+        // are a wavelength above the array.
         let reach = (rows * step - plane.size.y) / 2.0;
         let lowest = plane.centre.z - plane.size.y / 2.0;
-        let left_out = (0.75 * wavelength + reach - lowest).max(0.0);
+        let left_out = (wavelength + reach - lowest).max(0.0);
         let rows = near as f64 / SIZE.0 as f64;
         let row = plane.size.y / SIZE.1 as f64;
         assert!((rows * row - left_out).abs() < 2.0 * step + row, "{rows} rows, {left_out} m: {}", map.how);

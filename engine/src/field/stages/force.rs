@@ -1,22 +1,24 @@
 //! Potential and radiation force of a bead over a plane: at cells by their partial waves
 //! ([`crate::field::partial`]), interpolated to the pixels, and pixel by pixel near the array.
 //!
-//! Both are quadratic in the sound, and their bandwidth is twice its own. The samples are in f64: their derivatives are.
+//! Both are quadratic in the sound, and their bandwidth is twice its own.
 
 use std::ops::Range;
 
 use glam::DVec3;
-use num_complex::Complex32;
+use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
+use crate::drive::Drive;
 use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, Resampling, interpolate};
-use crate::field::partial::{Derivative, Form, Formation, derivatives};
+use crate::field::partial::{Derivative, Form, Formation, NORMALS, derivatives};
 use crate::field::plan::{Costs, Grid, Plan, promised};
 use crate::field::quantity::Quantity;
+use crate::field::reference;
 use crate::field::samples::Samples;
-use crate::field::slope::part_on_cpu;
-use crate::field::sound::Part;
+use crate::field::slope::shifted;
+use crate::field::sound::narrow;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::{MARGIN, corners, farthest, largest_sum, rounding_of_terms, spread};
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
@@ -31,6 +33,13 @@ use crate::simd::Isa;
 /// interpolation in f32.
 const FINER: f64 = 0.1;
 const FINEST: f64 = 1e-6;
+/// Steps along the normal, in wavelengths, and the weights of value, slope and second slope: 3e-6 off.
+const STEP: f64 = 1.0 / 64.0;
+const STENCILS: [[f64; 5]; NORMALS] = [
+    [0.0, 0.0, 1.0, 0.0, 0.0],
+    [1.0 / 12.0, -2.0 / 3.0, 0.0, 2.0 / 3.0, -1.0 / 12.0],
+    [-1.0 / 12.0, 4.0 / 3.0, -2.5, 4.0 / 3.0, -1.0 / 12.0],
+];
 /// Points per task.
 const RUN: usize = 32;
 /// Cells per task.
@@ -127,15 +136,6 @@ impl OfBead {
             });
             self.work.interpolation += 1;
             let map = scenery.interpolated(site, formed, &mut self.between);
-            if std::env::var("DBG").is_ok() {
-                eprintln!(
-                    "error {:e} of {:e}: {} {:?}",
-                    map.error,
-                    promised(tolerance),
-                    map.how,
-                    site.grid.step
-                );
-            }
             if map.error <= promised(tolerance) {
                 return Ok(map);
             }
@@ -169,7 +169,6 @@ impl Scenery<'_> {
     fn formed(&self, site: &Site, between: &mut Between, progress: &Gauge) -> Vec<Vec<f32>> {
         let Site { cells, clear, grid, to_cells: [across, up], .. } = site;
         let Request { aperture, drives, .. } = self.request;
-        let axes = [self.axes[0], self.axes[1], self.axes[0].cross(self.axes[1])];
         let formation = Formation::new(&self.levitation.sphere, aperture.element.wavenumber);
         let is_force = self.request.quantity == Quantity::Force;
         let count = clear.len() * cells.counts[0];
@@ -178,12 +177,11 @@ impl Scenery<'_> {
         let mut at_cells = vec![vec![Complex32::ZERO; count]; site.derivatives.len()];
         for (number, drive) in drives.iter().enumerate() {
             progress.part(number..number + 1, drives.len()).lead(|| {
-                for part in [Part::Pressure, Part::Normal] {
-                    let samples = part_on_cpu(aperture, drive, &grid.samples, part, axes, true);
-                    let own = site.derivatives.iter().zip(&mut at_cells).filter(|(it, _)| it.part == part);
-                    for (Derivative { orders: [x, y], .. }, to) in own {
-                        interpolate(&samples, grid.samples.columns.len(), &across[*x], &up[*y], between, to);
-                    }
+                let normals = self.normals(drive, grid);
+                for (Derivative { orders: [x, y], normal }, to) in site.derivatives.iter().zip(&mut at_cells)
+                {
+                    let (columns, samples) = (grid.samples.columns.len(), &normals[*normal]);
+                    interpolate(samples, columns, &across[*x], &up[*y], between, to);
                 }
             });
             let [x, y, normal] = &mut force[..] else { unreachable!("three axes") };
@@ -208,6 +206,24 @@ impl Scenery<'_> {
             values
         };
         formed.into_iter().map(spread).collect()
+    }
+
+    /// The pressure of a drive at samples, and its first and second slope along the normal, by differences in f64.
+    fn normals(&self, drive: &Drive, grid: &Grid) -> [Vec<Complex32>; NORMALS] {
+        let Request { aperture, .. } = self.request;
+        let step = STEP * aperture.wavelength();
+        let normal = self.axes[0].cross(self.axes[1]);
+        let at = |place: f64| {
+            reference::pressure(aperture, drive, &shifted(&grid.samples, normal * (place * step)))
+        };
+        let planes = [-2.0, -1.0, 0.0, 1.0, 2.0].map(at);
+        [0, 1, 2].map(|order: usize| {
+            let unit = step.powi(order as i32);
+            let weights = STENCILS[order].map(|weight| weight / unit);
+            let value =
+                |i: usize| -> Complex64 { planes.iter().zip(weights).map(|(p, weight)| p[i] * weight).sum() };
+            (0..grid.samples.len()).map(|i| narrow(value(i))).collect()
+        })
     }
 
     fn interpolated(&self, site: &Site, formed: &[Vec<f32>], between: &mut Between) -> Map {

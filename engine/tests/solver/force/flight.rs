@@ -84,9 +84,9 @@ fn silence(scene: &Scene) -> Levitation {
     Levitation::new(scene, &aperture, &[Drive { amplitudes: vec![0.0; count], phases: vec![0.0; count] }])
 }
 
-/// Place and velocity after some seconds by steps of Runge and Kutta's classical method, 20 000 of them.
+/// Place and velocity after some seconds by steps of Runge and Kutta's classical method, 6000 of them.
 fn by_fine_steps(scene: &Scene, levitation: &Levitation, from: DVec3, seconds: f64) -> [DVec3; 2] {
-    const STEPS: u32 = 20_000;
+    const STEPS: u32 = 6_000;
     let (inertia, drag) = (levitation.sphere.inertia(), drag(scene, levitation));
     let rates =
         |[at, velocity]: [DVec3; 2]| [velocity, (levitation.net(at) + drag.force(velocity)) / inertia];
