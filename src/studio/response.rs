@@ -234,7 +234,7 @@ mod tests {
     #[test]
     fn a_weighting_is_that_of_the_standard() {
         for (frequency, level) in
-            [(31.5, -39.4), (100.0, -19.1), (1000.0, 0.0), (2500.0, 1.3), (10_000.0, -2.5)]
+            [(31.62, -39.4), (100.0, -19.1), (1000.0, 0.0), (2512.0, 1.3), (10_000.0, -2.5)]
         {
             let found = 20.0 * a_weight(frequency).log10();
             assert!((found - level).abs() < 0.06, "{frequency} Hz: {found} dB");

@@ -327,7 +327,7 @@ fn a_response_is_told_refused_by_line_and_absent() {
     let value: Value = serde_json::from_str(&solve(&["a.toml", "--json"])).unwrap();
     assert_eq!(value["response"]["kept"].as_f64(), Some(kept));
     let told = solve(&["a.toml", "--motion"]);
-    assert!(told.contains("pressure kept     93.") && told.contains("deepest dip"), "{told}");
+    assert!(told.contains("pressure kept           93.") && told.contains("deepest dip"), "{told}");
     let value: Value = serde_json::from_str(&solve(&["plain.toml", "--motion", "--json"])).unwrap();
     assert!(value.get("response").is_none());
     let message = refuse(folder.path(), &["solve", "bad.toml"]);

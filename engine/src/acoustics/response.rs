@@ -265,21 +265,26 @@ impl Weights {
         Some(Self(all))
     }
 
-    /// The drive in the place of one in the cycle.
-    fn drive(&self, drives: &[Drive], index: usize) -> Drive {
-        let count = drives.len();
-        let mut sum = vec![Complex64::ZERO; drives[index].phases.len()];
+    /// The drive in the place of one in the cycle, from those that it consists of.
+    fn drive<U: AsRef<[Complex64]>>(&self, count: usize, index: usize, u: impl Fn(usize) -> U) -> Drive {
+        let mut sum: Vec<Complex64> = Vec::new();
         for &(behind, weight) in &self.0 {
-            let Drive { amplitudes, phases } = &drives[(index + count - behind) % count];
-            for ((sum, amplitude), phase) in sum.iter_mut().zip(amplitudes).zip(phases) {
-                *sum += weight * Complex64::from_polar(*amplitude, *phase);
-            }
+            let u = u((index + count - behind) % count);
+            sum.resize(u.as_ref().len(), Complex64::ZERO);
+            sum.iter_mut().zip(u.as_ref()).for_each(|(sum, u)| *sum += weight * u);
         }
+        // No overflow guard as in `hypot`: all values are about 1.
         Drive {
-            amplitudes: sum.iter().map(|u| u.norm()).collect(),
+            amplitudes: sum.iter().map(|u| u.norm_sqr().sqrt()).collect(),
             phases: sum.iter().map(|u| u.arg()).collect(),
         }
     }
+}
+
+/// u of every element.
+fn phasors(drive: &Drive) -> Vec<Complex64> {
+    let values = drive.amplitudes.iter().zip(&drive.phases);
+    values.map(|(amplitude, phase)| Complex64::from_polar(*amplitude, *phase)).collect()
 }
 
 /// Drives in turn whose sound has, without a response, the means of a cycle of `drives` with the scene's response; for slow quantities
@@ -287,7 +292,9 @@ impl Weights {
 pub fn responding(scene: &Scene, drives: Vec<Drive>, is_slow: bool) -> Vec<Drive> {
     match Weights::new(scene, drives.len(), is_slow) {
         Some(weights) if is_alike(&drives) => {
-            (0..drives.len()).into_par_iter().map(|index| weights.drive(&drives, index)).collect()
+            let all: Vec<_> = drives.par_iter().map(phasors).collect();
+            let drive = |index| weights.drive(all.len(), index, |part| &all[part]);
+            (0..all.len()).into_par_iter().map(drive).collect()
         }
         Some(_) | None => drives,
     }
@@ -296,7 +303,9 @@ pub fn responding(scene: &Scene, drives: Vec<Drive>, is_slow: bool) -> Vec<Drive
 /// One of the drives of [`responding`], of a quantity that is not slow.
 pub fn responding_at(scene: &Scene, drives: &[Drive], index: usize) -> Drive {
     match Weights::new(scene, drives.len(), false) {
-        Some(weights) if is_alike(drives) => weights.drive(drives, index),
+        Some(weights) if is_alike(drives) => {
+            weights.drive(drives.len(), index, |part| phasors(&drives[part]))
+        }
         Some(_) | None => drives[index].clone(),
     }
 }

@@ -147,7 +147,7 @@ fn radiation_is_the_models(
     dice: &mut Dice,
 ) -> bool {
     let Asked { solved, request, parts } = asked;
-    let Solved { scene, oracle, solution, .. } = solved;
+    let Solved { scene, oracle, .. } = solved;
     let map = stages.map(request).unwrap().clone();
     assert!(map.values.iter().all(|pressure| pressure.is_finite()), "{map:?}");
     let at_cells = map.how.contains("cells");
@@ -172,7 +172,7 @@ fn radiation_is_the_models(
         if !at_cells && oracle.height(point) < 0.5 * oracle.wavelength() {
             continue;
         }
-        let Some((expected, of_pressure)) = oracle.radiation(&solution.drive, point, axes) else {
+        let Some((expected, of_pressure)) = oracle.radiation(&request.drives[0], point, axes) else {
             continue;
         };
         // The oracle's differences are off by (k h)²/6 = 7e-6 of the gradient.
@@ -208,8 +208,8 @@ fn it_displaces_what_the_pressure_weighs(solved: &Solved, made: &Made, rounding:
 
 /// ρ g h - σ ∇²h is the pressure again: by the oracle's own modes at one cell in the plane.
 fn it_bears_the_radiation_pressure(asked: &Asked<'_>, made: &Made, axes: [DVec3; 2], dice: &mut Dice) {
-    let Asked { solved, parts, .. } = *asked;
-    let Solved { scene, oracle, solution, .. } = solved;
+    let Asked { solved, ref request, parts } = *asked;
+    let Solved { scene, oracle, .. } = solved;
     let (density, tension) = density_and_tension(&scene.liquid);
     let Made { dent, tank, error, .. } = made;
     let [columns, rows] = tank.counts;
@@ -232,7 +232,9 @@ fn it_bears_the_radiation_pressure(asked: &Asked<'_>, made: &Made, axes: [DVec3;
         if place(0).abs() > scene.plane.size.x / 2.0 || place(1).abs() > scene.plane.size.y / 2.0 {
             continue;
         }
-        let Some((expected, of_pressure)) = oracle.radiation(&solution.drive, point, axes) else { continue };
+        let Some((expected, of_pressure)) = oracle.radiation(&request.drives[0], point, axes) else {
+            continue;
+        };
         let expected = scene.modulation.mean_square() * expected;
         let most = pressure_error(solved, *error, largest, point) + 5e-5 * of_pressure + 1e-9 * largest;
         within("borne pressure", (borne[cell[1] * columns + cell[0]] - expected).abs(), most);

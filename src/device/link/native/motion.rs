@@ -99,10 +99,9 @@ pub fn phase_step(delays: &[Vec<u8>], divider: u16, least: u16) -> u16 {
 mod tests {
     use std::f64::consts::TAU;
 
-    use num_complex::Complex64;
-
     use super::*;
     use crate::acoustics::response::Resonator;
+    use crate::drive::Drive;
     use crate::scene::{Array, Response, Scene, Transducer};
 
     fn motion(frames: usize, rate: f64, line: f64) -> Motion {
@@ -172,7 +171,8 @@ mod tests {
         let ramp = |period: u32| f64::from((period * u32::from(step)).min(128 * 256)) / 256.0;
         let there = (0..400).map(ramp);
         let back = (0..400).map(|period| 128.0 - ramp(period));
-        let drive = |units: f64| vec![Complex64::from_polar(1.0, units * TAU / 256.0)];
+        let drive =
+            |units: f64| Drive { amplitudes: vec![1.0], phases: vec![units * TAU / 256.0] }.excitation(&[0]);
         let drives: Vec<_> = there.chain(back).map(drive).collect();
         let missing = resonator.missing(&drives, 1.0 / 40_000.0);
         let sounds = drives.iter().zip(missing).map(|(drive, missing)| (drive[0] + missing[0]).norm());
