@@ -10,7 +10,9 @@
 //!
 //! With c_n = H_n u_n and p₀ = Σ c_n the mean pressure is μ p₀, and everywhere
 //!
-//!     ⟨|p|²⟩ = μ² |p₀|² + v Σ |c_n|².
+//! ```text
+//! ⟨|p|²⟩ = μ² |p₀|² + v Σ |c_n|².
+//! ```
 //!
 //! The second term does not depend on the phases of the drive: no drive is more robust than the strongest one.
 //!
