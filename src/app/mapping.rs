@@ -279,11 +279,11 @@ impl Mapping {
 
     /// Whether the map can be made within a frame; otherwise its values are computed on a thread.
     fn is_there(&mut self, request: &Request, ctx: &Context) -> Result<bool, FieldError> {
+        self.slow.collect();
         if !request.quantity.declaration().of_volume {
             self.slow.keep(None);
             return Ok(true);
         }
-        self.slow.collect();
         if self.stages.has(request) {
             return Ok(true);
         }

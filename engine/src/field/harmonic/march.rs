@@ -98,7 +98,7 @@ pub fn over(
     let silent =
         Overtone { values: vec![0.0; size.0 * size.1], error: 0.0, evaluated: 0, steps: [0.0; 2], planes: 0 };
     let (Some(fine), Some(compared)) =
-        (Air3::new(aperture, plane, PER_WAVELENGTH)?, Air3::new(aperture, plane, COMPARED)?)
+        (Slab::new(aperture, plane, PER_WAVELENGTH)?, Slab::new(aperture, plane, COMPARED)?)
     else {
         return Ok(silent);
     };
@@ -121,7 +121,7 @@ pub fn over(
 }
 
 /// The air in planes, each a lattice along the first two axes.
-struct Air3 {
+struct Slab {
     /// Two along the planes, and the direction of the march.
     axes: [DVec3; 3],
     /// m along the first two axes, of the first sample.
@@ -138,7 +138,7 @@ struct Air3 {
     is_both_ways: bool,
 }
 
-impl Air3 {
+impl Slab {
     /// `None` without air between the boards and the plane.
     fn new(aperture: &Aperture, plane: &Plane, per_wavelength: f64) -> Result<Option<Self>, NoHarmonic> {
         let elements = source::elements(aperture);
@@ -305,17 +305,17 @@ fn smooth(least: usize) -> usize {
 
 /// Two-dimensional transforms of spectra, and of the twice finer lattice of what is interpolated.
 struct Transforms {
-    both: Lattice2,
-    finer: Lattice2,
+    both: Transform2,
+    finer: Transform2,
 }
 
 /// Transforms along both axes of a lattice.
-struct Lattice2 {
+struct Transform2 {
     counts: [usize; 2],
     along: [Transform; 2],
 }
 
-impl Lattice2 {
+impl Transform2 {
     fn new(counts: [usize; 2]) -> Self {
         Self { counts, along: counts.map(transform) }
     }
@@ -375,14 +375,14 @@ struct Steps {
 }
 
 impl Steps {
-    fn new(air3: &Air3, aperture: &Aperture, air: &Air) -> Self {
-        let h = air3.between();
+    fn new(slab: &Slab, aperture: &Aperture, air: &Air) -> Self {
+        let h = slab.between();
         let absorption = air.attenuation_of_second.max(LEAST_ABSORPTION);
         let second = Complex64::new(2.0 * aperture.element.wavenumber, -absorption);
-        let [columns, rows] = air3.padded;
+        let [columns, rows] = slab.padded;
         let wavenumber = |i: usize, count: usize| {
             let turns = if i < count / 2 { i as f64 } else { i as f64 - count as f64 };
-            std::f64::consts::TAU * turns / (count as f64 * air3.step)
+            std::f64::consts::TAU * turns / (count as f64 * slab.step)
         };
         let step = |index: usize| {
             let (u, v) = (wavenumber(index % columns, columns), wavenumber(index / columns, rows));
@@ -392,7 +392,7 @@ impl Steps {
             let onward = (Complex64::new(0.0, -h) * along).exp();
             let green = (Complex64::new(0.0, 2.0) * along).inv();
             let half = Complex64::new(h / 2.0, 0.0);
-            if air3.is_both_ways {
+            if slab.is_both_ways {
                 return Step { onward, forward: [onward * half, half], back: [half, onward * half], green };
             }
             let pace = along.re;
@@ -409,8 +409,8 @@ impl Steps {
         Self {
             steps: (0..columns * rows).into_par_iter().map(step).collect(),
             transforms: Transforms {
-                both: Lattice2::new([columns, rows]),
-                finer: Lattice2::new([2 * columns, 2 * rows]),
+                both: Transform2::new([columns, rows]),
+                finer: Transform2::new([2 * columns, 2 * rows]),
             },
         }
     }
@@ -488,16 +488,16 @@ struct View {
 }
 
 impl View {
-    fn new(air3: &Air3, aperture: &Aperture, plane: &Plane, (width, height): (usize, usize)) -> Self {
+    fn new(slab: &Slab, aperture: &Aperture, plane: &Plane, (width, height): (usize, usize)) -> Self {
         /// Mean direction of waves towards a focus.
         const SLANT: f64 = 0.85;
-        let place = |point: DVec3| DVec3::from_array(air3.axes.map(|axis| point.dot(axis)));
+        let place = |point: DVec3| DVec3::from_array(slab.axes.map(|axis| point.dot(axis)));
         let (x, y) = plane.axes().unwrap_or((DVec3::X, DVec3::Y));
         let (across, up) =
             (place(x) * (plane.size.x / width as f64), place(y) * (plane.size.y / height as f64));
         let first =
             place(plane.centre) - across * (width as f64 - 1.0) / 2.0 - up * (height as f64 - 1.0) / 2.0;
-        let pace = if air3.is_both_ways { 0.0 } else { SLANT * 2.0 * aperture.element.wavenumber };
+        let pace = if slab.is_both_ways { 0.0 } else { SLANT * 2.0 * aperture.element.wavenumber };
         let view = Self { width, first, across, up, pace, needed: Vec::new() };
         let ends = |index: usize| {
             let row = first.z + up.z * index as f64;
@@ -505,8 +505,8 @@ impl View {
         };
         let heights = [0, height - 1].into_iter().flat_map(ends);
         let (low, high) = heights.fold((f64::MAX, f64::MIN), |(low, high), z| (low.min(z), high.max(z)));
-        let [low, high] = [low, high].map(|z| (z - air3.planes[0]) / air3.between());
-        let count = air3.planes.len();
+        let [low, high] = [low, high].map(|z| (z - slab.planes[0]) / slab.between());
+        let count = slab.planes.len();
         let is_on_plane = (high - low).abs() < 1e-6 && (low - low.round()).abs() < 1e-6;
         let reach = if is_on_plane { 0.0 } else { TAPS as f64 / 2.0 };
         // At the ends the six planes are those that there are.
@@ -539,21 +539,21 @@ impl View {
     }
 
     /// Adds the share of a plane to the sound of every pixel.
-    fn add(&self, air3: &Air3, plane: usize, values: &[Complex64], sound: &mut [Complex64]) {
-        let (count, between) = (air3.planes.len(), air3.between());
-        let columns = 2 * air3.padded[0];
-        let half = air3.step / 2.0;
+    fn add(&self, slab: &Slab, plane: usize, values: &[Complex64], sound: &mut [Complex64]) {
+        let (count, between) = (slab.planes.len(), slab.between());
+        let columns = 2 * slab.padded[0];
+        let half = slab.step / 2.0;
         sound.par_chunks_mut(self.width).enumerate().for_each(|(row, sound)| {
             let start = self.first + self.up * row as f64;
             let place = |column: usize| start + self.across * column as f64;
             let along = |axis: usize| {
-                let positions = (0..self.width).map(|column| (place(column)[axis] - air3.first[axis]) / half);
+                let positions = (0..self.width).map(|column| (place(column)[axis] - slab.first[axis]) / half);
                 Resampling::new(positions, HALF_WIDTH, BETA)
             };
             let [across, up] = [along(0), along(1)];
             for (column, sound) in sound.iter_mut().enumerate() {
                 let z = place(column).z;
-                let weight = self.weight(plane, (z - air3.planes[0]) / between, count);
+                let weight = self.weight(plane, (z - slab.planes[0]) / between, count);
                 if weight == 0.0 {
                     continue;
                 }
@@ -565,7 +565,7 @@ impl View {
                         line.iter().zip(across).map(|(value, part)| value * f64::from(*part)).sum();
                     sum += of_line * f64::from(*up);
                 }
-                *sound += sum * weight * Complex64::cis(self.pace * (air3.planes[plane] - z));
+                *sound += sum * weight * Complex64::cis(self.pace * (slab.planes[plane] - z));
             }
         });
     }
