@@ -192,7 +192,8 @@ mod tests {
             assert_eq!((*read, read.position), (reading(&aperture, &drives, point), point));
             let value = |quantity, moment| {
                 let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-                values((&aperture, &air, &Bead::default()), &drives, (quantity, moment), axes, &[point])[0]
+                let of = (&aperture, &air, &Bead::default(), Spread::default());
+                values(of, &drives, (quantity, moment), axes, &[point])[0]
             };
             assert!((value(Quantity::Rms, 0.7) - read.rms()).abs() < 1e-6 * read.rms());
             // The wave's crest passes when its phase and ωt make a whole turn.
