@@ -6,8 +6,7 @@ use glam::{DVec2, DVec3};
 use sonoglyph::acoustics::Air;
 use sonoglyph::scene::{
     Amplitudes, Array, Easing, ElementModel, Envelope, Keyframe, Law, Liquid, LiquidName, Listener, Medium,
-    Method, Modulation, Motion, MotionPath, Plane, Pole, Pressures, Response, Sampling, Scene, Shape, Solver,
-    Target, Tempo, Transducer,
+    Method, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo,
 };
 use strum::VariantArray;
 
@@ -162,20 +161,9 @@ fn array(dice: &mut Dice, number: usize, wide: bool) -> Array {
     } else {
         Vec::new()
     };
-    // Beside, so that all other numbers stay what they were.
-    let mut beside = dice.clone();
-    let response = match beside.whole(0, 5) {
-        0 => Some(Response::Preset(Transducer::T4010A1)),
-        1 => {
-            let (resonance, tau) = (beside.magnitude(1e3, 1e6), beside.magnitude(1e-6, 0.1));
-            Some(Response::Pole(Pole { resonance, tau }))
-        }
-        _ => None,
-    };
     Array {
         rows,
         columns,
-        response,
         pitch: if wide { dice.magnitude(1e-4, 1.0) } else { 0.0105 },
         element_radius: if wide { dice.magnitude(1e-5, 0.5) } else { 0.005 },
         frequency: if wide { dice.magnitude(1e3, 1e6) } else { dice.between(20e3, 80e3) },
