@@ -81,7 +81,7 @@ fn harmonic_maps_of_any_plane_agree_with_the_integral() {
 /// A small array, on a small plane.
 fn small() -> (Scene, Drive) {
     let array = Array { rows: 4, columns: 4, ..Array::default() };
-    let plane = Plane { centre: dvec3(0.0, 0.0, 0.04), size: dvec2(0.03, 0.02), ..Plane::default() };
+    let plane = Plane { centre: dvec3(0.002, 0.0, 0.04), size: dvec2(0.03, 0.02), ..Plane::default() };
     let scene = Scene { array, plane, ..Scene::default() };
     let drive = focused(&Aperture::new(&scene), dvec3(0.002, 0.0, 0.04));
     (scene, drive)
