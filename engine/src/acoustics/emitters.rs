@@ -9,7 +9,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::element::{NEAREST, Radiator};
-use crate::acoustics::row::{COSINE, LANES, ROUNDER, SINE, horner};
+use crate::acoustics::row::{COSINE, LANES, ROUNDER, SINE, horner, inverse_factorials};
 use crate::acoustics::{aperture::Aperture, bessel, element::Element};
 use crate::simd::{Instructions, Isa, Kernel, lanes, total};
 
@@ -158,7 +158,7 @@ impl Heard<'_> {
         let inverse = lanes::<LANES>(|i| 1.0 / q[i]);
         let decayed = match attenuation {
             0.0 => [1.0; LANES],
-            _ => lanes(|i| (-attenuation * r[i]).exp()),
+            _ => decay::<I>(&lanes(|i| attenuation * r[i])),
         };
         // e^{-jkr}/r times the drive.
         let half_turns = lanes::<LANES>(|i| -r[i] * (wavenumber / PI));
@@ -232,6 +232,20 @@ impl Kernel for Each<'_> {
             }
         }
     }
+}
+
+/// e^{-x} for x ≥ 0: a power of two, and a series of what is left of the exponent.
+#[inline(always)]
+fn decay<I: Instructions>(x: &Lanes) -> Lanes {
+    /// Of the largest exponent left, ln 2/2: 4e-18 off.
+    const TERMS: [f64; 14] = inverse_factorials();
+    let x = lanes::<LANES>(|i| (-x[i]).max(-700.0));
+    let rounded = lanes::<LANES>(|i| x[i] * std::f64::consts::LOG2_E + ROUNDER);
+    let rest = lanes::<LANES>(|i| x[i] - (rounded[i] - ROUNDER) * std::f64::consts::LN_2);
+    let series = horner::<I, 14>(&TERMS, &rest);
+    // The integer is in the lowest bits of the rounded number.
+    let power = lanes::<LANES>(|i| f64::from_bits((rounded[i].to_bits() << 52).wrapping_add(1023 << 52)));
+    lanes(|i| series[i] * power[i])
 }
 
 #[inline(always)]

@@ -56,7 +56,7 @@ const HIGHEST: f64 = 1e6;
 const FEW: f64 = 2.0;
 const MANY: f64 = 5.0;
 
-const fn inverse_factorials<const N: usize>() -> [f64; N] {
+pub(super) const fn inverse_factorials<const N: usize>() -> [f64; N] {
     let mut terms = [1.0; N];
     let mut n = 1;
     while n < N {

@@ -117,7 +117,7 @@ impl Sphere {
     /// Radius (m) of the sphere that partial waves are taken from: small enough for far-field pistons, whose sound is a wave
     /// only near a point, and large enough for the orders of the bead.
     pub fn shell(&self) -> f64 {
-        self.radius * (self.ka / 5.0).max(0.15) / self.ka
+        self.radius * (self.ka / 3.0).max(0.15) / self.ka
     }
 
     /// Inertial mass (kg): the sphere's mass plus half of the displaced air's.

@@ -91,8 +91,8 @@ impl Levitation {
         Hold { at, rest: place, modes, lift, escapes, outcome }
     }
 
-    /// The equilibrium of force and weight near a point, by Newton steps in the direction of the force, with absolute
-    /// stiffnesses.
+    /// The equilibrium of force and weight near a point, by Newton's steps; where the bead is pushed away, in the direction of
+    /// the force, with absolute stiffnesses.
     fn rest(&self, at: DVec3) -> Option<DVec3> {
         let mut place = at;
         for _ in 0..ROUNDS {
@@ -103,7 +103,11 @@ impl Levitation {
             let along = |mode: &Mode| {
                 mode.direction * (mode.direction.dot(net) / mode.stiffness.abs().max(1e-6 * stiffest))
             };
-            let step: DVec3 = modes.iter().map(along).sum();
+            // Where the bead is held, also against the part of the stiffness that drives it around.
+            let step: DVec3 = match modes[0].stiffness > 0.0 {
+                true => forces.stiffness.inverse() * net,
+                false => modes.iter().map(along).sum(),
+            };
             if !step.is_finite() {
                 return None;
             }

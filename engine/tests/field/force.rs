@@ -134,7 +134,7 @@ fn small() -> (Scene, Drive) {
         ..Plane::default()
     };
     let mut scene = Scene { plane, ..Scene::default() };
-    (scene.array.rows, scene.array.columns) = (3, 3);
+    (scene.array.rows, scene.array.columns, scene.array.element) = (3, 3, ElementModel::Point);
     (scene, scattered(9, STEP))
 }
 

@@ -15,7 +15,6 @@ use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::partial::{Derivative, Form, Formation, NORMALS, derivatives};
 use crate::field::plan::{Costs, Grid, Plan, promised};
 use crate::field::quantity::Quantity;
-use crate::field::reference;
 use crate::field::samples::Samples;
 use crate::field::slope::shifted;
 use crate::field::sound::narrow;
@@ -213,8 +212,11 @@ impl Scenery<'_> {
         let Request { aperture, .. } = self.request;
         let step = STEP * aperture.wavelength();
         let normal = self.axes[0].cross(self.axes[1]);
+        let played = drive.excitation(&aperture.driven);
         let at = |place: f64| {
-            reference::pressure(aperture, drive, &shifted(&grid.samples, normal * (place * step)))
+            let samples = shifted(&grid.samples, normal * (place * step));
+            let points: Vec<_> = (0..samples.len()).map(|i| samples.point(i)).collect();
+            aperture.pressures(&points, &played)
         };
         let planes = [-2.0, -1.0, 0.0, 1.0, 2.0].map(at);
         [0, 1, 2].map(|order: usize| {
