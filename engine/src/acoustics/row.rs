@@ -172,6 +172,7 @@ impl<'a> Elements<'a> {
             (way.length_squared(), height)
         };
         let nearest = if self.normals.is_some() { 0.0 } else { point.z };
+        let (re, im) = (&mut re[..self.room()], &mut im[..self.room()]);
         Isa::best().run(FromPoints { disk, ways: &ways, nearest, re, im });
         for n in (0..self.count).filter(|&n| way(n).length() < disk.clear()) {
             let transfer = self.single(n, point);

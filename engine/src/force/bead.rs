@@ -27,7 +27,7 @@ use crate::scene::Bead;
 /// Largest ka of exact forces: up to it, the highest order of partial waves counts for nothing.
 const LARGEST: f64 = 5.0;
 /// Orders whose ψ is a smaller part of the largest are not asked for.
-const NEGLIGIBLE: f64 = 1e-7;
+const NEGLIGIBLE: f64 = 1e-5;
 
 /// A bead in inviscid air with sound of one wavenumber.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,7 +85,7 @@ impl Sphere {
         }
     }
 
-    /// Order of partial waves for potential and force to 1e-7.
+    /// Order of partial waves for potential and force.
     pub fn order(&self) -> usize {
         self.order
     }

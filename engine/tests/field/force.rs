@@ -18,7 +18,10 @@ fn values(quantity: Quantity, scene: &Scene, drives: &[Drive], plane: &Plane) ->
     let points: Vec<_> = (0..pixels.len()).map(|i| pixels.point(i)).collect();
     match quantity {
         Quantity::Gorkov => points.iter().map(|&point| levitation.potential(point)).collect(),
-        _ => levitation.forces_at(&points).into_iter().map(DVec3::length).collect(),
+        other => {
+            assert_eq!(other, Quantity::Force);
+            levitation.forces_at(&points).into_iter().map(DVec3::length).collect()
+        }
     }
 }
 
@@ -171,10 +174,10 @@ fn only_rows_near_the_array_are_left_out_of_the_interpolation() {
         let (&[_, rows, near], Some(step)) = (&said[..], step) else { panic!("{}", map.how) };
         let (rows, step) = (rows as f64, 1e-3 * step);
         // Cells go on beyond the plane by the reach of the interpolation, and those of the lowest interpolated row
-        // are a wavelength above the array.
+        // are three quarters of a wavelength above the array.
         let reach = (rows * step - plane.size.y) / 2.0;
         let lowest = plane.centre.z - plane.size.y / 2.0;
-        let left_out = (wavelength + reach - lowest).max(0.0);
+        let left_out = (0.75 * wavelength + reach - lowest).max(0.0);
         let rows = near as f64 / SIZE.0 as f64;
         let row = plane.size.y / SIZE.1 as f64;
         assert!((rows * row - left_out).abs() < 2.0 * step + row, "{rows} rows, {left_out} m: {}", map.how);

@@ -13,7 +13,7 @@ use sonoglyph::field::{
     self, Colouring, Evaluator, FieldError, NoSideLobe, Plan, Quantity, Request, Samples, Scale, Stages,
     contour, phase_index, polynomial, side_lobe,
 };
-use sonoglyph::scene::{Bead, Focus, Plane, Scene};
+use sonoglyph::scene::{Focus, Plane, Scene};
 use sonoglyph::studio::probe;
 use strum::VariantArray;
 

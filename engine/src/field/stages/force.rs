@@ -32,6 +32,10 @@ use crate::simd::Isa;
 /// interpolation in f32.
 const FINER: f64 = 0.1;
 const FINEST: f64 = 1e-6;
+/// Distances from the boards, in wavelengths: beyond the first, force and potential have hardly more than two cycles per
+/// wavelength; beyond the second, samples give the derivatives of the sound.
+const CLEARANCE: f64 = 0.75;
+const FAR: f64 = 2.0;
 /// Steps along the normal, in wavelengths, and the weights of value, slope and second slope: 3e-6 off.
 const STEP: f64 = 1.0 / 64.0;
 const STENCILS: [[f64; 5]; NORMALS] = [
@@ -59,8 +63,9 @@ pub(super) struct OfBead {
 #[derive(Debug)]
 struct Site {
     cells: Cells,
-    /// Filled rows of cells.
+    /// Rows of cells that are filled, and those of them that are filled from samples.
     clear: Range<usize>,
+    sampled: Range<usize>,
     /// Range along the plane's second axis (m) of interpolated pixels.
     covered: Range<f64>,
     grid: Grid,
@@ -76,17 +81,31 @@ impl Site {
         let costs = Costs::CPU.for_values(cells.count() * (order + 1).pow(2));
         let tolerance = (FINER * cells.plane.tolerance).max(FINEST);
         let grid = Plan::new(aperture, &Plane { tolerance, ..cells.plane.clone() }, costs)?.grid?;
+        let ((x, y), half) = (plane.axes()?, cells.plane.size / 2.0);
+        let walls = aperture.walls();
+        // The distance is linear along a row, so its ends suffice.
+        let is_clear = |row: f64, wavelengths: f64| {
+            let ends = [-half.x, half.x].map(|end| plane.centre + x * end + y * row);
+            let clearance = wavelengths * aperture.wavelength();
+            ends.iter().all(|end| walls.iter().all(|(at, normal)| (*end - *at).dot(*normal) > clearance))
+        };
         let rows: Vec<_> = cells.places(1).collect();
-        let is_clear = |row: &f64| (grid.covered.start..=grid.covered.end).contains(row);
-        let (first, last) = (rows.iter().position(is_clear)?, rows.iter().rposition(is_clear)?);
+        let range = |is_in: &dyn Fn(&f64) -> bool| {
+            Some(rows.iter().position(is_in)?..rows.iter().rposition(is_in)? + 1)
+        };
+        let clear = range(&|row| is_clear(*row, CLEARANCE))?;
+        let covered = grid.covered.start..=grid.covered.end;
+        let sampled = range(&|row| is_clear(*row, FAR) && covered.contains(row)).unwrap_or_default();
+        let (first, last) = (clear.start, clear.end - 1);
         let half = plane.size.y / 2.0;
         let start = if first == 0 { -half } else { rows[first] + cells.reach() };
         let end = if last + 1 == rows.len() { half } else { rows[last] - cells.reach() };
         let across = grid.derivatives(0, cells.places(0), order + 1);
-        let up = grid.derivatives(1, rows[first..=last].iter().copied(), order + 1);
+        let up = grid.derivatives(1, rows[sampled.clone()].iter().copied(), order + 1);
         Some(Self {
             cells,
-            clear: first..last + 1,
+            clear,
+            sampled,
             covered: start..end,
             grid,
             to_cells: [across, up],
@@ -131,10 +150,10 @@ impl OfBead {
             let between = &mut self.between;
             let formed = self.formed.update(&key, |formed| {
                 self.work.forming += 1;
-                *formed = scenery.formed(site, between, progress);
+                *formed = scenery.formed(site, between);
             });
             self.work.interpolation += 1;
-            let map = scenery.interpolated(site, formed, &mut self.between);
+            let map = scenery.interpolated(site, formed, (&mut self.between, progress));
             if map.error <= promised(tolerance) {
                 return Ok(map);
             }
@@ -165,24 +184,21 @@ impl Scenery<'_> {
     }
 
     /// Potential or force at the cells that are clear of the array.
-    fn formed(&self, site: &Site, between: &mut Between, progress: &Gauge) -> Vec<Vec<f32>> {
-        let Site { cells, clear, grid, to_cells: [across, up], .. } = site;
+    fn formed(&self, site: &Site, between: &mut Between) -> Vec<Vec<f32>> {
+        let Site { cells, clear, sampled, grid, to_cells: [across, up], .. } = site;
         let Request { aperture, drives, .. } = self.request;
         let formation = Formation::new(&self.levitation.sphere, aperture.element.wavenumber);
         let is_force = self.request.quantity == Quantity::Force;
-        let count = clear.len() * cells.counts[0];
+        let count = sampled.len() * cells.counts[0];
         let (mut potential, mut force) =
             (vec![0.0f32; count], vec![vec![0.0f32; count * usize::from(is_force)]; 3]);
         let mut at_cells = vec![vec![Complex32::ZERO; count]; site.derivatives.len()];
-        for (number, drive) in drives.iter().enumerate() {
-            progress.part(number..number + 1, drives.len()).lead(|| {
-                let normals = self.normals(drive, grid);
-                for (Derivative { orders: [x, y], normal }, to) in site.derivatives.iter().zip(&mut at_cells)
-                {
-                    let (columns, samples) = (grid.samples.columns.len(), &normals[*normal]);
-                    interpolate(samples, columns, &across[*x], &up[*y], between, to);
-                }
-            });
+        for drive in drives.iter().filter(|_| count > 0) {
+            let normals = self.normals(drive, grid);
+            for (Derivative { orders: [x, y], normal }, to) in site.derivatives.iter().zip(&mut at_cells) {
+                let (columns, samples) = (grid.samples.columns.len(), &normals[*normal]);
+                interpolate(samples, columns, &across[*x], &up[*y], between, to);
+            }
             let [x, y, normal] = &mut force[..] else { unreachable!("three axes") };
             let part = 1.0 / drives.len() as f32;
             let runs = (0..count).step_by(CELLS).map(|start| start..count.min(start + CELLS));
@@ -197,14 +213,36 @@ impl Scenery<'_> {
                 .collect();
             jobs.into_par_iter().for_each(|form| Isa::best().run(form));
         }
-        let places = clear.start * cells.counts[0]..clear.end * cells.counts[0];
-        let formed = if is_force { force } else { vec![potential] };
+        let places = sampled.start * cells.counts[0]..sampled.end * cells.counts[0];
         let spread = |own: Vec<f32>| {
             let mut values = vec![0.0; cells.count()];
             values[places.clone()].copy_from_slice(&own);
             values
         };
-        formed.into_iter().map(spread).collect()
+        let mut formed: Vec<_> =
+            if is_force { force } else { vec![potential] }.into_iter().map(spread).collect();
+        // The others are too near to the array.
+        let [columns, rows] = [0, 1].map(|axis| cells.places(axis).collect::<Vec<_>>());
+        let near = clear.clone().filter(|row| !sampled.contains(row));
+        let near: Vec<_> = near.flat_map(|row| (0..columns.len()).map(move |column| (row, column))).collect();
+        let axes = [self.axes[0], self.axes[1], self.axes[0].cross(self.axes[1])];
+        let value = |&(row, column): &(usize, usize)| {
+            let point = self.point(columns[column], rows[row]);
+            match is_force {
+                true => {
+                    let force = self.levitation.force(point);
+                    axes.map(|axis| force.dot(axis)).to_vec()
+                }
+                false => vec![self.levitation.potential(point)],
+            }
+        };
+        let values: Vec<_> = near.par_iter().map(value).collect();
+        for (&(row, column), values) in near.iter().zip(values) {
+            for (formed, value) in formed.iter_mut().zip(values) {
+                formed[row * columns.len() + column] = value as f32;
+            }
+        }
+        formed
     }
 
     /// The pressure of a drive at samples, and its first and second slope along the normal, by differences in f64.
@@ -228,7 +266,12 @@ impl Scenery<'_> {
         })
     }
 
-    fn interpolated(&self, site: &Site, formed: &[Vec<f32>], between: &mut Between) -> Map {
+    fn interpolated(
+        &self,
+        site: &Site,
+        formed: &[Vec<f32>],
+        (between, progress): (&mut Between, &Gauge),
+    ) -> Map {
         let Site { cells, covered, .. } = site;
         let (width, height) = self.request.size;
         let across = cells.resampling(0, (0..width).map(|i| self.along(0, i)));
@@ -252,7 +295,7 @@ impl Scenery<'_> {
         let near = (0..height).filter(|&row| !covered.contains(&self.along(1, row)));
         let near: Vec<_> = near.flat_map(|row| row * width..(row + 1) * width).collect();
         let points: Vec<_> = near.iter().map(|&pixel| self.pixel(pixel)).collect();
-        for (&pixel, value) in near.iter().zip(self.exact(&points, &Gauge::default())) {
+        for (&pixel, value) in near.iter().zip(self.exact(&points, progress)) {
             values[pixel] = (part * value) as f32;
         }
         let step = cells.step * 1e3;

@@ -85,7 +85,7 @@ fn a_standing_wave_has_the_force_of_its_series() {
         for i in 0..6 {
             let z = 0.001 * f64::from(i) - 0.0027;
             let field = |at: &DVec3| Complex64::from_polar(2000.0, 0.4) * (k * at.z).cos();
-            let waves = PartialWaves::new(sphere.order() + 4, k, (DVec3::Z * z, sphere.shell()), |points| {
+            let waves = PartialWaves::new(sphere.order() + 6, k, (DVec3::Z * z, sphere.shell()), |points| {
                 points.iter().map(field).collect()
             });
             let off = sphere.force(&waves) - DVec3::Z * scale * (2.0 * k * z).sin();
@@ -128,7 +128,7 @@ fn a_travelling_wave_has_the_force_of_its_series() {
         let expected = PI * bead.radius.powi(2) * energy * series;
         let way = DVec3::new(0.48, -0.6, 0.64);
         let at = DVec3::new(0.01, 0.02, 0.1);
-        let waves = PartialWaves::new(sphere.order() + 4, k, (at, sphere.shell()), |points| {
+        let waves = PartialWaves::new(sphere.order() + 6, k, (at, sphere.shell()), |points| {
             points.iter().map(|at| Complex64::from_polar(1500.0, 1.1 - k * way.dot(*at))).collect()
         });
         let off = sphere.force(&waves) - way * expected;
