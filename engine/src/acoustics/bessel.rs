@@ -3,7 +3,7 @@
 //!
 //! With Eₙ = Jₙ(x)/xⁿ, D = 2 E₁ and dEₙ/dw = -Eₙ₊₁/2.
 
-use crate::acoustics::row::{LANES, horner};
+use crate::acoustics::series::{LANES, horner};
 use crate::simd::{Instructions, lanes};
 
 /// Terms of the series for x up to 4, and up to 10: 1e-15 off.

@@ -1,14 +1,13 @@
-//! The exact piston as outgoing partial waves about its centre, for rows of the transfer; and Gauss's rule.
+//! The exact piston as outgoing partial waves about its centre, for rows of the transfer.
 //!
 //! The mean of e^{-jkR}/R over a disk of radius a is e^{-jkr}/r Σ w_l h_l(kr)/h_0(kr) P_l(cosθ) over even l, with
 //! w_l = (2l + 1) P_l(0) 2/a² ∫ j_l(kρ) ρ dρ, by the addition theorem. It converges as (a/r)^l.
 
-use std::f64::consts::PI;
-
 use num_complex::Complex64;
 
 use crate::acoustics::bessel;
-use crate::acoustics::row::LANES;
+use crate::acoustics::gauss::legendre;
+use crate::acoustics::series::LANES;
 use crate::simd::{Instructions, Kernel, fused64, lanes};
 
 /// Radii from an element beyond which its wave is this sum.
@@ -136,26 +135,4 @@ impl Kernel for FromPoints<'_> {
             }
         }
     }
-}
-
-/// Nodes in [-1, 1] and weights of Gauss's rule: Newton's method on the roots of Legendre's polynomial.
-pub(super) fn legendre(count: usize) -> Vec<(f64, f64)> {
-    let polynomial = |x: f64| {
-        let (mut before, mut this) = (1.0, x);
-        for n in 1..count {
-            let n = n as f64;
-            (before, this) = (this, ((2.0 * n + 1.0) * x * this - n * before) / (n + 1.0));
-        }
-        (this, count as f64 * (x * this - before) / (x * x - 1.0))
-    };
-    let root = |i: usize| {
-        let mut x = (PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
-        for _ in 0..6 {
-            let (value, slope) = polynomial(x);
-            x -= value / slope;
-        }
-        let slope = polynomial(x).1;
-        (x, 2.0 / ((1.0 - x * x) * slope * slope))
-    };
-    (0..count).map(root).collect()
 }

@@ -10,7 +10,7 @@ use std::sync::LazyLock;
 use glam::DVec3;
 use num_complex::Complex64;
 
-use crate::acoustics::disk;
+use crate::acoustics::gauss;
 use crate::scene::ElementModel;
 
 /// m. Far fields diverge at the element, so heights above the array are clamped to this value. A point this little
@@ -141,7 +141,7 @@ fn by_panels(near: f64, rate: f64, integrand: impl Fn(f64) -> Complex64) -> Comp
 }
 
 /// Gauss's rule for a panel.
-static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| disk::legendre(PANEL));
+static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss::legendre(PANEL));
 
 /// Number of midpoint nodes for a relative error of about `error` of the piston's integral.
 ///

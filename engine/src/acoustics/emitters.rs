@@ -9,7 +9,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::element::{NEAREST, Radiator};
-use crate::acoustics::row::{COSINE, LANES, ROUNDER, SINE, horner, inverse_factorials};
+use crate::acoustics::series::{COSINE, LANES, ROUNDER, SINE, horner, inverse_factorials};
 use crate::acoustics::{aperture::Aperture, bessel, element::Element};
 use crate::simd::{Instructions, Isa, Kernel, lanes, total};
 

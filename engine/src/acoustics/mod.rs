@@ -20,12 +20,14 @@ pub(crate) mod element;
 mod emitters;
 mod ensemble;
 mod face;
+mod gauss;
 mod jacobian;
 mod normal;
 mod partial;
 #[doc(hidden)]
 pub mod response;
 mod row;
+mod series;
 mod slopes;
 mod transfer;
 

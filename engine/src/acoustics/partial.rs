@@ -15,7 +15,7 @@ use std::sync::OnceLock;
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::{aperture::Aperture, bessel, disk, transfer::Transfer};
+use crate::acoustics::{aperture::Aperture, bessel, gauss, transfer::Transfer};
 
 /// Highest order.
 pub const MOST: usize = 24;
@@ -189,7 +189,7 @@ impl Shell {
     fn new(order: usize) -> Self {
         let around = 2 * order + 2;
         let (mut directions, mut areas) = (Vec::new(), Vec::new());
-        for (z, weight) in disk::legendre(order + 1) {
+        for (z, weight) in gauss::legendre(order + 1) {
             for turn in 0..around {
                 let flat = DVec2::from_angle(TAU * turn as f64 / around as f64) * (1.0 - z * z).sqrt();
                 directions.push(flat.extend(z));

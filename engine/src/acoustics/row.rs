@@ -1,6 +1,6 @@
 //! Rows of the transfer matrix, many elements to one point: [`Element::transfer`] in vector registers, in f64.
 
-use std::f64::consts::{PI, SQRT_2};
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -13,40 +13,17 @@ use crate::acoustics::{
     disk::{Disk, FromPoints},
     element::Element,
     face::Face,
+    series::{COSINE, LANES, ROUNDER, SINE, inverse_factorials, value},
     transfer::Transfer,
 };
 use crate::gauge;
-use crate::simd::{Instructions, Isa, Kernel, fused64, lanes};
+use crate::simd::{Instructions, Isa, Kernel, fused64};
 
-/// Elements processed together.
-pub(super) const LANES: usize = 8;
-/// Adding and taking away this rounds an f64 of less than 2⁵¹ to the nearest whole number.
-pub(super) const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// Terms of the directivity for a ka of up to 4, 2e-16 off, and of up to 10, 4e-15 off.
 const FEW_TERMS: usize = 11;
 const MANY_TERMS: usize = 18;
 /// Terms of the Taylor series: an error of 1e-19 for ka up to 10.
 const TAYLOR_TERMS: usize = 27;
-/// √2 cos(πf/2) in f² for |f| ≤ 1/2, 1e-16 off. These polynomials agree with their function at the Chebyshev nodes.
-pub(super) const COSINE: [f64; 7] = [
-    SQRT_2,
-    -1.744_716_049_909_693_6,
-    0.358_742_858_432_497_7,
-    -0.029_505_417_413_671_225,
-    0.001_300_029_888_695_330_7,
-    -3.563_837_306_438_805e-5,
-    6.583_583_005_207_542e-7,
-];
-/// √2 sin(πf/2)/f in f² for |f| ≤ 1/2, 7e-17 off.
-pub(super) const SINE: [f64; 7] = [
-    2.221_441_469_079_183,
-    -0.913_531_187_499_427_1,
-    0.112_702_392_858_284_1,
-    -0.006_621_000_189_652_891,
-    0.000_226_898_051_342_352_55,
-    -5.089_250_235_931_372e-6,
-    7.967_585_563_362_772e-8,
-];
 /// e^x for |x| ≤ 0.1: 3e-15 off.
 const DECAY: [f64; 9] = inverse_factorials();
 const MOST_DECAY: f64 = 0.1;
@@ -55,16 +32,6 @@ const HIGHEST: f64 = 1e6;
 /// ka/2 limits for few and for many terms.
 const FEW: f64 = 2.0;
 const MANY: f64 = 5.0;
-
-pub(super) const fn inverse_factorials<const N: usize>() -> [f64; N] {
-    let mut terms = [1.0; N];
-    let mut n = 1;
-    while n < N {
-        terms[n] = terms[n - 1] / n as f64;
-        n += 1;
-    }
-    terms
-}
 
 /// Equal elements of a board, ready for [`Elements::fill`], in its own coordinates.
 #[derive(Clone, Debug)]
@@ -365,29 +332,6 @@ fn over_pi(x: f64) -> [f64; 2] {
     const REST: f64 = 1.224_646_799_147_353_2e-16;
     let quotient = x / PI;
     [quotient, ((-quotient).mul_add(PI, x) - quotient * REST) / PI]
-}
-
-/// The polynomial's value.
-#[inline(always)]
-fn value<I: Instructions, const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
-    let mut sum = coefficients[N - 1];
-    for i in (0..N - 1).rev() {
-        sum = fused64::<I>(sum, x, coefficients[i]);
-    }
-    sum
-}
-
-/// The polynomial's value in every lane.
-#[inline(always)]
-pub(super) fn horner<I: Instructions, const N: usize>(
-    coefficients: &[f64; N],
-    x: &[f64; LANES],
-) -> [f64; LANES] {
-    let mut sum = [coefficients[N - 1]; LANES];
-    for i in (0..N - 1).rev() {
-        sum = lanes(|lane| fused64::<I>(sum[lane], x[lane], coefficients[i]));
-    }
-    sum
 }
 
 /// 2 J1(x)/x, x = ka sinθ, = Σ (ka/2)^{2n}/(n! (n+1)!) Λₙ₊₁(ka) cos^{2n}θ with Λₙ(x) = n! (2/x)ⁿ Jₙ(x), by the multiplication

