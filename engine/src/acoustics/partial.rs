@@ -206,11 +206,12 @@ impl Shell {
             let mut couplings = Vec::new();
             for lower in 0..order * order {
                 let above = lower.isqrt() + 1;
-                for upper in above * above..(above + 1) * (above + 1) {
-                    let product = |point: usize| {
-                        weight(lower, point) * directions[point][axis] * harmonics[point][upper]
+                let uppers = above * above..(above + 1) * (above + 1);
+                for upper in uppers {
+                    let product = |(point, harmonics): (usize, &Vec<f64>)| {
+                        weight(lower, point) * directions[point][axis] * harmonics[upper]
                     };
-                    let cosine: f64 = (0..directions.len()).map(product).sum();
+                    let cosine: f64 = harmonics.iter().enumerate().map(product).sum();
                     if cosine.abs() > 1e-9 {
                         couplings.push(Coupling { order: above - 1, lower, upper, cosine });
                     }

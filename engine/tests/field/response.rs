@@ -130,7 +130,7 @@ fn moving_foci_lose_as_doppler_offsets_say() {
     let table = [
         (2.0, 0.992),
         (4.0, 0.971),
-        (6.283, 0.933),
+        (std::f64::consts::TAU, 0.933),
         (8.0, 0.897),
         (10.0, 0.853),
         (12.57, 0.794),

@@ -84,8 +84,9 @@ fn squares_of_slopes_have_their_scatter_too() {
         let spread = Spread { gain, phase: 0.0 };
         let request = Request { spread, ..Request::new(scene, vec![drive.clone()], quantity, (12, 10)) };
         let mean = Stages::new(sonoglyph::field::Evaluator::Cpu).map(&request).unwrap().clone();
-        let sign =
-            |n: usize, drive: usize| if ((n + 1) & drive).count_ones() % 2 == 0 { gain } else { -gain };
+        let sign = |n: usize, drive: usize| {
+            if ((n + 1) & drive).count_ones().is_multiple_of(2) { gain } else { -gain }
+        };
         let drives = (0..128).map(|number| {
             let mut own = drive.clone();
             own.amplitudes

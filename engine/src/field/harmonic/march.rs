@@ -173,10 +173,10 @@ impl Slab {
         // A parallel plane is one of the planes.
         let anchor = if is_parallel { plane_high.z.min(end) } else { end };
         let between = (anchor - start) / ((anchor - start) / between).ceil().max(1.0);
-        let count = ((end - start) / between - 1e-6).ceil() as usize + 1;
+        let count = ((end - start) / between - 1e-6).ceil().min(MOST as f64) as usize + 1;
         let (low, high) = (low.min(plane_low).truncate() - margin, high.max(plane_high).truncate() + margin);
         let counts = ((high - low) / step).ceil() + 1.0;
-        if !(counts.max_element() <= MOST_ALONG as f64) {
+        if counts.is_nan() || counts.max_element() > MOST_ALONG as f64 {
             return Err(NoHarmonic::TooLarge);
         }
         let counts = [counts.x as usize, counts.y as usize];
@@ -235,7 +235,7 @@ impl Slab {
             }
             let mut sound = vec![Complex64::ZERO; size.0 * size.1];
             for (index, spectrum) in steps.sweep(&sources, &view.needed) {
-                view.add(self, index, &steps.transforms.wider(spectrum, self.padded), &mut sound);
+                view.add(self, index, &steps.transforms.wider(&spectrum, self.padded), &mut sound);
             }
             // P² is half of its square.
             let part = factor * factor / 2.0 / drives.len() as f64;
@@ -341,7 +341,7 @@ fn transposed(values: &[Complex64], columns: usize) -> Vec<Complex64> {
 
 impl Transforms {
     /// The values of a spectrum on the twice finer lattice.
-    fn wider(&self, spectrum: Vec<Complex64>, [columns, rows]: [usize; 2]) -> Vec<Complex64> {
+    fn wider(&self, spectrum: &[Complex64], [columns, rows]: [usize; 2]) -> Vec<Complex64> {
         // The inverse is the conjugate of the transform of the conjugate.
         let mut values = vec![Complex64::ZERO; 4 * columns * rows];
         let place = |i: usize, count: usize| if i < count / 2 { i } else { i + count };

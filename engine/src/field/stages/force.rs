@@ -9,6 +9,7 @@ use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
+use crate::acoustics::element::Radiator;
 use crate::drive::Drive;
 use crate::field::cells::Cells;
 use crate::field::interpolation::{Between, Resampling, interpolate};
@@ -43,6 +44,8 @@ const STENCILS: [[f64; 5]; NORMALS] = [
     [1.0 / 12.0, -2.0 / 3.0, 0.0, 2.0 / 3.0, -1.0 / 12.0],
     [-1.0 / 12.0, 4.0 / 3.0, -2.5, 4.0 / 3.0, -1.0 / 12.0],
 ];
+/// Error of maps of far-field pistons, whose sound is a wave only near a point.
+const OF_PISTONS: f64 = 5e-3;
 /// Points per task.
 const RUN: usize = 32;
 /// Cells per task.
@@ -154,7 +157,11 @@ impl OfBead {
             });
             self.work.interpolation += 1;
             let map = scenery.interpolated(site, formed, (&mut self.between, progress));
-            if map.error <= promised(tolerance) {
+            let floor = match aperture.element.radiator() {
+                Radiator::Monopole | Radiator::Disk(_) => 0.0,
+                Radiator::Piston(_) => OF_PISTONS,
+            };
+            if map.error <= promised(tolerance).max(floor) {
                 return Ok(map);
             }
         }

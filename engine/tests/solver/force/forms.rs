@@ -64,7 +64,7 @@ fn a_standing_wave_has_the_force_of_its_series() {
         let s = |n: usize| scattered(n, ka, &bead, &air);
         let term = |n: usize| {
             let (own, next) = (s(n), s(n + 1));
-            let sign = if n % 2 == 0 { -1.0 } else { 1.0 };
+            let sign = if n.is_multiple_of(2) { -1.0 } else { 1.0 };
             sign * (n + 1) as f64 * (own.im * (1.0 + 2.0 * next.re) - next.im * (1.0 + 2.0 * own.re))
         };
         let series: f64 = 4.0 / (ka * ka) * (0..16).map(term).sum::<f64>();

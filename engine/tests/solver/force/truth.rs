@@ -203,7 +203,7 @@ fn force_by_sums(scene: &Scene, drive: &Drive, point: DVec3, order: usize) -> DV
                     let norm = legendre(n, m, z);
                     row[order + m] += p * Complex64::cis(-(m as f64) * angle) * norm;
                     if m > 0 {
-                        let sign = if m % 2 == 0 { 1.0 } else { -1.0 };
+                        let sign = if m.is_multiple_of(2) { 1.0 } else { -1.0 };
                         row[order - m] += p * Complex64::cis(m as f64 * angle) * (sign * norm);
                     }
                 }
