@@ -158,31 +158,3 @@ fn exact_force_maps_have_the_force_of_every_pixel_times_the_envelope() {
         }
     }
 }
-
-#[test]
-fn only_rows_near_the_array_are_left_out_of_the_interpolation() {
-    let (mut scene, drive) = small();
-    let up = scene.plane.clone();
-    let wavelength = Aperture::new(&scene).wavelength();
-    // The plane upright, upside down, and where it is clear of the array.
-    let clear = Plane { centre: up.centre + DVec3::Z * 0.03, ..up.clone() };
-    for plane in [up.clone(), Plane { y_axis: -DVec3::Z, ..up.clone() }, clear] {
-        scene.plane = plane.clone();
-        let request = Request::new(&scene, vec![drive.clone()], Quantity::Force, SIZE);
-        let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
-        assert!(map.by == By::CpuInF64 && map.error < scene.plane.tolerance, "{:e}: {}", map.error, map.how);
-        let words: Vec<&str> = map.how.split_whitespace().collect();
-        let said: Vec<usize> = words.iter().filter_map(|word| word.parse().ok()).collect();
-        let step = words.iter().filter_map(|word| word.parse::<f64>().ok()).find(|step| step.fract() > 0.0);
-        let (&[_, rows, near], Some(step)) = (&said[..], step) else { panic!("{}", map.how) };
-        let (rows, step) = (rows as f64, 1e-3 * step);
-        // Cells go on beyond the plane by the reach of the interpolation, and those of the lowest interpolated row
-        // are three quarters of a wavelength above the array.
-        let reach = (rows * step - plane.size.y) / 2.0;
-        let lowest = plane.centre.z - plane.size.y / 2.0;
-        let left_out = (0.75 * wavelength + reach - lowest).max(0.0);
-        let rows = near as f64 / SIZE.0 as f64;
-        let row = plane.size.y / SIZE.1 as f64;
-        assert!((rows * row - left_out).abs() < 2.0 * step + row, "{rows} rows, {left_out} m: {}", map.how);
-    }
-}

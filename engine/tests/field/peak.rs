@@ -75,11 +75,10 @@ fn peaks_leave_out_pixels_next_to_elements() {
                 assert!((made.peak / counted - 1.0).abs() < slack, "{name}: {} {counted}", made.peak);
                 assert!((made.loudest / all - 1.0).abs() < slack.max(1e-3), "{name}: {} {all}", made.loudest);
                 assert_eq!(made.near, near.iter().filter(|near| **near).count(), "{name}");
-                assert!(
-                    made.has_larger() == has_larger && made.error <= scene.plane.tolerance,
-                    "{name}: {}",
-                    made.error
-                );
+                // Maps of beads in the sound of far-field pistons have a limit of their own.
+                let promised =
+                    scene.plane.tolerance.max(if quantity.declaration().of_bead { 5e-3 } else { 0.0 });
+                assert!(made.has_larger() == has_larger && made.error <= promised, "{name}: {}", made.error);
             }
         }
     }
