@@ -12,6 +12,7 @@ use crate::scene::motion::{Keyframe, Motion, MotionPath, Tempo};
 use crate::scene::range::{Key, KeyError, count, direction, finite, length, point, refuse, within};
 use crate::scene::response::Response;
 use crate::scene::shape::{Shape, ShapeKey, ShapeValue};
+use crate::scene::skin::Skin;
 use crate::scene::solver::{Pressures, Solver};
 use crate::scene::space::Front;
 use crate::scene::target::{Sampling, Target};
@@ -83,6 +84,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     aim(scene).map_err(|e| e.under(&["solver".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     scene.bead.check().map_err(|e| e.under(&["bead".into()]))?;
+    scene.skin.as_ref().map_or(Ok(()), Skin::check).map_err(|e| e.under(&["skin".into()]))?;
     space::check(scene)?;
     modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;

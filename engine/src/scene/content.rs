@@ -12,6 +12,7 @@ use crate::scene::medium::Medium;
 use crate::scene::modulation::Modulation;
 use crate::scene::motion::Motion;
 use crate::scene::plane::Plane;
+use crate::scene::skin::Skin;
 use crate::scene::solver::{Aim, Method, Solver};
 use crate::scene::target::Target;
 use crate::scene::zone::Zone;
@@ -43,6 +44,9 @@ pub struct Scene {
     pub liquid: Liquid,
     #[serde(skip_serializing_if = "Bead::is_default")]
     pub bead: Bead,
+    /// The skin on the plane, if the scene is for a hand and says so.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skin: Option<Skin>,
     pub modulation: Modulation,
     pub motion: Motion,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -64,6 +68,7 @@ impl Default for Scene {
             plane: Plane::default(),
             liquid: Liquid::default(),
             bead: Bead::default(),
+            skin: None,
             modulation: Modulation::default(),
             motion: Motion::default(),
             listener: None,

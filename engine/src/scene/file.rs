@@ -20,7 +20,7 @@ use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{
     array::Array, bead::Bead, liquid::Liquid, medium::Medium, modulation::Modulation, motion, plane::Plane,
-    solver::Solver, target::Target,
+    skin::Skin, solver::Solver, target::Target,
 };
 use crate::source;
 
@@ -131,6 +131,7 @@ struct SceneTable {
     liquid: Liquid,
     #[serde(default)]
     bead: Bead,
+    skin: Option<Skin>,
     #[serde(default)]
     modulation: Modulation,
     #[serde(default)]
@@ -153,6 +154,7 @@ impl SceneTable {
             plane,
             liquid,
             bead,
+            skin,
             modulation,
             motion,
             listener,
@@ -184,6 +186,7 @@ impl SceneTable {
             plane,
             liquid,
             bead,
+            skin,
             modulation,
             motion,
             listener,

@@ -34,6 +34,7 @@ mod response;
 pub mod rewrite;
 mod run;
 mod shape;
+mod skin;
 mod solver;
 mod space;
 #[doc(hidden)]
@@ -69,6 +70,9 @@ pub use range::{Key, KeyError};
 pub(crate) use response::Circuit;
 pub use response::{Pole, Response, Transducer};
 pub use shape::{Shape, ShapeKey, ShapeValue};
+#[doc(hidden)]
+pub use skin::UNCERTAINTY;
+pub use skin::{Channel, Skin, Threshold};
 pub use solver::{Aim, Amplitudes, Method, Pressures, Solver};
 #[doc(hidden)]
 pub use target::TargetTable;
