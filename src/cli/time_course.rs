@@ -1,5 +1,6 @@
 //! `sonoglyph probe --time`: pressure at points over time, and the spectral lines of |p|².
 
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
@@ -7,12 +8,12 @@ use clap::Args;
 use glam::DVec3;
 use num_complex::Complex64;
 
+use crate::acoustics::course::Course;
 use crate::cli::arguments::{above_zero, seconds};
 use crate::cli::scene::write_or_print;
 use crate::drive::Drive;
-use crate::scene::Scene;
+use crate::scene::{Scene, SpectralLine};
 use crate::studio::output::{self, note};
-use crate::studio::time_course::Course;
 
 /// Limits of a table's rows, and of pressures (frames times points) in memory.
 const MOST_ROWS: f64 = 2e6;
@@ -69,11 +70,40 @@ pub fn write(
     note_rates(&course, args, span);
     let frames: Vec<Vec<Complex64>> = drives.iter().map(pressure).collect::<Result<_, _>>()?;
     let band = args.spectrum.as_ref().map(|_| args.band);
-    let [table, spectrum] = course.tables(points, &frames, (instants as usize, rate), band)?;
+    let [table, spectrum] = tables(&course, points, &frames, (instants as usize, rate), band)?;
     if let Some(path) = &args.spectrum {
         output::write(path, spectrum.as_bytes())?;
     }
     write_or_print(to, &table)
+}
+
+/// CSV of so many instants, so many per second, at points, and of the lines of |p|² up to a frequency (Hz) if they are wanted.
+/// `frames`: of every frame the pressures at these points.
+///
+/// # Errors
+/// More lines than can be told apart.
+fn tables(
+    course: &Course,
+    points: &[DVec3],
+    frames: &[Vec<Complex64>],
+    (instants, rate): (usize, f64),
+    band: Option<f64>,
+) -> anyhow::Result<[String; 2]> {
+    let (mut table, mut spectrum) =
+        (String::from("x,y,z,time,re,im,square\n"), String::from("x,y,z,frequency,square,phase\n"));
+    for (index, point) in points.iter().enumerate() {
+        let of_frames: Vec<_> = frames.iter().map(|frame| frame[index]).collect();
+        let [x, y, z] = point.to_array();
+        for (instant, p) in course.pressures(&of_frames, instants, rate).into_iter().enumerate() {
+            let time = instant as f64 / rate;
+            let _ = writeln!(table, "{x:?},{y:?},{z:?},{time:?},{:?},{:?},{:?}", p.re, p.im, p.norm_sqr());
+        }
+        let lines = band.map_or(Ok(Vec::new()), |band| course.spectrum(&of_frames, band));
+        for SpectralLine { frequency, amplitude, phase } in lines.map_err(anyhow::Error::msg)? {
+            let _ = writeln!(spectrum, "{x:?},{y:?},{z:?},{frequency:?},{amplitude:?},{phase:?}");
+        }
+    }
+    Ok([table, spectrum])
 }
 
 /// Notes frame and cycle rates, and the choice of the span.

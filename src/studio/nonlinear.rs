@@ -26,12 +26,12 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 use glam::DVec3;
 use num_complex::Complex64;
 
+use crate::acoustics::course::square_lines;
 use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
 use crate::field::harmonic::{self, NONLINEARITY, NoHarmonic};
 use crate::scene::{Modulation, Scene};
 use crate::solver::Solution;
-use crate::studio::time_course::square_lines;
 
 /// The ratio of the harmonic up to which sound counts as linear.
 const LINEAR: f64 = 0.1;

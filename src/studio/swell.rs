@@ -3,11 +3,11 @@
 
 use anyhow::bail;
 
+use crate::acoustics::course::{Course, low_square, square_lines};
 use crate::acoustics::response::Resonator;
 use crate::field::{FieldError, Request, Stages};
 use crate::gauge::Gauge;
 use crate::scene::{Envelope, Law, Modulation, Scene, SpectralLine, motion};
-use crate::studio::time_course::{Course, low_square, square_lines};
 use crate::surface::{Rest, Stretch, Tank, Waves};
 
 /// Pictures per second of real time, and their limit.

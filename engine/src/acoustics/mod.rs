@@ -15,6 +15,8 @@ mod air;
 mod aperture;
 pub(crate) mod bessel;
 mod clearance;
+#[doc(hidden)]
+pub mod course;
 mod disk;
 pub(crate) mod element;
 mod emitters;
@@ -42,6 +44,7 @@ pub use ensemble::Ensemble;
 pub(crate) use ensemble::Moments;
 pub use face::Face;
 pub(crate) use face::{Layout, Pose};
+pub(crate) use gauss::legendre as gauss_legendre;
 pub(crate) use jacobian::PhaseJacobian;
 pub use partial::PartialWaves;
 pub(crate) use partial::{Coupling, MOST as MOST_ORDER, couplings};

@@ -58,6 +58,12 @@ impl Cells {
         })
     }
 
+    /// The cells in the middle, of the same centre if their counts are even or odd alike.
+    pub(crate) fn within(&self, counts: [usize; 2]) -> Self {
+        let size = DVec2::from(counts.map(|count| count as f64 * self.step));
+        Self { plane: Plane { size, ..self.plane.clone() }, counts, ..self.clone() }
+    }
+
     pub fn count(&self) -> usize {
         self.counts[0] * self.counts[1]
     }
@@ -69,9 +75,7 @@ impl Cells {
 
     /// Cells extended beyond every wall by the window's reach, with the same centre.
     pub fn beyond_walls(&self) -> Self {
-        let counts = self.counts.map(|count| count + 2 * self.half_width);
-        let size = DVec2::from(counts.map(|count| count as f64 * self.step));
-        Self { plane: Plane { size, ..self.plane.clone() }, counts, ..self.clone() }
+        self.within(self.counts.map(|count| count + 2 * self.half_width))
     }
 
     /// Values of the cells as those of [`Cells::beyond_walls`]: walls mirror them, as they mirror a surface of cosines.
@@ -160,7 +164,7 @@ fn pattern(aperture: &Aperture, plane: &Plane) -> Option<f64> {
 }
 
 /// The smallest product of 2, 3 and 5 that is not below `least`.
-fn smooth(least: usize) -> usize {
+pub(crate) fn smooth(least: usize) -> usize {
     let is_smooth = |count: &usize| {
         let mut rest = *count;
         for factor in [2, 3, 5] {

@@ -92,6 +92,8 @@ pub struct Declaration {
     pub of_moment: bool,
     /// An integral over the air before the array, instead of a formula of the sound at a point.
     pub of_volume: bool,
+    /// Shown through the motion of the skin on the plane.
+    pub of_skin: bool,
 }
 
 /// The components of a vector.
@@ -135,6 +137,7 @@ const USUAL: Declaration = Declaration {
     of_bead: false,
     of_moment: false,
     of_volume: false,
+    of_skin: false,
 };
 
 macro_rules! quantities {
@@ -345,6 +348,36 @@ quantities! {
         help: "RMS pressure at twice the frequency, which the loud sound makes on its way",
         of_volume: true,
     }
+    /// RMS of the moving part of the skin's displacement (m) on the plane: [`crate::surface::skin`].
+    Skin {
+        parts: PRESSURE | ALONG,
+        formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
+        wgsl: "c.of_pressure * dot(s.p, s.p) - c.of_gradient * (dot(s.x, s.x) + dot(s.y, s.y))",
+        name: "skin",
+        title: "Skin",
+        words: "RMS displacement of the skin",
+        help: "How far the skin on the plane moves to and fro",
+        unit: Unit::Metre,
+        norm: Norm::Difference,
+        is_square: true,
+        is_slow: true,
+        of_skin: true,
+    }
+    /// How far the skin's motion is above the threshold of feeling (dB), at every place by itself.
+    Felt {
+        parts: PRESSURE | ALONG,
+        formula: |s, c| c.of_pressure * s.p.norm_sqr() - c.of_gradient * (s.x.norm_sqr() + s.y.norm_sqr()),
+        wgsl: "c.of_pressure * dot(s.p, s.p) - c.of_gradient * (dot(s.x, s.x) + dot(s.y, s.y))",
+        name: "felt",
+        title: "Felt",
+        words: "level over the threshold of feeling",
+        help: "How strongly a hand on the plane feels the sound: above 0 dB it does, ± 15 dB",
+        unit: Unit::Decibel,
+        norm: Norm::Difference,
+        is_square: true,
+        is_slow: true,
+        of_skin: true,
+    }
 }
 
 /// The mean of a formula over drives at one point, in f64.
@@ -391,7 +424,17 @@ impl Declaration {
 
     /// Whether the scattered sound of elements that differ adds to it, point by point.
     pub(crate) fn has_scatter(&self) -> bool {
-        self.is_square && !self.of_liquid
+        self.is_square && !self.is_pressed()
+    }
+
+    /// Whether it is how a surface on the plane, a liquid's or the skin's, answers the radiation pressure.
+    pub fn is_pressed(&self) -> bool {
+        self.of_liquid || self.of_skin
+    }
+
+    /// Whether it is a level in dB.
+    pub fn is_level(&self) -> bool {
+        self.unit == Unit::Decibel
     }
 
     /// Whether it is a liquid's surface, which has a relief.
@@ -401,9 +444,13 @@ impl Declaration {
 }
 
 impl Quantity {
-    /// The quantity with the formula and response of this one: itself, except for light.
+    /// The quantity with the formula and response of this one: itself, except for light and what is felt.
     pub(crate) fn pressed_by(self) -> Self {
-        if self.declaration().of_light { Self::Depression } else { self }
+        match (self.declaration().of_light, self.declaration().of_skin) {
+            (true, _) => Self::Depression,
+            (false, true) => Self::Skin,
+            (false, false) => self,
+        }
     }
 
     /// A value as people read it, with three figures and the unit that suits it.

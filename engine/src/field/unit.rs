@@ -14,6 +14,8 @@ pub enum Unit {
     Newton,
     /// Relative to undisturbed light.
     Undisturbed,
+    /// Of a level.
+    Decibel,
 }
 
 impl Unit {
@@ -28,6 +30,7 @@ impl Unit {
             Self::Joule => "J",
             Self::Newton => "N",
             Self::Undisturbed => "1",
+            Self::Decibel => "dB",
         }
     }
 
@@ -48,6 +51,7 @@ impl Unit {
             Self::Newton if largest >= 1e-6 => (1e6, "µN"),
             Self::Newton => (1e9, "nN"),
             Self::Undisturbed => (1.0, "× undisturbed"),
+            Self::Decibel => (1.0, "dB"),
         }
     }
 }

@@ -122,8 +122,11 @@ impl Threshold {
     }
 }
 
-/// A curve at a frequency, straight in logarithms, and onwards beyond its ends.
+/// A curve at a frequency, straight in logarithms between its values; nobody has measured beyond its ends, so nothing is felt there.
 fn along(curve: &[[f64; 2]], frequency: f64) -> f64 {
+    if !(curve[0][0]..=curve[curve.len() - 1][0]).contains(&frequency) {
+        return f64::INFINITY;
+    }
     let above = curve.partition_point(|[at, _]| *at <= frequency).clamp(1, curve.len() - 1);
     let [[f0, y0], [f1, y1]] = [curve[above - 1], curve[above]];
     y0 * (y1 / y0).powf((frequency / f0).ln() / (f1 / f0).ln())
@@ -146,7 +149,7 @@ impl Skin {
     }
 
     /// The displacement (m, peak) of a sine at a frequency (Hz) that is just felt; straight in logarithms between the values of a table,
-    /// and onwards beyond them.
+    /// infinite beyond its ends.
     pub fn threshold_at(&self, frequency: f64) -> f64 {
         match (self.known(), self.curve.get()) {
             (Some(known), _) => known.at(frequency),

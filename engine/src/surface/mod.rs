@@ -1,4 +1,4 @@
-//! A liquid's surface under steady or changing pressure: depression, waves and caustics.
+//! A liquid's surface under steady or changing pressure, its depression, waves and caustics; and the skin's.
 //!
 //! The depression at rest is a division of cosine modes by ρg + σq². Waves advance the same modes, each with the
 //! exact roots of its dispersion relation; a caustic is the light that the surface refracts to a screen.
@@ -17,6 +17,8 @@ pub(crate) mod caustic;
 mod coverage;
 pub(crate) mod dent;
 mod dispersion;
+#[doc(hidden)]
+pub mod skin;
 mod waves;
 
 pub use caustic::Light;

@@ -23,6 +23,7 @@ mod reference;
 mod requirement;
 mod response;
 mod side_lobe;
+mod skin;
 mod space;
 mod spread;
 mod stages;

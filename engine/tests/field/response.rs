@@ -3,6 +3,7 @@
 use glam::DVec3;
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
+use sonoglyph::acoustics::course::Course;
 use sonoglyph::acoustics::response::{Resonator, frames_per_second, responding};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
@@ -12,7 +13,6 @@ use sonoglyph::scene::{
 };
 use sonoglyph::solver::frames;
 use sonoglyph::studio::response::Moving;
-use sonoglyph::studio::time_course::Course;
 
 use crate::{STEP, scattered};
 

@@ -5,12 +5,12 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use num_complex::Complex64;
 use sonoglyph::acoustics::Aperture;
+use sonoglyph::acoustics::course::Course;
 use sonoglyph::scene::{
     Envelope, Law, Method, Modulation, Motion, MotionPath, Scene, Shape, Target, Tempo, Tone,
 };
 use sonoglyph::scene::{SpectralLine, Wave, Waveform};
 use sonoglyph::solver::frames;
-use sonoglyph::studio::time_course::Course;
 
 const BAND: f64 = 1000.0;
 

@@ -21,6 +21,8 @@
 //! where f32 has no room for the elements, and next to the rim of an exact piston. If the error is still too large,
 //! every pixel is evaluated: where the field is weak, window leakage dominates.
 //!
+//! *Skin.* The pressures of all frames at the cells become spectral lines, and these the skin's ([`skin`]).
+//!
 //! *Liquids.* The pressure at the cells becomes a depth ([`Tank`]), in f64 on the CPU. A moving surface is a
 //! request with the depth of every cell and uses the same later stages.
 
@@ -39,6 +41,7 @@ mod request;
 mod samples;
 mod scatter;
 mod site;
+mod skin;
 mod weakest;
 mod work;
 
@@ -51,7 +54,6 @@ use crate::drive::Drive;
 use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
 use crate::field::plan::{Costs, promised};
-use crate::field::quantity::Declaration;
 use crate::field::vicinity::LeftOut;
 use crate::field::{colouring::Colouring, evaluator::Evaluator, gpu::Gpu};
 use crate::gauge::Gauge;
@@ -65,9 +67,11 @@ use on_gpu::{OnGpu, Progress};
 use probes::Probes;
 use scatter::Scatter;
 use site::{Frame, Site, SiteKey};
+use skin::OfSkin;
 
 pub use depression::Depression;
 pub use request::{By, FieldError, MOST_PIXELS, Map, Pressed, Request};
+pub use skin::SkinMotion;
 pub use work::Work;
 
 /// A map in colours.
@@ -120,12 +124,12 @@ type Sounding = (Arc<[Drive]>, Vec<usize>);
 struct FrameKey {
     site: SiteKey,
     size: (usize, usize),
-    of_liquid: bool,
+    is_pressed: bool,
 }
 
 impl Ground {
     fn job<'a>(&'a mut self, request: &'a Request, exact: bool, costs: Costs) -> Result<Job<'a>, FieldError> {
-        let of_liquid = request.quantity.declaration().of_liquid;
+        let is_pressed = request.quantity.declaration().is_pressed();
         let wanted = SiteKey::new(request, exact);
         let Self { site, refined, frame, excitations, work } = self;
         if refined.take_if(|refined| refined != request).is_some() {
@@ -134,7 +138,7 @@ impl Ground {
         let site = site.try_update(&wanted, |site| {
             work.plan += 1;
             let made = match Site::new(&wanted, costs) {
-                Err(FieldError::TooNear | FieldError::TooManyCells) if !of_liquid => {
+                Err(FieldError::TooNear | FieldError::TooManyCells) if !is_pressed => {
                     let key = SiteKey::by_pixels(request, exact);
                     let made = Site::new(&key, costs)?;
                     (key, made)
@@ -145,11 +149,14 @@ impl Ground {
             Ok::<_, FieldError>(())
         })?;
         let (key, site) = site.as_ref().ok_or(FieldError::NoPlane)?;
-        let wanted = FrameKey { site: key.clone(), size: request.size, of_liquid };
+        if let Some(filled) = site.cells.as_ref().filter(|_| request.quantity.declaration().of_skin) {
+            OfSkin::check(request.drives.len(), &filled.cells)?;
+        }
+        let wanted = FrameKey { site: key.clone(), size: request.size, is_pressed };
         let frame = frame.update(&wanted, |made| {
             *made = Frame::new(key, site, request.size).map(|frame| {
                 let left_out = frame.left_out(&key.setting.aperture);
-                let probes = Probes::new(key, site, (request.size, &left_out), of_liquid);
+                let probes = Probes::new(key, site, (request.size, &left_out), is_pressed);
                 (frame, left_out, probes)
             });
         });
@@ -169,9 +176,10 @@ impl Ground {
         if times <= 1.0 || site.cells.is_none() || key.is_direct() {
             return false;
         }
-        let Declaration { of_liquid, is_root, .. } = *request.quantity.declaration();
+        let declaration = request.quantity.declaration();
+        let is_root = declaration.is_root;
         // Roots fail where squares are interpolated, whatever the samples.
-        let last = match (of_liquid, is_root) {
+        let last = match (declaration.is_pressed(), is_root) {
             (true, _) => key.direct(),
             (false, true) => SiteKey::by_pixels(request, exact),
             (false, false) => SiteKey::by_pixels(request, exact).direct(),
@@ -454,6 +462,19 @@ impl Stages {
         let job = ground.job(&request, *exact, costs)?;
         let double = *exact || job.site.plan.double;
         cpu.surface(&job, double).ok_or(FieldError::NotLevel)
+    }
+
+    /// The motion of the skin on the plane, for a request of a quantity of the skin; of all channels, with its mean.
+    ///
+    /// # Errors
+    /// The errors of [`Stages::map`]; a quantity without a skin has no motion.
+    pub fn skin(&mut self, request: &Request) -> Result<&SkinMotion, FieldError> {
+        let request = request.relevant()?;
+        let costs = self.costs();
+        let Self { cpu, ground, exact, .. } = self;
+        let job = ground.job(&request, *exact, costs)?;
+        let double = *exact || job.site.plan.double;
+        cpu.skin(&job, double).ok_or(FieldError::NoPlane)
     }
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::plan::F32_ERROR;
-use crate::field::quantity::{Constants, Norm, PRESSURE, Part, Sound};
+use crate::field::quantity::{Constants, Declaration, Norm, PRESSURE, Part, Sound};
 use crate::field::slope::{SoundTransfer, part_on_cpu};
 use crate::field::stages::caustic::Caustic;
 use crate::field::stages::depression::Depression;
@@ -17,9 +17,10 @@ use crate::field::stages::job::Job;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::lattice::{Lattice, RUN, Share};
 use crate::field::stages::probes::AtProbes;
-use crate::field::stages::request::Pressed;
+use crate::field::stages::request::{Pressed, Request};
 use crate::field::stages::samples::{Samples, Superposition, sampled};
 use crate::field::stages::site::{Filled, Frame, SiteKey, Weights};
+use crate::field::stages::skin::{FLOOR, OfSkin, Purpose, SkinMotion};
 use crate::field::stages::{Work, weakest};
 use crate::field::{self, raster::Raster};
 use crate::gauge::Gauge;
@@ -52,6 +53,7 @@ pub(super) struct OnCpu {
     cells: Kept<FormedKey, Vec<f64>>,
     tank: Kept<SiteKey, Option<Tank>>,
     response: Kept<(FormedKey, Liquid), Dent>,
+    skin: OfSkin,
     caustic: Caustic,
     between: Between,
     work: Work,
@@ -69,7 +71,7 @@ struct SampledKey {
 
 /// The inputs of the means at the cells.
 #[derive(Clone, Debug, PartialEq)]
-struct FormedKey {
+pub(super) struct FormedKey {
     site: SiteKey,
     quantity: field::Quantity,
     excitations: Arc<Vec<Vec<Complex64>>>,
@@ -92,10 +94,14 @@ pub(super) struct Made {
 impl OnCpu {
     pub(super) fn forget(&mut self) {
         let old = std::mem::take(self);
-        let Self { site, mut superposition, mut samples, mut at_pixels, shares, between, work, .. } = old;
+        let Self {
+            site, mut superposition, mut samples, mut at_pixels, shares, mut skin, between, work, ..
+        } = old;
         superposition.forget();
+        skin.forget();
         (samples.key, at_pixels.key) = (None, None);
-        *self = Self { site, superposition, samples, at_pixels, shares, between, work, ..Self::default() };
+        *self =
+            Self { site, superposition, samples, at_pixels, shares, skin, between, work, ..Self::default() };
     }
 
     /// Goes to the site of a job. The memory that a very large one took is given back: the next may be small, or need
@@ -116,7 +122,7 @@ impl OnCpu {
         let of_cells =
             (self.cells.value.capacity() + self.response.value.depth.capacity()) * size_of::<f64>();
         let of_shares: usize = self.shares.iter().map(Share::bytes).sum();
-        self.at_pixels.value.bytes() + self.between.bytes() + of_cells + of_shares
+        self.at_pixels.value.bytes() + self.between.bytes() + self.skin.bytes() + of_cells + of_shares
     }
 
     pub(super) fn work(&self) -> Work {
@@ -194,7 +200,7 @@ impl OnCpu {
                     let sounds = lattice.sounds(parts, places);
                     if drives.len() == 1 {
                         (declaration.formula)(sounds, &constants, values);
-                        return finish(values, factor, declaration.is_root);
+                        return finish(values, factor, declaration.ending());
                     }
                     let mut of_drive = [0.0; RUN];
                     let of_drive = &mut of_drive[..values.len()];
@@ -222,7 +228,8 @@ impl OnCpu {
         values.iter_mut().zip(flows).for_each(|(value, flow)| *value = length(flow));
         if drives.len() > 1 {
             let runs = values.par_chunks_mut(RUN).with_min_len(16);
-            largest = runs.map(|values| finish(values, factor, declaration.is_root)).reduce(|| 0.0, f32::max);
+            let finished = runs.map(|values| finish(values, factor, declaration.ending()));
+            largest = finished.reduce(|| 0.0, f32::max);
         }
         self.progress.tell(1, 1);
         let [peak, left_out] = match (is_of_pressure, job.left_out.is_empty()) {
@@ -311,7 +318,9 @@ impl OnCpu {
         let part = job.request.part;
         let declaration = job.request.quantity.declaration();
         let is_pressed = self.response(job, filled, &key).is_some();
+        let powers = declaration.of_skin.then(|| self.powers(job, filled));
         let (shown, part) = match &job.request.depth {
+            _ if powers.is_some() => (powers.as_deref().unwrap_or_default(), 1.0),
             Some(depth) if is_pressed => (&depth[..], 1.0),
             None if is_pressed => (&self.response.value.depth[..], part),
             Some(_) | None => (&self.cells.value[..], part),
@@ -329,13 +338,14 @@ impl OnCpu {
             }
         }
         let runs = values.par_chunks_mut(RUN).with_min_len(16);
-        let peak = runs.map(|values| finish(values, 1.0, declaration.is_root)).reduce(|| 0.0, f32::max);
-        if !declaration.is_root && !declaration.of_liquid {
+        let finished = runs.map(|values| finish(values, 1.0, declaration.ending()));
+        let peak = finished.reduce(|| f32::NEG_INFINITY, f32::max);
+        if !declaration.is_root && !declaration.is_pressed() {
             elsewhere = weakest::off_at_loudest(job, values);
         }
         let means = &self.cells.value;
         let places = &job.probes.places;
-        let (values, relative_to) = if declaration.of_liquid {
+        let (values, relative_to) = if declaration.is_pressed() {
             let largest = means.iter().fold(0.0f64, |most, mean| most.max(mean.abs()));
             (places.iter().map(|&place| means[place] as f32).collect(), largest as f32)
         } else {
@@ -348,13 +358,26 @@ impl OnCpu {
 
     /// The mean of the formula over the drives, at every cell.
     fn fill_cells(&mut self, job: &Job<'_>, filled: &Filled, key: &FormedKey) {
-        let Self { superposition, shares, cells, progress, work, .. } = self;
+        let Self { superposition, shares, cells, skin, progress, work, .. } = self;
+        let mut each = job.request.quantity.declaration().of_skin.then(Vec::new);
+        if cells.is_of(key) && each.is_some() && !skin.pressures.is_of(key) {
+            cells.key = None;
+        }
         cells.update(key, |cells| {
             let Some(grid) = &job.site.plan.grid else {
                 work.superposition += 1;
                 work.forming += 1;
                 let points = filled.cells.points(job.site.axes);
-                *cells = job.means(points.len(), |cell| points.point(cell));
+                if let Some(each) = &mut each {
+                    let of_drive = |drive| {
+                        let pressures = job.means(drive, points.len(), |cell| points.point(cell));
+                        pressures.into_iter().map(|value| value as f32).collect()
+                    };
+                    each.extend((0..job.excitations.len()).map(|drive| of_drive(drive..drive + 1)));
+                    *cells = mean(each);
+                    return;
+                }
+                *cells = job.means(0..job.excitations.len(), points.len(), |cell| points.point(cell));
                 return;
             };
             cells.clear();
@@ -367,6 +390,19 @@ impl OnCpu {
                 of_these.tell(0, 1);
                 let samples = of_these.lead(|| sampled(superposition, job, grid, drives, key.double));
                 work.forming += samples.len() as u64;
+                if let Some(each) = &mut each {
+                    let of_share = samples.len().div_ceil(SHARES);
+                    shares.resize_with(SHARES, Share::default);
+                    let forming =
+                        samples.par_chunks(of_share).zip(&mut *shares).flat_map_iter(|(some, share)| {
+                            some.iter().map(|sample| {
+                                share.sum(job, filled, std::slice::from_ref(sample));
+                                share.sums.iter().map(|&value| value as f32).collect::<Vec<_>>()
+                            })
+                        });
+                    each.par_extend(forming);
+                    continue;
+                }
                 let of_share = samples.len().div_ceil(most);
                 shares.resize_with(samples.len().div_ceil(of_share), Share::default);
                 let filling = samples.par_chunks(of_share).zip(&mut *shares);
@@ -376,9 +412,41 @@ impl OnCpu {
                 }
             }
             progress.tell(count, count);
+            if let Some(each) = &each {
+                *cells = mean(each);
+                return;
+            }
             let share = 1.0 / count as f64;
             cells.iter_mut().for_each(|cell| *cell *= share);
         });
+        if let Some(each) = each.filter(|each| !each.is_empty()) {
+            (skin.pressures.key, skin.pressures.value) = (Some(key.clone()), each);
+        }
+    }
+
+    /// The motion of the skin as far as the map's quantity needs it: at every cell the sum of its lines' powers.
+    fn powers(&mut self, job: &Job<'_>, filled: &Filled) -> Vec<f64> {
+        let Request { quantity, channel, skin, course, plane, .. } = job.request;
+        let purpose = match quantity.declaration().is_level() {
+            true => Purpose::Feeling(*channel),
+            false => Purpose::Displacement(*channel),
+        };
+        let (motion, made) = self.skin.motion(&filled.cells, plane.size, (skin, course), purpose);
+        self.work.response += u64::from(made > 0);
+        let powers = motion.powers(|frequency| purpose.weight(skin, frequency));
+        powers.map_or_else(
+            || vec![0.0; filled.cells.count()],
+            |(_, powers)| motion.widened(&powers, &filled.cells),
+        )
+    }
+
+    /// The motion of the skin with all that counts for any quantity, and its mean.
+    pub(super) fn skin(&mut self, job: &Job<'_>, double: bool) -> Option<&SkinMotion> {
+        self.enter(job.key);
+        let filled = job.site.cells.as_ref().filter(|_| job.request.quantity.declaration().of_skin)?;
+        self.fill_cells(job, filled, &FormedKey::new(job, double));
+        let Request { skin, course, plane, .. } = job.request;
+        Some(self.skin.motion(&filled.cells, plane.size, (skin, course), Purpose::All).0)
     }
 
     /// The liquid's response to a steady pressure, for quantities that show it.
@@ -449,7 +517,8 @@ fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], progress: &Gauge) 
     let quantity = job.request.quantity;
     let pixels = raster.pixels();
     progress.tell(0, 1);
-    let means = progress.lead(|| job.means(pixels.len(), |pixel| pixels.point(pixel)));
+    let means =
+        progress.lead(|| job.means(0..job.excitations.len(), pixels.len(), |pixel| pixels.point(pixel)));
     progress.tell(1, 1);
     for (value, mean) in values.iter_mut().zip(means) {
         *value = quantity.exact_value(job.request.part * mean) as f32;
@@ -460,8 +529,13 @@ fn in_f64(job: &Job<'_>, raster: &Raster, values: &mut [f32], progress: &Gauge) 
 }
 
 impl Job<'_> {
-    /// The mean of the formula over the drives at points, in f64.
-    pub(super) fn means(&self, count: usize, point: impl Fn(usize) -> DVec3 + Sync) -> Vec<f64> {
+    /// The mean of the formula over some of the drives at points, in f64.
+    pub(super) fn means(
+        &self,
+        drives: Range<usize>,
+        count: usize,
+        point: impl Fn(usize) -> DVec3 + Sync,
+    ) -> Vec<f64> {
         /// Points processed together.
         const TOGETHER: usize = 32;
         let (quantity, constants) = (self.request.quantity, self.request.constants());
@@ -471,7 +545,7 @@ impl Job<'_> {
             let points: Vec<_> = run.inspect(|_| counter.add()).map(&point).collect();
             let aperture = &self.key.setting.aperture;
             let sound = SoundTransfer::new(aperture, self.key.parts, self.site.axes, &points);
-            sound.means(self.excitations, (quantity, &constants))
+            sound.means(&self.excitations[drives.clone()], (quantity, &constants))
         };
         (0..count.div_ceil(TOGETHER)).into_par_iter().flat_map_iter(of_run).collect()
     }
@@ -489,26 +563,60 @@ impl FormedKey {
     }
 }
 
+/// The mean over all frames, at every cell.
+fn mean(frames: &[Vec<f32>]) -> Vec<f64> {
+    let mut sums = vec![0.0; frames.first().map_or(0, Vec::len)];
+    for frame in frames {
+        sums.iter_mut().zip(frame).for_each(|(sum, value)| *sum += f64::from(*value));
+    }
+    sums.iter_mut().for_each(|sum| *sum /= frames.len() as f64);
+    sums
+}
+
+/// How sums of the formula become values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ending {
+    Sum,
+    Root,
+    /// dB
+    Level,
+}
+
+impl Declaration {
+    fn ending(&self) -> Ending {
+        match (self.is_level(), self.is_root || self.of_skin) {
+            (true, _) => Ending::Level,
+            (false, true) => Ending::Root,
+            (false, false) => Ending::Sum,
+        }
+    }
+}
+
 /// The values at some places.
 fn at(values: &[f32], places: &[usize]) -> Vec<f32> {
     places.iter().map(|&place| values[place]).collect()
 }
 
-/// Turns sums of the formula into values in place; returns the largest magnitude.
-fn finish(values: &mut [f32], factor: f32, is_root: bool) -> f32 {
+/// Turns sums of the formula into values in place; returns the largest magnitude, of levels the largest.
+fn finish(values: &mut [f32], factor: f32, ending: Ending) -> f32 {
     const LANES: usize = 16;
-    let value = |sum: f32| if is_root { (factor * larger(sum, 0.0)).sqrt() } else { factor * sum };
-    let mut largest = [0.0f32; LANES];
+    let value = |sum: f32| match ending {
+        Ending::Sum => factor * sum,
+        Ending::Root => (factor * larger(sum, 0.0)).sqrt(),
+        Ending::Level => 10.0 * larger(factor * sum, FLOOR as f32).log10(),
+    };
+    let size = |value: f32| if ending == Ending::Level { value } else { value.abs() };
+    let mut largest = [f32::NEG_INFINITY; LANES];
     let (runs, rest) = values.as_chunks_mut::<LANES>();
     for run in runs {
         for (sum, largest) in run.iter_mut().zip(&mut largest) {
             *sum = value(*sum);
-            *largest = larger(sum.abs(), *largest);
+            *largest = larger(size(*sum), *largest);
         }
     }
     for sum in rest {
         *sum = value(*sum);
-        largest[0] = larger(sum.abs(), largest[0]);
+        largest[0] = larger(size(*sum), largest[0]);
     }
-    largest.into_iter().fold(0.0, f32::max)
+    largest.into_iter().fold(f32::NEG_INFINITY, f32::max)
 }

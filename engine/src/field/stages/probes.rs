@@ -28,7 +28,7 @@ const ROUNDING: f64 = 4.0 * f32::EPSILON as f64;
 /// Rounding of a slope in f64 over that of the pressure, both of the magnitudes of a plane wave.
 const OF_SLOPES: f64 = 4.0;
 
-/// Pixels, or cells of a liquid, with their f64 transfer from every element.
+/// Pixels, or cells of a liquid or the skin, with their f64 transfer from every element.
 #[derive(Debug)]
 pub(super) struct Probes {
     /// Their numbers, row by row.
@@ -46,7 +46,7 @@ type SoundNorm = fn(Quantity, Sound<f64>, &Constants<f64>) -> f64;
 /// A map's results at its probes.
 #[derive(Clone, Debug, Default)]
 pub(super) struct AtProbes {
-    /// The values; at cells of a liquid, the radiation pressure.
+    /// The values; at cells of a liquid or the skin, the radiation pressure.
     pub(super) values: Vec<f32>,
     /// The sound of every drive, of quantities formed at the pixels.
     pub(super) sounds: Option<Vec<Vec<Sound>>>,
@@ -55,12 +55,12 @@ pub(super) struct AtProbes {
 }
 
 impl Probes {
-    /// Scattered over the pixels, or over the cells of a liquid on the plane.
+    /// Scattered over the pixels, or over the cells of a liquid or the skin on the plane.
     pub(super) fn new(
         key: &SiteKey,
         site: &Site,
         ((width, height), left_out): ((usize, usize), &LeftOut),
-        of_liquid: bool,
+        is_pressed: bool,
     ) -> Self {
         let plane = &key.setting.plane;
         let (mut places, mut points) = (Vec::new(), Vec::new());
@@ -69,7 +69,7 @@ impl Probes {
             points.push(plane.centre + site.axes[0] * x + site.axes[1] * y);
         };
         match &site.cells {
-            Some(filled) if of_liquid => {
+            Some(filled) if is_pressed => {
                 let along = [0, 1].map(|axis| filled.cells.places(axis).collect::<Vec<_>>());
                 let shown = [0, 1].map(|axis| -> Vec<usize> {
                     let is_shown = |&i: &usize| along[axis][i].abs() <= plane.size[axis] / 2.0;
@@ -178,7 +178,7 @@ impl Probes {
                 mean.square += sound.p.norm_sqr() / excitations.len() as f64;
             }
         }
-        let part = if declaration.of_liquid { 1.0 } else { request.part };
+        let part = if declaration.is_pressed() { 1.0 } else { request.part };
         let counted = means.iter().zip(&self.counts).filter(|(_, counts)| **counts);
         let loudest = counted.fold(f64::MIN_POSITIVE, |most, (mean, _)| most.max(mean.square));
         let off = |(mean, &got): (Means, &f32)| {

@@ -5,13 +5,13 @@ use std::sync::Arc;
 use glam::DVec2;
 use num_complex::Complex64;
 
-use crate::acoustics::{Air, Aperture, response::responding};
+use crate::acoustics::{Air, Aperture, course::Course, response::responding};
 use crate::drive::Drive;
 use crate::field::gpu_report::GpuError;
 use crate::field::harmonic::{MarchError, NoHarmonic};
 use crate::field::quantity::{Constants, Declaration, Quantity};
 use crate::field::stages::depression::Depression;
-use crate::scene::{Bead, Liquid, Plane, Reflector, Scene, Spread};
+use crate::scene::{Bead, Channel, Liquid, Plane, Reflector, Scene, Skin, Spread};
 use crate::surface::Light;
 
 /// Pixels that a map may have.
@@ -38,6 +38,12 @@ pub struct Request {
     pub bead: Bead,
     /// Differences between elements: squares of the sound are then means over all such arrays.
     pub spread: Spread,
+    /// The skin on the plane.
+    pub skin: Skin,
+    /// The frequencies of the skin's motion that count.
+    pub channel: Channel,
+    /// When each drive is played, under which envelope; for the skin.
+    pub course: Course,
     /// The scene's reflectors; their images are in the aperture.
     pub mirrors: Vec<Reflector>,
     /// A moving surface of the liquid, instead of the one at rest: its depth (m) in every cell of
@@ -50,18 +56,25 @@ pub struct Request {
 impl Request {
     /// A request on the scene's plane, in its air, with its envelope and liquid.
     pub fn new(scene: &Scene, drives: Vec<Drive>, quantity: Quantity, size: (usize, usize)) -> Self {
-        let is_slow = quantity.declaration().is_slow;
+        let Declaration { is_slow, of_skin, .. } = *quantity.declaration();
+        let (course, drives) = match of_skin {
+            true => Course::new(scene, drives.len()).unrolled(drives),
+            false => (Course::default(), responding(scene, drives, is_slow)),
+        };
         Self {
             aperture: Aperture::new(scene),
             air: Air::new(&scene.medium, scene.array.frequency),
             plane: scene.plane.clone(),
-            drives: responding(scene, drives, is_slow).into(),
+            drives: drives.into(),
             quantity,
             moment: 0.0,
-            part: if is_slow { scene.modulation.mean_square() } else { 1.0 },
+            part: if is_slow && !of_skin { scene.modulation.mean_square() } else { 1.0 },
             liquid: scene.liquid.clone(),
             bead: scene.bead.clone(),
             spread: scene.array.spread,
+            skin: scene.skin.clone().unwrap_or_default(),
+            channel: Channel::All,
+            course,
             mirrors: scene.mirrors(),
             depth: None,
             size,
@@ -74,7 +87,8 @@ impl Request {
     /// An invalid request.
     pub(super) fn relevant(&self) -> Result<Self, FieldError> {
         self.check()?;
-        let Declaration { of_liquid, of_light, of_bead, of_moment, .. } = *self.quantity.declaration();
+        let Declaration { of_liquid, of_light, of_bead, of_moment, of_skin, .. } =
+            *self.quantity.declaration();
         let liquid = match (of_liquid, of_light) {
             (_, true) => self.liquid.clone(),
             (true, false) => self.liquid.in_the_dark(),
@@ -89,6 +103,9 @@ impl Request {
             bead: if of_bead { self.bead.clone() } else { Bead::default() },
             spread: if self.is_of_many_arrays() { self.spread } else { Spread::default() },
             depth: self.depth.clone().filter(|_| of_liquid),
+            skin: if of_skin { self.skin.clone() } else { Skin::default() },
+            channel: if of_skin { self.channel } else { Channel::All },
+            course: if of_skin { self.course.clone() } else { Course::default() },
             ..self.clone()
         })
     }
@@ -233,7 +250,7 @@ pub enum FieldError {
     )]
     NoPlane,
     #[error(
-        "the plane comes nearer than a wavelength to the array: the surface of a liquid must stay clear of it"
+        "the plane comes nearer than a wavelength to the array: the surface of a liquid, or the skin, must stay clear of it"
     )]
     TooNear,
     #[error("a liquid's surface is level: `x_axis` and `y_axis` of its plane must have no z component")]
@@ -243,6 +260,10 @@ pub enum FieldError {
          liquid of lower surface tension or higher density"
     )]
     TooManyCells,
+    #[error(
+        "{0} frames on this plane exceed the memory for the motion of the skin: take fewer frames, or a smaller plane"
+    )]
+    TooManyFrames(usize),
     #[error(transparent)]
     Harmonic(#[from] NoHarmonic),
     #[error(transparent)]

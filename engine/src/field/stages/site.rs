@@ -32,6 +32,9 @@ const MOST_DIRECT: usize = 1 << 27;
 /// Distance from the plane to the walls in capillary lengths: the outside changes the depression by a relative e^-14.
 const TO_THE_WALLS: f64 = 14.0;
 
+/// Distance (m) from the plane within which sound presses on the skin, too.
+const BESIDE_SKIN: f64 = 0.04;
+
 /// The inputs of a site.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct SiteKey {
@@ -108,7 +111,7 @@ impl SiteKey {
         let declaration = request.quantity.declaration();
         let is_direct = exact || request.plane.tolerance == 0.0;
         let is_sum = request.drives.len() > 1 || declaration.parts.count_ones() > 1;
-        let by_cells = declaration.is_square && (declaration.of_liquid || (is_sum && !is_direct));
+        let by_cells = declaration.is_square && (declaration.is_pressed() || (is_sum && !is_direct));
         if by_cells { Self::by_cells(request, exact) } else { Self::by_pixels(request, exact) }
     }
 
@@ -129,9 +132,18 @@ impl SiteKey {
         let tolerance = if (0.0..FINEST).contains(&wanted) { FINEST } else { wanted };
         // A square with an error of a millionth of the largest has a root with an error of a thousandth near 0:
         // the rest of the way is mended pixel by pixel.
-        let accuracy = if declaration.is_root { tolerance.powf(1.5).max(1e-8) } else { tolerance };
+        let accuracy = match (declaration.of_skin, declaration.is_root) {
+            // Levels are read far below the largest.
+            (true, _) => tolerance.powi(2).max(1e-8),
+            (false, true) => tolerance.powf(1.5).max(1e-8),
+            (false, false) => tolerance,
+        };
         let is_liquid = declaration.of_liquid;
-        let margin = if is_liquid { TO_THE_WALLS * request.liquid.capillary_length() } else { 0.0 };
+        let margin = match (is_liquid, declaration.of_skin) {
+            (true, _) => TO_THE_WALLS * request.liquid.capillary_length(),
+            (false, true) => BESIDE_SKIN,
+            (false, false) => 0.0,
+        };
         Self::with(request, tolerance, Some(ByCells { margin, accuracy, is_liquid }))
     }
 

@@ -46,7 +46,10 @@ pub(super) fn mend(
     let Some(pixels) = Samples::on_plane(&job.request.plane, width, height) else { return 0.0 };
     let exact = |places: &[usize]| -> Vec<f64> {
         let point = |i: usize| -> DVec3 { pixels.point(places[i]) };
-        job.means(places.len(), point).into_iter().map(|mean| job.request.part * mean).collect()
+        job.means(0..job.excitations.len(), places.len(), point)
+            .into_iter()
+            .map(|mean| job.request.part * mean)
+            .collect()
     };
     let tiles = tiles((cells, columns), [across, up], values);
     let peak = f64::from(tiles.iter().fold(0.0f32, |most, tile| most.max(tile.largest)).sqrt());
@@ -96,7 +99,7 @@ pub(super) fn off_at_loudest(job: &Job<'_>, values: &[f32]) -> f64 {
     };
     let places: Vec<_> = (0..PARTS * PARTS).into_par_iter().filter_map(largest_of).collect();
     let quantity = job.request.quantity;
-    let means = job.means(places.len(), |i| pixels.point(places[i])).into_iter();
+    let means = job.means(0..job.excitations.len(), places.len(), |i| pixels.point(places[i])).into_iter();
     let off = means.zip(&places).map(|(mean, &place)| {
         (quantity.exact_value(job.request.part * mean) - f64::from(values[place])).abs()
     });

@@ -5,10 +5,10 @@ pub mod panel;
 use glam::DVec3;
 
 use crate::acoustics::Aperture;
+use crate::acoustics::course;
 use crate::drive::Drive;
 use crate::scene::{Array, Scene, SpectralLine, motion};
 use crate::studio::performance::Performance;
-use crate::studio::time_course;
 use crate::ui::layout::Panel;
 use crate::ui::part::{Now, Part};
 
@@ -121,7 +121,7 @@ fn compute(input: &Input) -> Result<Course, String> {
         transfer.pressure(&drive.excitation(&aperture.driven))[0]
     };
     let of_frames: Vec<_> = performance.drives().iter().map(pressure).collect();
-    let course = time_course::Course::new(scene, of_frames.len());
+    let course = course::Course::new(scene, of_frames.len());
     let lines = course.spectrum(&of_frames, BAND)?;
     let rate = course.usual_rate();
     let instants = (course.usual_span() * rate).round().clamp(1.0, MOST) as usize;

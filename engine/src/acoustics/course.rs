@@ -8,14 +8,14 @@
 //! about events/(τ (2π samples)²) times the period: 1e-5 at ten thousand frames per second.
 
 use std::f64::consts::PI;
-use std::fmt::Write;
 
-use glam::DVec3;
 use num_complex::Complex64;
+use rayon::prelude::*;
 use sonoglyph_fourier::coefficients;
 
 use crate::acoustics::response::{Resonator, frames_per_second};
-use crate::scene::{Envelope, Law, Modulation, Scene, SpectralLine};
+use crate::scene::modulation::{Envelope, Law, Modulation, SpectralLine};
+use crate::scene::{Drive, Scene};
 
 /// Limit of the common period, s.
 const LONGEST: f64 = 10.0;
@@ -47,6 +47,9 @@ const NODES: [[f64; 2]; 6] = [
 /// Samples per second of sound behind a response, relative to its rate of decay, and limit of the samples of a period.
 const SAMPLING: f64 = 64.0;
 const MOST_SAMPLES: f64 = (1 << 22) as f64;
+/// Samples per second of drives behind a response, and their limit.
+const UNROLLED: f64 = 12_000.0;
+const MOST_UNROLLED: f64 = 4096.0;
 
 /// Two lines of a spectrum at frequencies of either sign: coefficient · e^{2πj frequency t}.
 type Term = (f64, Complex64);
@@ -58,7 +61,26 @@ pub struct Course {
     frames: usize,
     /// Frames per second; 0 for a single frame.
     rate: f64,
+    /// Whether frames are held until the next, and not samples of what is smooth between.
+    is_held: bool,
     response: Option<Resonator>,
+}
+
+/// A spectral line of a quantity that is quadratic in the sound, at every point: its coefficient, of e^{2πj frequency t}, from those
+/// of the frames.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Combination {
+    /// Hz
+    pub frequency: f64,
+    /// Of frames q_f the coefficient is Σ weight Q_k, Q_k = 1/M Σ q_f e^{-2πj k f/M}; k by `coefficients`.
+    pub weights: Vec<(usize, Complex64)>,
+}
+
+impl Default for Course {
+    /// Steady sound.
+    fn default() -> Self {
+        Self { modulation: Modulation::default(), frames: 1, rate: 0.0, is_held: true, response: None }
+    }
 }
 
 impl Course {
@@ -70,7 +92,68 @@ impl Course {
         assert!(frames > 0, "something is played");
         let rate = if frames == 1 { 0.0 } else { frames_per_second(scene) };
         let modulation = scene.modulation.clone();
-        Self { modulation, frames, rate, response: Resonator::new(scene) }
+        Self { modulation, frames, rate, is_held: true, response: Resonator::new(scene) }
+    }
+
+    /// The sequence without a response, and its drives, that sounds as this one does with it; unchanged without a response, or
+    /// without a common period of envelope and frames that samples of some number can follow.
+    pub fn unrolled(self, drives: Vec<Drive>) -> (Self, Vec<Drive>) {
+        let period = self.period().filter(|_| self.response.is_some());
+        let alike = |drive: &Drive| drive.phases.len() == drives[0].phases.len();
+        let Some(period) = period.filter(|_| drives.len() == self.frames && drives.iter().all(alike)) else {
+            return (self, drives);
+        };
+        let each = (period * self.usual_rate().max(UNROLLED) / self.frames as f64).ceil();
+        let count = each * self.frames as f64;
+        if count > MOST_UNROLLED {
+            return (self, drives);
+        }
+        let rate = count / period;
+        let element = |n: usize| {
+            let of = |drive: &Drive| Complex64::from_polar(drive.amplitudes[n], drive.phases[n]);
+            self.pressures(&drives.iter().map(of).collect::<Vec<_>>(), count as usize, rate)
+        };
+        let elements: Vec<_> = (0..drives[0].phases.len()).into_par_iter().map(element).collect();
+        let drive = |instant: usize| Drive {
+            amplitudes: elements.iter().map(|u| u[instant].norm()).collect(),
+            phases: elements.iter().map(|u| u[instant].arg()).collect(),
+        };
+        let drives = (0..count as usize).map(drive).collect();
+        let modulation = Modulation { shape: Envelope::Off, ..self.modulation };
+        (Self { modulation, frames: count as usize, rate, is_held: false, response: None }, drives)
+    }
+
+    /// The lines up to a frequency (Hz) of quantities that are quadratic in the sound, the mean first; a response is left out.
+    pub fn lines(&self, band: f64) -> Vec<Combination> {
+        let cycle = self.cycles_per_second();
+        let reach = if self.rate > 0.0 { (1.0 + REACH) * band } else { band };
+        let mut terms: Vec<(f64, usize, Complex64)> = Vec::new();
+        for (frequency, coefficient) in square_terms(&self.modulation, reach) {
+            if cycle == 0.0 {
+                terms.push((frequency, 0, coefficient));
+                continue;
+            }
+            let [least, most] = [-frequency - ONE_LINE, band - frequency + ONE_LINE].map(|end| end / cycle);
+            for k in least.ceil() as i64..=most.floor() as i64 {
+                let harmonic = k.rem_euclid(self.frames as i64) as usize;
+                let weight = match self.is_held {
+                    true => hold(k, self.frames),
+                    false if 2 * k.unsigned_abs() as usize <= self.frames => Complex64::ONE,
+                    false => Complex64::ZERO,
+                };
+                terms.push((frequency + k as f64 * cycle, harmonic, coefficient * weight));
+            }
+        }
+        terms.retain(|(frequency, _, weight)| {
+            (-ONE_LINE..=band + ONE_LINE).contains(frequency) && weight.norm() > LEAST
+        });
+        terms.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let alike = terms.chunk_by(|a, b| b.0 - a.0 < ONE_LINE);
+        let line = |same: &[(f64, usize, Complex64)]| Combination {
+            frequency: if same[0].0 < ONE_LINE { 0.0 } else { same[0].0 },
+            weights: same.iter().map(|(_, harmonic, weight)| (*harmonic, *weight)).collect(),
+        };
+        alike.map(line).collect()
     }
 
     /// Frames per second; 0 for a single frame.
@@ -152,36 +235,6 @@ impl Course {
             Envelope::File => self.modulation.step_rate(),
         };
         [self.rate, of_envelope]
-    }
-
-    /// CSV of so many instants, so many per second, at points, and of the lines of |p|² up to a frequency (Hz) if they are wanted.
-    /// `frames`: of every frame the pressures at these points.
-    ///
-    /// # Errors
-    /// More lines than can be told apart.
-    pub fn tables(
-        &self,
-        points: &[DVec3],
-        frames: &[Vec<Complex64>],
-        (instants, rate): (usize, f64),
-        band: Option<f64>,
-    ) -> anyhow::Result<[String; 2]> {
-        let (mut table, mut spectrum) =
-            (String::from("x,y,z,time,re,im,square\n"), String::from("x,y,z,frequency,square,phase\n"));
-        for (index, point) in points.iter().enumerate() {
-            let of_frames: Vec<_> = frames.iter().map(|frame| frame[index]).collect();
-            let [x, y, z] = point.to_array();
-            for (instant, p) in self.pressures(&of_frames, instants, rate).into_iter().enumerate() {
-                let time = instant as f64 / rate;
-                let _ =
-                    writeln!(table, "{x:?},{y:?},{z:?},{time:?},{:?},{:?},{:?}", p.re, p.im, p.norm_sqr());
-            }
-            let lines = band.map_or(Ok(Vec::new()), |band| self.spectrum(&of_frames, band));
-            for SpectralLine { frequency, amplitude, phase } in lines.map_err(anyhow::Error::msg)? {
-                let _ = writeln!(spectrum, "{x:?},{y:?},{z:?},{frequency:?},{amplitude:?},{phase:?}");
-            }
-        }
-        Ok([table, spectrum])
     }
 
     /// The lines of |p|² (Pa², p the complex peak pressure) up to a frequency (Hz), at a point at which these are the pressures of
@@ -339,9 +392,13 @@ impl Slow<'_> {
 
 /// The coefficient of harmonic k of a sequence with each value held until the next.
 fn held(transformed: &[Complex64], k: i64) -> Complex64 {
-    let part = k as f64 / transformed.len() as f64;
-    transformed[k.rem_euclid(transformed.len() as i64) as usize]
-        * Complex64::from_polar(sinc(part), -PI * part)
+    transformed[k.rem_euclid(transformed.len() as i64) as usize] * hold(k, transformed.len())
+}
+
+/// The factor on harmonic k of so many values from holding each until the next.
+fn hold(k: i64, count: usize) -> Complex64 {
+    let part = k as f64 / count as f64;
+    Complex64::from_polar(sinc(part), -PI * part)
 }
 
 /// sin(πx)/πx
