@@ -10,12 +10,13 @@
 //!   by the TouchSim model.
 
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::loaded::Loaded;
-use crate::scene::range::{KeyError, within};
+use crate::scene::range::{KeyError, refuse, within};
 
 /// dB, of absolute levels and of differences between levels.
 pub const UNCERTAINTY: [f64; 2] = [15.0, 3.0];
@@ -74,9 +75,9 @@ pub struct Skin {
     pub depth: Option<f64>,
     /// A known curve, or a file (CSV) with one, relative to the scene's file.
     pub threshold: String,
-    /// The curve of the file, once loaded: Hz and m (peak), by increasing frequency.
+    /// The curve of the file, once loaded.
     #[serde(skip)]
-    pub curve: Loaded<[[f64; 2]]>,
+    pub curve: Curve,
 }
 
 impl Default for Skin {
@@ -87,8 +88,27 @@ impl Default for Skin {
             density: 1100.0,
             depth: None,
             threshold: Threshold::Hand.into_str().to_owned(),
-            curve: Loaded::default(),
+            curve: Curve::default(),
         }
+    }
+}
+
+/// Thresholds from a file, once loaded. A scene file only names it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    thresholds: Loaded<[[f64; 2]]>,
+    /// The file of origin.
+    pub from: Option<PathBuf>,
+}
+
+impl Curve {
+    /// Hz and m (peak), two rows at least, by increasing frequency.
+    pub fn new(thresholds: Vec<[f64; 2]>, from: PathBuf) -> Self {
+        Self { thresholds: Loaded::new(thresholds), from: Some(from) }
+    }
+
+    pub fn get(&self) -> Option<&[[f64; 2]]> {
+        self.thresholds.get()
     }
 }
 
@@ -122,8 +142,11 @@ impl Threshold {
     }
 }
 
-/// A curve at a frequency, straight in logarithms, and onwards beyond its ends.
+/// A curve at a frequency, straight in logarithms between its values; nobody has measured beyond its ends, so nothing is felt there.
 fn along(curve: &[[f64; 2]], frequency: f64) -> f64 {
+    if !(curve[0][0]..=curve[curve.len() - 1][0]).contains(&frequency) {
+        return f64::INFINITY;
+    }
     let above = curve.partition_point(|[at, _]| *at <= frequency).clamp(1, curve.len() - 1);
     let [[f0, y0], [f1, y1]] = [curve[above - 1], curve[above]];
     y0 * (y1 / y0).powf((frequency / f0).ln() / (f1 / f0).ln())
@@ -146,7 +169,7 @@ impl Skin {
     }
 
     /// The displacement (m, peak) of a sine at a frequency (Hz) that is just felt; straight in logarithms between the values of a table,
-    /// and onwards beyond them.
+    /// infinite beyond its ends.
     pub fn threshold_at(&self, frequency: f64) -> f64 {
         match (self.known(), self.curve.get()) {
             (Some(known), _) => known.at(frequency),
@@ -159,6 +182,10 @@ impl Skin {
         within("wave_speed", self.wave_speed, 0.5, 100.0, "m/s")?;
         within("viscosity", self.viscosity, 0.01, 1e3, "Pa·s")?;
         within("density", self.density, 100.0, 1e4, "kg/m³")?;
+        if self.threshold.is_empty() {
+            let known = <Threshold as VariantNames>::VARIANTS.join(", ");
+            return refuse("threshold", format!("must be {known}, or the name of a CSV file"));
+        }
         self.depth.map_or(Ok(()), |depth| within("depth", depth, 5e-4, 0.1, "m"))
     }
 }
