@@ -307,6 +307,22 @@ class Bead(_Table):
 
 
 @dataclass(kw_only=True)
+class Skin(_Table):
+    """The skin of a hand on the plane: a half-space, or a layer on bone; with it solutions say what is felt."""
+
+    wave_speed: float | None = None
+    """m/s, of surface waves"""
+    viscosity: float | None = None
+    """Pa·s"""
+    density: float | None = None
+    """kg/m³"""
+    depth: float | None = None
+    """m, of a layer on bone"""
+    threshold: FileName | None = None
+    """hand, psychohaptic, afferents or a CSV file"""
+
+
+@dataclass(kw_only=True)
 class Tone(_Table):
     """One tone of a modulation: Hz, depth (0 to 1) and phase (rad)."""
 

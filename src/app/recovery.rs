@@ -110,7 +110,7 @@ impl Recovery {
     }
 }
 
-/// The scene of an earlier run, with its remaining pictures and waveforms.
+/// The scene of an earlier run, with its remaining files.
 fn read(path: &Path) -> Option<(Scene, Paintings)> {
     let mut scene = file::read(path).ok()?;
     let folder = path.parent().unwrap_or(Path::new(""));
@@ -121,6 +121,7 @@ fn read(path: &Path) -> Option<(Scene, Paintings)> {
         let _ = opening::load_targets(std::slice::from_mut(target), folder);
     }
     let _ = opening::load_wave(&mut scene.modulation, folder);
+    let _ = opening::load_thresholds(scene.skin.as_mut(), folder);
     let mut paintings = Paintings::default();
     paintings.adopt(&mut scene, path);
     Some((scene, paintings))

@@ -155,7 +155,8 @@ pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     let table = tables.filter(|name| !name.starts_with(arrays::PRESET));
     let wave = Some(&scene.modulation.file).filter(|name| !name.is_empty());
     let drive = Some(&scene.drive.name).filter(|name| !name.is_empty());
-    if let Some(name) = table.chain(wave).chain(drive).next() {
+    let thresholds = scene.skin.as_ref().filter(|skin| skin.known().is_none()).map(|skin| &skin.threshold);
+    if let Some(name) = table.chain(wave).chain(drive).chain(thresholds).next() {
         return Err(EditError::NamesFile(echo::value(name)));
     }
     opening::load(&mut scene, Path::new(""))?;

@@ -19,6 +19,7 @@ pub enum Table {
     Solver,
     Plane,
     Liquid,
+    Skin,
     Modulation,
     Motion,
 }
@@ -33,6 +34,16 @@ pub fn patch(scene: &mut Scene, table: Table, keys: &Map<String, Value>) -> Resu
         Table::Solver => scene.solver = patched(table, &scene.solver, keys)?,
         Table::Plane => scene.plane = patched(table, &scene.plane, keys)?,
         Table::Liquid => scene.liquid = patched(table, &scene.liquid, keys)?,
+        Table::Skin => {
+            let before = scene.skin.clone().unwrap_or_default();
+            let mut skin = patched(table, &before, keys)?;
+            if skin.threshold == before.threshold {
+                skin.curve = before.curve;
+            } else if skin.known().is_none() {
+                return Err(EditError::NamesFile(echo::value(&skin.threshold)));
+            }
+            scene.skin = Some(skin);
+        }
         Table::Modulation => {
             if let Some(file) = keys.get("file") {
                 return Err(EditError::NamesFile(echo::value(&file.to_string())));

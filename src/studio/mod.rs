@@ -36,6 +36,7 @@ pub mod spread;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod still;
 pub mod swell;
+pub mod thresholds;
 pub mod trade;
 #[cfg_attr(target_arch = "wasm32", path = "no_video.rs")]
 pub mod video;

@@ -1,4 +1,4 @@
-//! Opens scenes: the file, and the pictures, waveform, drives, elements and wires that it names.
+//! Opens scenes: the file, and the pictures, waveform, thresholds, drives, elements and wires that it names.
 //!
 //! A scene file names a picture; opening loads the pixels, which the scene then shares and the file never contains.
 
@@ -12,10 +12,10 @@ use crate::picture::grey;
 use crate::scene::check::check;
 use crate::scene::file::{self, FileError};
 use crate::scene::{
-    Array, DriveFile, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Target, Wires,
+    Array, DriveFile, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Skin, Target, Wires,
 };
 use crate::source;
-use crate::studio::{arrays, elements, waveform};
+use crate::studio::{arrays, elements, thresholds, waveform};
 
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
@@ -31,10 +31,10 @@ pub fn stem(path: &Path) -> String {
     stem.strip_suffix(".sonoglyph").filter(|name| !name.is_empty()).unwrap_or(&stem).to_owned()
 }
 
-/// The scene of a file, with its pictures, its waveform, its drives and its tables of elements and wires.
+/// The scene of a file, with its pictures, waveform, thresholds, drives, and tables of elements and wires.
 ///
 /// # Errors
-/// The errors of [`file::read`], and a picture, a waveform, drives or a table that cannot be read.
+/// The errors of [`file::read`], and a picture, a waveform, thresholds, drives or a table that cannot be read.
 pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
@@ -50,14 +50,15 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures, waveform, drives, elements and wires named by a scene, relative to a folder, and checks the scene
-/// again if there are pictures, drives or a table.
+/// Loads the pictures, waveform, thresholds, drives, elements and wires named by a scene, relative to a folder, and
+/// checks the scene again if there are pictures, drives or a table.
 ///
 /// # Errors
-/// A missing, unreadable or black picture, errors of [`waveform::read`], a missing or invalid table, and errors of
-/// [`check()`] and [`file::targets_in_motion`].
+/// A missing, unreadable or black picture, errors of [`waveform::read`] and [`thresholds::read`], a missing or invalid
+/// table, and errors of [`check()`] and [`file::targets_in_motion`].
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     load_wave(&mut scene.modulation, folder)?;
+    load_thresholds(scene.skin.as_mut(), folder)?;
     let lacks_table = scene.array.lacks_elements() || scene.array.lacks_wires() || scene.drive.is_missing();
     if !scene.targets.iter().any(Target::lacks_pixels) && !lacks_table {
         return Ok(());
@@ -154,6 +155,19 @@ pub fn load_wave(modulation: &mut Modulation, folder: &Path) -> Result<(), KeyEr
         let read = waveform::read(&folder.join(&modulation.file));
         let key = [Key::from("modulation"), Key::from("file")];
         modulation.wave = read.map_err(|message| KeyError::new(key, message))?;
+    }
+    Ok(())
+}
+
+/// Loads the thresholds of a skin, if a file has them and they are not loaded.
+///
+/// # Errors
+/// The errors of [`thresholds::read`].
+pub fn load_thresholds(skin: Option<&mut Skin>, folder: &Path) -> Result<(), KeyError> {
+    if let Some(skin) = skin.filter(|skin| skin.lacks_curve()) {
+        let read = thresholds::read(&folder.join(&skin.threshold));
+        let key = [Key::from("skin"), Key::from("threshold")];
+        skin.curve = read.map_err(|message| KeyError::new(key, message))?;
     }
     Ok(())
 }

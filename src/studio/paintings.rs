@@ -74,6 +74,12 @@ impl Paintings {
             let before = if Path::new(file).is_absolute() { "" } else { &**file };
             *file = name_from(&path, &absolute(&samples.file), before);
         }
+        if let Some(skin) = placed.scene.skin.as_mut().filter(|skin| skin.known().is_none())
+            && let Some(place) = &skin.curve.from
+        {
+            let before = if Path::new(&skin.threshold).is_absolute() { "" } else { &*skin.threshold };
+            skin.threshold = name_from(&path, &absolute(place), before);
+        }
         placed
     }
 

@@ -10,7 +10,7 @@ use sonoglyph::control::edit::{Edit, Wish};
 use sonoglyph::control::live::Live;
 use sonoglyph::control::report::Report;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages};
-use sonoglyph::scene::{Envelope, Modulation, Scene, Wave, Waveform};
+use sonoglyph::scene::{Curve, Envelope, Modulation, Scene, Skin, Wave, Waveform};
 use sonoglyph::solver::{self, Solution};
 use tungstenite::Message;
 
@@ -83,16 +83,22 @@ fn a_pad_moves_targets_at_their_height() {
 }
 
 #[test]
-fn a_waveform_stays_when_its_depth_changes() {
+fn files_of_a_table_stay_when_another_key_changes() {
     let serving = Serving::local(TWO);
     let samples = Waveform { file: "a.wav".into(), rate: 8000.0, values: vec![0.0, 1.0] };
     let (shape, file, wave) = (Envelope::File, "a.wav".to_owned(), Wave::new(samples));
     let modulation = Modulation { shape, file, wave, ..Modulation::default() };
-    let scene = Scene { modulation: modulation.clone(), ..scene(TWO) };
+    let curve = Curve::new(vec![[20.0, 1e-6], [200.0, 1e-8]], "a.csv".into());
+    let skin = Skin { threshold: "a.csv".to_owned(), curve, ..Skin::default() };
+    let scene = Scene { modulation: modulation.clone(), skin: Some(skin.clone()), ..scene(TWO) };
     serving.desk.change(&[Edit::Scene(Box::new(scene))]).unwrap();
     serving.udp("osc").osc("modulation/depth", &floats([0.5]));
     let now = || serving.desk.wish().0.scene.modulation.clone();
     eventually("the depth", || now().depth == 0.5);
+    serving.udp("osc").osc("skin/depth", &floats([0.5f32.powi(6)]));
+    let skins = || serving.desk.wish().0.scene.skin.clone();
+    let changed = Skin { depth: Some(0.5f64.powi(6)), ..skin };
+    eventually("the layer", || skins().as_ref() == Some(&changed));
     assert_eq!(now(), Modulation { depth: 0.5, ..modulation });
 }
 
@@ -255,6 +261,8 @@ fn impossible_json_requests_are_answered_and_change_nothing() {
         (r#"{"scene": {"array": {"wiring": "/etc/passwd"}}}"#, "may not name files"),
         (r#"{"scene": {"array": {"elements": "preset:nothing"}}}"#, "no preset of that name"),
         (r#"{"modulation": {"file": "/etc/a.wav"}}"#, "may not name files"),
+        (r#"{"skin": {"threshold": "/etc/passwd"}}"#, "may not name files"),
+        (r#"{"scene": {"skin": {"threshold": "/etc/passwd"}}}"#, "may not name files"),
         (r#"{"plane": {"size": [0, 1]}}"#, "plane.size"),
         (r#"{"plane": {"size": [0.1, 0.1, 0.1]}}"#, "plane: "),
         (r#"{"motion": {"path": "spiral"}}"#, "spiral"),
@@ -270,7 +278,7 @@ fn impossible_json_requests_are_answered_and_change_nothing() {
     assert_eq!(web.heard()["error"], "messages are JSON, and text");
     assert_eq!(serving.desk.generation(), 1);
     let counts = &web.ask(r#"{"state": true}"#)["state"]["counts"];
-    assert_eq!((&counts["malformed"], &counts["refused"]), (&json!(15), &json!(6)));
+    assert_eq!((&counts["malformed"], &counts["refused"]), (&json!(16), &json!(7)));
     // A published array is not a file.
     assert_eq!(web.ask(r#"{"scene": {"array": {"elements": "preset:tinylev-72"}}, "id": 1}"#)["done"], 2);
 }

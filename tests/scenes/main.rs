@@ -9,3 +9,4 @@ mod poison;
 mod random;
 #[path = "../requirement/mod.rs"]
 mod requirement;
+mod skin;

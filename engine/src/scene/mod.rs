@@ -70,9 +70,9 @@ pub use range::{Key, KeyError};
 pub(crate) use response::Circuit;
 pub use response::{Pole, Response, Transducer};
 pub use shape::{Shape, ShapeKey, ShapeValue};
-#[doc(hidden)]
-pub use skin::UNCERTAINTY;
 pub use skin::{Channel, Skin, Threshold};
+#[doc(hidden)]
+pub use skin::{Curve, UNCERTAINTY};
 pub use solver::{Aim, Amplitudes, Method, Pressures, Solver};
 #[doc(hidden)]
 pub use target::TargetTable;

@@ -6,7 +6,8 @@ use std::path::Path;
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
 use crate::scene::{
-    board::Elements, content::Scene, drive::DriveFile, file, pixels::Pixels, wave::Wave, wires::Wires,
+    board::Elements, content::Scene, drive::DriveFile, file, pixels::Pixels, skin::Curve, wave::Wave,
+    wires::Wires,
 };
 
 /// Repeated tables.
@@ -26,7 +27,7 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
     rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
-/// The scene as in its file: without pixels, drives, tables of elements and wires, and waveform samples.
+/// The scene as in its file: without pixels, drives, tables of elements and wires, waveform samples and thresholds.
 fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     (scene.array.placed, scene.array.wires) = (Elements::default(), Wires::default());
@@ -37,6 +38,9 @@ fn as_written(scene: &Scene) -> Scene {
         }
     }
     scene.modulation.wave = Wave::default();
+    if let Some(skin) = &mut scene.skin {
+        skin.curve = Curve::default();
+    }
     scene
 }
 

@@ -10,12 +10,13 @@
 //!   by the TouchSim model.
 
 use std::f64::consts::TAU;
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::loaded::Loaded;
-use crate::scene::range::{KeyError, within};
+use crate::scene::range::{KeyError, refuse, within};
 
 /// dB, of absolute levels and of differences between levels.
 pub const UNCERTAINTY: [f64; 2] = [15.0, 3.0];
@@ -74,9 +75,9 @@ pub struct Skin {
     pub depth: Option<f64>,
     /// A known curve, or a file (CSV) with one, relative to the scene's file.
     pub threshold: String,
-    /// The curve of the file, once loaded: Hz and m (peak), by increasing frequency.
+    /// The curve of the file, once loaded.
     #[serde(skip)]
-    pub curve: Loaded<[[f64; 2]]>,
+    pub curve: Curve,
 }
 
 impl Default for Skin {
@@ -87,8 +88,27 @@ impl Default for Skin {
             density: 1100.0,
             depth: None,
             threshold: Threshold::Hand.into_str().to_owned(),
-            curve: Loaded::default(),
+            curve: Curve::default(),
         }
+    }
+}
+
+/// Thresholds from a file, once loaded. A scene file only names it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    thresholds: Loaded<[[f64; 2]]>,
+    /// The file of origin.
+    pub from: Option<PathBuf>,
+}
+
+impl Curve {
+    /// Hz and m (peak), two rows at least, by increasing frequency.
+    pub fn new(thresholds: Vec<[f64; 2]>, from: PathBuf) -> Self {
+        Self { thresholds: Loaded::new(thresholds), from: Some(from) }
+    }
+
+    pub fn get(&self) -> Option<&[[f64; 2]]> {
+        self.thresholds.get()
     }
 }
 
@@ -162,6 +182,10 @@ impl Skin {
         within("wave_speed", self.wave_speed, 0.5, 100.0, "m/s")?;
         within("viscosity", self.viscosity, 0.01, 1e3, "Pa·s")?;
         within("density", self.density, 100.0, 1e4, "kg/m³")?;
+        if self.threshold.is_empty() {
+            let known = <Threshold as VariantNames>::VARIANTS.join(", ");
+            return refuse("threshold", format!("must be {known}, or the name of a CSV file"));
+        }
         self.depth.map_or(Ok(()), |depth| within("depth", depth, 5e-4, 0.1, "m"))
     }
 }

@@ -86,13 +86,16 @@ impl Files {
         Ok(())
     }
 
-    /// Notes the pictures, the waveform and the tables that a scene has been read with.
+    /// Notes the pictures, the waveform, the thresholds and the tables that a scene has been read with.
     ///
     /// # Errors
     /// The errors of [`Self::reads`].
     pub fn reads_files_of(&mut self, scene: &Scene) -> anyhow::Result<()> {
         if let Some(samples) = scene.modulation.wave.get() {
             self.reads(&samples.file)?;
+        }
+        if let Some(path) = scene.skin.as_ref().and_then(|skin| skin.curve.from.as_ref()) {
+            self.reads(path)?;
         }
         if let Some(path) = &scene.drive.from {
             self.reads(path)?;

@@ -6,7 +6,8 @@ use glam::{DVec2, DVec3};
 use sonoglyph::acoustics::Air;
 use sonoglyph::scene::{
     Amplitudes, Array, Easing, ElementModel, Envelope, Keyframe, Law, Liquid, LiquidName, Listener, Medium,
-    Method, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Solver, Target, Tempo,
+    Method, Modulation, Motion, MotionPath, Plane, Pressures, Sampling, Scene, Shape, Skin, Solver, Target,
+    Tempo, Threshold,
 };
 use strum::VariantArray;
 
@@ -114,7 +115,22 @@ fn scene(dice: &mut Dice, number: usize, wide: bool) -> Scene {
         law: dice.one_of(&[Law::Amplitude, Law::Power]),
         ..Modulation::default()
     };
-    Scene { medium, array, targets, solver, plane, liquid, modulation, motion, listener, ..Scene::default() }
+    // Drawn beside, so that all other scenes stay what they were.
+    let mut beside = dice.clone();
+    let skin = beside.of(0.2).then(|| skin(&mut beside));
+    Scene {
+        medium,
+        array,
+        targets,
+        solver,
+        plane,
+        liquid,
+        skin,
+        modulation,
+        motion,
+        listener,
+        ..Scene::default()
+    }
 }
 
 fn medium(dice: &mut Dice, wide: bool) -> Medium {
@@ -203,6 +219,18 @@ fn plane(dice: &mut Dice, middle: DVec3, wavelength: f64, wide: bool) -> Plane {
     let centre = if dice.of(0.05) { middle.with_z(0.0) } else { middle };
     let plane = Plane { centre, x_axis, y_axis, size: DVec2::new(side(dice), side(dice)), tolerance };
     if plane.axes().is_some() { plane } else { Plane { x_axis: DVec3::X, y_axis: DVec3::Y, ..plane } }
+}
+
+fn skin(dice: &mut Dice) -> Skin {
+    let known: &str = dice.one_of(Threshold::VARIANTS).into();
+    Skin {
+        wave_speed: dice.magnitude(0.5, 100.0),
+        viscosity: dice.magnitude(0.01, 1e3),
+        density: dice.magnitude(100.0, 1e4),
+        depth: dice.of(0.5).then(|| dice.magnitude(5e-4, 0.1)),
+        threshold: known.to_owned(),
+        ..Skin::default()
+    }
 }
 
 /// Any, as far as the dent has no more than [`MOST_CELLS`].

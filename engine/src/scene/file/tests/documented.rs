@@ -17,7 +17,7 @@ use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{
     array::Array, bead::Bead, liquid::Liquid, medium::Medium, modulation::Modulation, plane::Plane,
-    solver::Solver,
+    skin::Skin, solver::Solver,
 };
 
 /// Read when the tests run, so that a word in it compiles nothing anew.
@@ -74,6 +74,7 @@ fn known() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
         ("plane", keys_of::<Plane>()),
         ("liquid", keys_of::<Liquid>()),
         ("bead", keys_of::<Bead>()),
+        ("skin", keys_of::<Skin>()),
         ("modulation", keys_of::<Modulation>()),
         ("motion", keys_of::<MotionTable>()),
         ("listener", keys_of::<Listener>()),
@@ -196,6 +197,7 @@ fn defaults_are_those_of_an_empty_scene() {
     let bead = Bead::default();
     let own = [("material", Value::from(bead.material.into_str())), ("radius", bead.radius.into())];
     empty.insert("bead".to_owned(), Table::from_iter(own.map(|(key, value)| (key.to_owned(), value))).into());
+    empty.insert("skin".to_owned(), Table::try_from(Skin::default()).unwrap().into());
     // And so are these; `kind` is what made it a circle.
     let Solver { quiet, search, .. } = Scene::default().solver;
     for (table, key, value) in [
