@@ -8,7 +8,7 @@ use strum::VariantArray;
 
 use crate::field::Quantity;
 use crate::picture::ColourMap;
-use crate::scene::Method;
+use crate::scene::{Channel, Method};
 use crate::studio::still::Diagram;
 
 /// Every quantity, and the pages.
@@ -50,4 +50,10 @@ impl ValueEnum for ColourMap {
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.into_str()))
     }
+}
+
+/// Names of the channels of feeling.
+pub fn channel() -> impl TypedValueParser<Value = Channel> {
+    let names = Channel::VARIANTS.iter().map(|channel| PossibleValue::new(channel.into_str()));
+    PossibleValuesParser::new(names).try_map(|name| name.parse::<Channel>())
 }

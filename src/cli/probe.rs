@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, anyhow, bail};
 use clap::{Args, ValueEnum};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
 use crate::acoustics::{Aperture, response::responding};
@@ -14,8 +14,9 @@ use crate::cli::scene::{read_scene, write_or_print};
 use crate::cli::time_course::TimeArgs;
 use crate::cli::{progress, time_course};
 use crate::drive::Drive;
-use crate::field::{Evaluator, Samples, reference};
+use crate::field::{Evaluator, Quantity, Request, Samples, Stages, reference};
 use crate::force::Levitation;
+use crate::scene::{Scene, SpectralLine};
 use crate::solver;
 use crate::source;
 use crate::studio::evaluator::{self, Backend};
@@ -87,12 +88,14 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
         })
     };
     if args.time.time {
+        let skin = scene.skin.is_some().then(|| of_skin(&scene, &drives, &samples.columns, &evaluator));
         return time_course::write(
             &args.time,
             &scene,
             &samples.columns,
             &drives,
             pressure,
+            skin.transpose()?.as_deref(),
             args.output.as_deref(),
         );
     }
@@ -101,6 +104,35 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
         note("`re` and `im` have the RMS modulus of all drives in turn, and the phase of the first");
     }
     write_or_print(args.output.as_deref(), &probe::pressures_csv(&samples.columns, &pressures))
+}
+
+/// The lines of the skin's displacement at points, which must be on it.
+fn of_skin(
+    scene: &Scene,
+    drives: &[Drive],
+    points: &[DVec3],
+    evaluator: &Evaluator,
+) -> anyhow::Result<Vec<Vec<SpectralLine>>> {
+    /// m
+    const BESIDE: f64 = 1e-3;
+    let plane = &scene.plane;
+    let (x, y) = plane.axes().context("the scene's plane has no axes")?;
+    let (half, normal) = (plane.size / 2.0, x.cross(y));
+    let place = |(index, point): (usize, &DVec3)| {
+        let from = *point - plane.centre;
+        let (place, height) = (DVec2::new(from.dot(x), from.dot(y)), from.dot(normal));
+        if height.abs() > BESIDE || place.abs().cmpgt(half + BESIDE).any() {
+            bail!("point {} at {point} m is not on the skin, which is the scene's [plane]", index + 1);
+        }
+        Ok(place.clamp(-half, half))
+    };
+    let places = points.iter().enumerate().map(place).collect::<anyhow::Result<Vec<_>>>()?;
+    let own = match evaluator {
+        Evaluator::Reference => Evaluator::Reference,
+        Evaluator::Cpu | Evaluator::Gpu(_) => Evaluator::Cpu,
+    };
+    let request = Request::new(scene, drives.to_vec(), Quantity::Skin, (1, 1));
+    Ok(Stages::new(own).skin(&request)?.at(&places))
 }
 
 fn forces(args: &ProbeArgs, levitation: &Levitation, points: &[DVec3]) -> anyhow::Result<()> {

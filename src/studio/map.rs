@@ -10,6 +10,10 @@ use crate::studio::evaluator::or_by_cpu;
 
 /// Text for a silent map, in place of zeros.
 pub const SILENT: &str = "no sound reaches the plane";
+/// Text for skin that only steady sound presses.
+pub const UNMOVED: &str = "the skin does not move: steady sound is hardly felt; add [modulation] or [motion]";
+/// Level (dB) of what no hand feels: that of a map without motion is lower.
+const UNFELT: f64 = -99.0;
 /// Remark on values that exceed the range.
 pub const LARGER: &str = "larger within a wavelength of elements";
 
@@ -32,6 +36,9 @@ pub fn colours(quantity: Quantity, of_amounts: ColourMap) -> ColourMap {
 /// The range of a map's values, as text; `peak` as in the map.
 pub fn extent(quantity: Quantity, peak: f64) -> String {
     let declaration = quantity.declaration();
+    if declaration.of_skin && peak <= (if declaration.is_level() { UNFELT } else { 0.0 }) {
+        return UNMOVED.to_owned();
+    }
     if peak == 0.0 {
         return SILENT.to_owned();
     }
@@ -88,8 +95,9 @@ pub fn draw(
         let (width, height) = request.size;
         let picture = stages.colours(request, &colouring)?;
         let picture = Picture::from_field_order(width, height, picture.as_flattened());
-        let is_slow = quantity.declaration().is_slow;
-        let pressed = is_slow.then(|| stages.pressed(request)).transpose()?;
+        let declaration = quantity.declaration();
+        let pressed =
+            (declaration.is_slow && !declaration.of_skin).then(|| stages.pressed(request)).transpose()?;
         Ok((stages.map(request)?.clone(), picture, pressed))
     })?;
     let how = how(stages, quantity, &map, start);
@@ -109,7 +117,11 @@ fn how(stages: &Stages, quantity: Quantity, map: &Map, start: Instant) -> String
         By::Gpu => stages.gpu().map_or_else(cpu, |gpu| gpu.info().to_string()),
     };
     let time = milliseconds(start.elapsed().as_secs_f64(), 1);
-    let whose = if quantity.declaration().of_light { "the radiation pressure's peak" } else { "the peak" };
+    let declaration = quantity.declaration();
+    let whose = match declaration.of_light || declaration.of_skin {
+        true => "the radiation pressure's peak",
+        false => "the peak",
+    };
     let error = match map.peak {
         0.0 if map.rounding > 0.0 => "silent: no value exceeds the rounding of its sum in f64".to_owned(),
         0.0 => "silent: every pressure underflows when squared in f32".to_owned(),

@@ -12,7 +12,7 @@ use crate::gauge::Gauge;
 use crate::memory;
 use crate::picture::{ColourMap, Picture, export, numbers, relief, sheet};
 use crate::rounding::milliseconds;
-use crate::scene::{Scene, file, motion};
+use crate::scene::{Channel, Scene, file, motion};
 use crate::solver::{self, Solution};
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
@@ -73,6 +73,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
         diagram: Diagram::Sheet,
         shaded: false,
         colours: ColourMap::Inferno,
+        channel: Channel::All,
         size: None,
         numbers: false,
         backend: Backend::Auto,
@@ -117,6 +118,8 @@ pub struct Look {
     /// Whether a depression is drawn as a shaded relief.
     pub shaded: bool,
     pub colours: ColourMap,
+    /// Frequencies of the skin's motion that count.
+    pub channel: Channel,
     /// Overrides the default size.
     pub size: Option<Size>,
     /// Whether numbers are written in addition to the picture.
@@ -142,6 +145,12 @@ impl Look {
         };
         if matches!(self.diagram, Diagram::Sheet | Diagram::Drive) {
             bail!("--frame chooses among maps, and this is no quantity on a plane");
+        }
+        if moment != Moment::Mean
+            && let Diagram::Map(quantity) = self.diagram
+            && quantity.declaration().of_skin
+        {
+            bail!("{} is that of the whole cycle: leave out --frame", quantity.declaration().words);
         }
         let frames = follow(scene, &solved.name, &(self.begin)(SOLVING))?.frames;
         match moment {
@@ -260,7 +269,8 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     };
     let step = if drives.len() > 1 { "the mean of all frames" } else { "the map" };
     stages.show_progress((look.begin)(step));
-    let request = Request::new(scene, drives, quantity, (width, height));
+    let channel = look.channel;
+    let request = Request { channel, ..Request::new(scene, drives, quantity, (width, height)) };
     let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
     if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
         warn(&format!("{name}: {missed}"));

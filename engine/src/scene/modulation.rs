@@ -83,6 +83,14 @@ pub struct SpectralLine {
     pub phase: f64,
 }
 
+impl SpectralLine {
+    /// Its value at a time (s).
+    #[doc(hidden)]
+    pub fn at(&self, time: f64) -> f64 {
+        self.amplitude * (TAU * (self.frequency * time).fract() + self.phase).cos()
+    }
+}
+
 /// The modulated quantity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]

@@ -152,7 +152,7 @@ fn planes_without_a_surface_give_an_error() {
     assert_eq!(error(upright.clone(), Quantity::Depression, water()), Some(FieldError::NotLevel));
     assert_eq!(error(low.clone(), Quantity::Depression, water()), Some(FieldError::TooNear));
     assert_eq!(error(scene.plane.clone(), Quantity::Depression, heavy), Some(FieldError::TooManyCells));
-    for quantity in Quantity::ALL.into_iter().filter(|quantity| !quantity.declaration().of_liquid) {
+    for quantity in Quantity::ALL.into_iter().filter(|quantity| !quantity.declaration().is_pressed()) {
         assert_eq!(error(upright.clone(), quantity, water()), None, "{quantity:?} on an upright plane");
         assert_eq!(error(low.clone(), quantity, water()), None, "{quantity:?} near the array");
     }

@@ -79,7 +79,9 @@ pub fn value(
         | Quantity::Caustic
         | Quantity::Gorkov
         | Quantity::Force
-        | Quantity::Harmonic => {
+        | Quantity::Harmonic
+        | Quantity::Skin
+        | Quantity::Felt => {
             panic!("{quantity:?} does not follow from the sound at a point")
         }
     }

@@ -39,7 +39,7 @@ fn largest(values: &[f32], are: impl Iterator<Item = bool>) -> f32 {
 
 /// Whether it is larger next to elements.
 fn is_local(quantity: &Quantity) -> bool {
-    !quantity.declaration().of_liquid && !quantity.declaration().of_volume
+    !quantity.declaration().is_pressed() && !quantity.declaration().of_volume
 }
 
 #[test]

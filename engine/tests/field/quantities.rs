@@ -125,7 +125,7 @@ fn every_quantity_keeps_the_tolerance_on_any_plane() {
     let (scene, drives) = three_foci();
     let aperture = Aperture::new(&scene);
     let is_pointwise =
-        |quantity: &Quantity| !quantity.declaration().of_liquid && quantity.declaration().has_formula();
+        |quantity: &Quantity| !quantity.declaration().is_pressed() && quantity.declaration().has_formula();
     let pointwise = Quantity::ALL.into_iter().filter(is_pointwise);
     let mut stages: Vec<_> = evaluators().into_iter().map(|it| (own(&it), Stages::new(it))).collect();
     for (name, plane) in planes() {
@@ -184,7 +184,7 @@ fn a_scene_moved_as_a_whole_has_the_same_maps() {
     let (mut scene, drives) = three_foci();
     let offset = dvec3(0.03, -0.02, 0.07);
     let is_pointwise =
-        |quantity: &Quantity| !quantity.declaration().of_liquid && !quantity.declaration().of_volume;
+        |quantity: &Quantity| !quantity.declaration().is_pressed() && !quantity.declaration().of_volume;
     for height in [0.0, 2e-7, 0.003, 0.02, 0.1] {
         scene.plane.centre = DVec3::Z * height;
         let moved = Scene {

@@ -82,7 +82,9 @@ fn by_cells(quantity: Quantity) -> bool {
         | Quantity::Depression
         | Quantity::Caustic
         | Quantity::Gorkov
-        | Quantity::Force => true,
+        | Quantity::Force
+        | Quantity::Skin
+        | Quantity::Felt => true,
         // Of neither: `harmonic` tests its work.
         Quantity::Harmonic => false,
         Quantity::Rms

@@ -129,7 +129,7 @@ fn quantity(scene: &Scene, dice: &mut Dice) -> Quantity {
     let quantities: Vec<_> = Quantity::ALL
         .into_iter()
         // Potentials and forces are tested in `force`.
-        .filter(|quantity| !quantity.declaration().of_liquid && quantity.declaration().has_formula())
+        .filter(|quantity| !quantity.declaration().is_pressed() && quantity.declaration().has_formula())
         .filter(|quantity| !is_near || quantity.declaration().parts == PRESSURE)
         .collect();
     if dice.of(0.4) { Quantity::Instantaneous } else { dice.one_of(&quantities) }

@@ -12,7 +12,7 @@ use crate::field::Quantity;
 use crate::field::volume::camera::Standard;
 use crate::field::volume::{Block, MOST_POINTS_ALONG};
 use crate::picture::ColourMap;
-use crate::scene::Method;
+use crate::scene::{Channel, Method};
 use crate::studio::animate::RATES;
 use crate::studio::figure::{DENSITIES, WIDTHS};
 use crate::studio::space::SIDES;
@@ -69,7 +69,7 @@ pub struct RenderArgs {
     /// Also write the values: NPY, float32, (H, W), row 0 at the smallest y
     ///
     /// Pressure in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s, potential in
-    /// J, force in N. For --waves the shape is (frames, H, W), and FILE.times.npy has the times (s) of the frames. For
+    /// J, force in N, skin in m, felt in dB over threshold. For --waves the shape is (frames, H, W), and FILE.times.npy has the times (s) of the frames. For
     /// `drive` it is (2, rows, columns): phase in rad, and the solver's amplitude before it is made uniform.
     #[arg(long, value_name = "FILE.npy")]
     pub data: Option<PathBuf>,
@@ -96,6 +96,9 @@ pub struct RenderArgs {
     /// liquid is too slow for single frames.
     #[arg(long, value_name = "N|mean", value_parser = parse_moment, conflicts_with_all = ["motion", "waves"])]
     pub frame: Option<Moment>,
+    /// Frequencies that count for `skin` and `felt`: pressure (below 20 Hz), flutter (20 to 60 Hz), vibration (above)
+    #[arg(long, value_parser = names::channel(), default_value = Channel::All.into_str())]
+    pub channel: Channel,
     /// Report evaluator, method and times
     #[arg(short, long)]
     pub verbose: bool,
@@ -194,6 +197,7 @@ pub fn look(args: &RenderArgs) -> Look {
         diagram: args.quantity,
         shaded: args.view == View::Shaded,
         colours: args.colours,
+        channel: args.channel,
         size: args.size,
         numbers: args.data.is_some(),
         backend: args.backend.backend,

@@ -77,7 +77,8 @@ pub fn write(
 ) -> anyhow::Result<()> {
     let Solved { name, scene, solution } = solved;
     let format = figure::format(output)?;
-    let request = Request::new(scene, look.drives(solved)?, quantity, (1, 1));
+    let channel = look.channel;
+    let request = Request { channel, ..Request::new(scene, look.drives(solved)?, quantity, (1, 1)) };
     let gpu_is_asked_for = look.backend == Backend::Gpu;
     let drawn = figure::draw((scene, &solution.foci), &request, wish, stages, gpu_is_asked_for)?;
     if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {

@@ -116,6 +116,25 @@ impl Extent {
     }
 }
 
+/// Pictures of the skin in a period of its motion.
+#[derive(Clone, Copy, Debug)]
+struct Period {
+    pictures: usize,
+    seconds: f64,
+}
+
+impl Period {
+    /// `None` of other quantities.
+    fn new(request: &Request) -> Option<Self> {
+        /// Pictures of a period, at least, if its sound has no frames.
+        const FEWEST: usize = 32;
+        let seconds = request.course.usual_span();
+        let pictures = if seconds > 0.0 { request.drives.len().max(FEWEST) } else { 1 };
+        let of_skin = request.quantity.declaration().of_skin;
+        of_skin.then_some(Self { pictures, seconds: if seconds > 0.0 { seconds } else { 1.0 } })
+    }
+}
+
 /// Draws one frame after the other.
 #[derive(Debug)]
 pub struct Film<'a> {
@@ -129,6 +148,8 @@ pub struct Film<'a> {
     pub rate: Option<f64>,
     /// The schedule of waves, if shown.
     pub schedule: Option<Schedule>,
+    /// Pictures of the moving skin, if shown.
+    skin: Option<Period>,
     /// The waves, once made.
     swell: Option<Swell>,
     /// Begins to show the progress of a step of this name.
@@ -145,12 +166,14 @@ impl<'a> Film<'a> {
     pub fn new(scene: &'a Scene, request: Request, stages: Stages, look: Look) -> Self {
         Self {
             scene,
+            skin: Period::new(&request),
             request,
             stages,
             gpu_is_asked_for: false,
             look,
             rate: None,
             schedule: None,
+
             swell: None,
             begin: |_| Gauge::default(),
             data: None,
@@ -175,7 +198,11 @@ impl<'a> Film<'a> {
         tell: &dyn Fn(f64) -> anyhow::Result<()>,
     ) -> anyhow::Result<Shot> {
         let size = self.size();
-        let count = self.schedule.map_or(self.request.drives.len(), |schedule| schedule.pictures);
+        let count = match (self.schedule, self.skin) {
+            (Some(schedule), _) => schedule.pictures,
+            (None, Some(period)) => period.pictures,
+            (None, None) => self.request.drives.len(),
+        };
         let (done, progress) = (Cell::new(0), (self.begin)("the maps of all frames"));
         let step = || {
             done.set(done.get() + 1);
@@ -232,6 +259,9 @@ impl<'a> Film<'a> {
 
     /// Frame rate of the motion; a scene at rest shows its single frame for a second.
     fn frames_per_second(&self) -> f64 {
+        if let Some(Period { pictures, seconds }) = self.skin {
+            return pictures as f64 / seconds;
+        }
         motion::cycle(self.scene).map_or(1.0, |cycle| cycle.frames_per_second())
     }
 
@@ -263,13 +293,13 @@ impl<'a> Film<'a> {
         let [low, high] = extent.range;
         let quantity = self.request.quantity;
         let declaration = quantity.declaration();
-        match (self.schedule, declaration.range) {
-            (Some(_), _) => {
-                let what = if declaration.is_surface() { "depth" } else { declaration.words };
+        match (self.schedule.is_some() || self.skin.is_some(), declaration.range) {
+            (true, _) => {
+                let what = if declaration.of_light { declaration.words } else { "depth" };
                 format!(", {what} {} to {}", quantity.with_unit(low.into()), quantity.with_unit(high.into()))
             }
-            (None, Range::Cyclic) => String::new(),
-            (None, Range::Amount | Range::Signed) => {
+            (false, Range::Cyclic) => String::new(),
+            (false, Range::Amount | Range::Signed) => {
                 let remark = if extent.has_larger { format!(", {}", map::LARGER) } else { String::new() };
                 format!(", {}{remark}", map::extent(quantity, high.into()))
             }
@@ -282,6 +312,16 @@ impl<'a> Film<'a> {
         mut take: impl FnMut(&mut Self, usize, &Request) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
         let all = self.request.clone();
+        if let Some(Period { pictures, seconds }) = self.skin {
+            for index in 0..pictures {
+                let time = index as f64 * seconds / pictures as f64;
+                let depth = or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
+                    Ok(stages.skin(&all)?.surface(time))
+                })?;
+                take(self, index, &Request { depth: Some(depth), ..all.clone() })?;
+            }
+            return Ok(());
+        }
         let Some(schedule) = self.schedule else {
             for (index, drive) in all.drives.iter().enumerate() {
                 take(self, index, &Request { drives: [drive.clone()].into(), ..all.clone() })?;

@@ -140,7 +140,7 @@ fn invalid_planes_have_no_plan_samples_or_cells() {
                 };
                 match stages.map(&request) {
                     Err(FieldError::TooNear | FieldError::TooManyCells)
-                        if quantity.declaration().of_liquid => {}
+                        if quantity.declaration().is_pressed() => {}
                     Err(FieldError::Harmonic(NoHarmonic::TooLarge)) => {}
                     Err(error) => assert_eq!(error, FieldError::NoPlane, "{index}: {poison} {quantity:?}"),
                     Ok(map) => {

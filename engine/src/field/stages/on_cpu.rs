@@ -318,12 +318,13 @@ impl OnCpu {
         let part = job.request.part;
         let declaration = job.request.quantity.declaration();
         let is_pressed = self.response(job, filled, &key).is_some();
-        let powers = declaration.of_skin.then(|| self.powers(job, filled));
-        let (shown, part) = match &job.request.depth {
-            _ if powers.is_some() => (powers.as_deref().unwrap_or_default(), 1.0),
-            Some(depth) if is_pressed => (&depth[..], 1.0),
-            None if is_pressed => (&self.response.value.depth[..], part),
-            Some(_) | None => (&self.cells.value[..], part),
+        let is_moment = job.request.depth.is_some() && declaration.is_pressed();
+        let powers = (declaration.of_skin && !is_moment).then(|| self.powers(job, filled));
+        let (shown, part) = match (&job.request.depth, &powers) {
+            (Some(depth), _) if is_moment => (&depth[..], 1.0),
+            (_, Some(powers)) => (&powers[..], 1.0),
+            (_, None) if is_pressed => (&self.response.value.depth[..], part),
+            (_, None) => (&self.cells.value[..], part),
         };
         self.work.interpolation += 1;
         let mut elsewhere = 0.0;
@@ -338,7 +339,8 @@ impl OnCpu {
             }
         }
         let runs = values.par_chunks_mut(RUN).with_min_len(16);
-        let finished = runs.map(|values| finish(values, 1.0, declaration.ending()));
+        let ending = if is_moment { Ending::Sum } else { declaration.ending() };
+        let finished = runs.map(|values| finish(values, 1.0, ending));
         let peak = finished.reduce(|| f32::NEG_INFINITY, f32::max);
         if !declaration.is_root && !declaration.is_pressed() {
             elsewhere = weakest::off_at_loudest(job, values);
@@ -434,10 +436,7 @@ impl OnCpu {
         let (motion, made) = self.skin.motion(&filled.cells, plane.size, (skin, course), purpose);
         self.work.response += u64::from(made > 0);
         let powers = motion.powers(|frequency| purpose.weight(skin, frequency));
-        powers.map_or_else(
-            || vec![0.0; filled.cells.count()],
-            |(_, powers)| motion.widened(&powers, &filled.cells),
-        )
+        powers.map_or_else(|| vec![0.0; filled.cells.count()], |(_, powers)| motion.widened(&powers))
     }
 
     /// The motion of the skin with all that counts for any quantity, and its mean.

@@ -47,7 +47,7 @@ pub struct Request {
     /// The scene's reflectors; their images are in the aperture.
     pub mirrors: Vec<Reflector>,
     /// A moving surface of the liquid, instead of the one at rest: its depth (m) in every cell of
-    /// [`crate::field::Stages::surface`].
+    /// [`crate::field::Stages::surface`]; or the skin at a moment ([`crate::field::SkinMotion::surface`]).
     pub depth: Option<Vec<f64>>,
     /// Pixels, width and height.
     pub size: (usize, usize),
@@ -102,7 +102,7 @@ impl Request {
             liquid,
             bead: if of_bead { self.bead.clone() } else { Bead::default() },
             spread: if self.is_of_many_arrays() { self.spread } else { Spread::default() },
-            depth: self.depth.clone().filter(|_| of_liquid),
+            depth: self.depth.clone().filter(|_| of_liquid || of_skin),
             skin: if of_skin { self.skin.clone() } else { Skin::default() },
             channel: if of_skin { self.channel } else { Channel::All },
             course: if of_skin { self.course.clone() } else { Course::default() },

@@ -5,6 +5,7 @@
 //! convolution (`surface::skin`). Lines that neither move the skin nor are felt, in their channel, are left out.
 
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -40,6 +41,8 @@ pub(super) const FLOOR: f64 = 1e-10;
 #[derive(Clone, Debug, Default)]
 pub struct SkinMotion {
     cells: Option<Cells>,
+    /// Columns and rows of all cells, with the same centre.
+    all: [usize; 2],
     lines: Vec<Line>,
 }
 
@@ -246,20 +249,33 @@ impl OfSkin {
             }
             lines.push(line);
         }
-        motion.value = SkinMotion { cells: Some(cells.within(lattice.middle)), lines };
+        motion.value = SkinMotion { cells: Some(cells.within(lattice.middle)), all: cells.counts, lines };
         motion.key = Some(key);
         (&motion.value, count)
     }
 }
 
 impl SkinMotion {
+    /// The skin at a time (s), m, positive into it, as the `depth` of a request.
+    pub fn surface(&self, time: f64) -> Vec<f64> {
+        let mut sums = vec![0.0; self.cells.as_ref().map_or(0, Cells::count)];
+        for line in &self.lines {
+            let turn = Complex64::from_polar(1.0, TAU * (line.frequency * time).fract());
+            let [re, im] =
+                [turn.re, turn.im].map(|part| if line.frequency > 0.0 { 2.0 * part } else { part });
+            let cells = sums.iter_mut().zip(&line.values);
+            cells.for_each(|(sum, value)| *sum += re * f64::from(value.re) - im * f64::from(value.im));
+        }
+        self.widened(&sums)
+    }
+
     /// Values of the lattice as those of all cells, 0 beyond it.
-    pub(super) fn widened(&self, values: &[f64], all: &Cells) -> Vec<f64> {
-        let Some(cells) = &self.cells else { return vec![0.0; all.count()] };
-        let [first_column, first_row] = [0, 1].map(|axis| (all.counts[axis] - cells.counts[axis]) / 2);
-        let mut wide = vec![0.0; all.count()];
+    pub(super) fn widened(&self, values: &[f64]) -> Vec<f64> {
+        let mut wide = vec![0.0; self.all[0] * self.all[1]];
+        let Some(cells) = &self.cells else { return wide };
+        let [first_column, first_row] = [0, 1].map(|axis| (self.all[axis] - cells.counts[axis]) / 2);
         for (row, values) in values.chunks_exact(cells.counts[0]).enumerate() {
-            wide[(first_row + row) * all.counts[0] + first_column..][..values.len()].copy_from_slice(values);
+            wide[(first_row + row) * self.all[0] + first_column..][..values.len()].copy_from_slice(values);
         }
         wide
     }
@@ -275,7 +291,7 @@ fn lines_that_count(
     let power = |line: &Combination| {
         let of_pressure: f64 =
             line.weights.iter().map(|(k, weight)| weight.norm_sqr() * harmonics.power(*k)).sum();
-        let omega = std::f64::consts::TAU * line.frequency;
+        let omega = TAU * line.frequency;
         of_pressure * yielding(skin, Complex64::from(OF_FOCUS), omega).norm_sqr()
     };
     let powers: Vec<_> = all.iter().map(power).collect();
