@@ -316,7 +316,7 @@ impl Workshop {
     fn follow(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let scene = editor.scene();
         let presses = editor.view.quantity.declaration().is_slow;
-        let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Device)
+        let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Felt | Panel::Device)
             || editor.playback.frame.is_some()
             || presses;
         let moves = motion::moves(scene) && scene.has_drive();

@@ -1,0 +1,127 @@
+//! The Felt page: the skin, what a hand feels, and the primaries of touch.
+
+use egui::{Slider, Ui};
+
+use crate::scene::{Skin, Threshold};
+use crate::studio::primaries::{self, Primaries};
+use crate::ui::editor::Editor;
+use crate::ui::palm;
+use crate::ui::panels::form::{choice, heading, variants};
+use crate::ui::panels::{MM, Unit, bare_number, caption, form, number, value};
+
+const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
+const VISCOSITY: Unit = Unit { per: 1.0, suffix: " Pa·s", decimals: 2, speed: 0.05 };
+const DENSITY: Unit = Unit { per: 1.0, suffix: " kg/m³", decimals: 0, speed: 1.0 };
+const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 0, speed: 0.5 };
+/// m, of a layer that is put on bone.
+const FIRST_DEPTH: f64 = 0.008;
+
+pub fn show(editor: &mut Editor, ui: &mut Ui) {
+    primaries(editor, ui);
+    skin(editor, ui);
+}
+
+/// The skin on the plane. A change of the usual one writes it to the scene.
+fn skin(editor: &mut Editor, ui: &mut Ui) {
+    heading(ui, "Skin");
+    let skin = &mut editor.document.scene.skin;
+    let mut is_there = skin.is_some();
+    let tip = "The scene is for a hand on its plane: programs and files say what is felt. Off: the usual skin, where it is asked for";
+    if ui.checkbox(&mut is_there, "Skin on the plane").on_hover_text(tip).changed() {
+        *skin = is_there.then(Skin::default);
+    }
+    let mut set = skin.clone().unwrap_or_default();
+    form(ui, "skin", |ui| {
+        let tip = "Of surface waves on skin without viscosity; 7 m/s on a fingertip";
+        number(ui, ("Wave speed", tip), &mut set.wave_speed, SPEED, 0.5..=100.0);
+        let tip = "Damps waves on the skin";
+        number(ui, ("Viscosity", tip), &mut set.viscosity, VISCOSITY, 0.01..=1e3);
+        let tip = "With the wave speed, the stiffness of the skin";
+        number(ui, ("Density", tip), &mut set.density, DENSITY, 100.0..=1e4);
+        depth(&mut set.depth, ui);
+        threshold(&mut set, ui);
+    });
+    if set != skin.clone().unwrap_or_default() {
+        *skin = Some(set);
+    }
+}
+
+/// Half-space, or the thickness of a layer.
+fn depth(depth: &mut Option<f64>, ui: &mut Ui) {
+    let mut is_layer = depth.is_some();
+    let tip = "The skin is a layer of this thickness on bone. Off: it is deep";
+    if ui.checkbox(&mut is_layer, "On bone").on_hover_text(tip).changed() {
+        *depth = is_layer.then_some(FIRST_DEPTH);
+    }
+    value(ui, |ui| match depth {
+        Some(depth) => {
+            bare_number(ui, depth, MM, 5e-4..=0.1).on_hover_text(tip).accessible_name("Depth on bone");
+        }
+        None => {
+            ui.add_space(ui.spacing().button_padding.x);
+            ui.label("deep");
+        }
+    });
+    ui.end_row();
+}
+
+fn threshold(skin: &mut Skin, ui: &mut Ui) {
+    let mut known = skin.known();
+    let curves = variants::<Threshold>(Into::into).into_iter().map(|(curve, name)| (Some(curve), name));
+    let curves: Vec<_> = curves.chain(skin.known().is_none().then_some((None, "file"))).collect();
+    let tip = "The displacement that is just felt, by frequency. Hand: the whole hand on a handle (Morioka and Griffin 2006). \
+               Psychohaptic: the curve of MPEG. Afferents: the nerve fibre that fires first (TouchSim)";
+    choice(ui, ("Threshold", tip), &mut known, &curves);
+    if let Some(curve) = known.filter(|_| known != skin.known()) {
+        curve.into_str().clone_into(&mut skin.threshold);
+    }
+}
+
+/// Sliders of pressure, flutter and vibration, and the palm that feels them.
+fn primaries(editor: &mut Editor, ui: &mut Ui) {
+    heading(ui, "Primaries");
+    let scene = &mut editor.document.scene;
+    let mut mixed = Primaries::of(scene);
+    let before = mixed;
+    form(ui, "primaries", |ui| {
+        let obstacle = primaries::has_other_motion(scene)
+            .then_some("The targets have another motion: set its path to none on the Motion page");
+        let tip = "Targets circle slowly, with a radius up to 4 mm, which is felt as steady pressure";
+        slider(ui, ("Pressure", tip), &mut mixed.pressure, 1.0, obstacle);
+        let tip = "Depth of a tone of 30 Hz; it and Vibration have 100 % at most, and replace the modulation";
+        let rest = 1.0 - mixed.vibration;
+        slider(ui, ("Flutter, 30 Hz", tip), &mut mixed.flutter, rest, None);
+        let tip = "Depth of a tone of 150 Hz; it and Flutter have 100 % at most, and replace the modulation";
+        let rest = 1.0 - mixed.flutter;
+        slider(ui, ("Vibration, 150 Hz", tip), &mut mixed.vibration, rest, None);
+    });
+    if mixed != before {
+        mixed.apply(scene);
+    }
+    let [length, width] = palm::SIZE;
+    let tip = format!("An adult's hand to scale on the map of XY, {length:.0} x {width:.0} mm");
+    ui.checkbox(&mut editor.view.palm, "Palm over the map").on_hover_text(tip);
+}
+
+/// A part of a whole as a slider, up to `most`, with its number; or the reason why it cannot be set.
+fn slider(ui: &mut Ui, (name, tip): (&str, &str), part: &mut f64, most: f64, obstacle: Option<&str>) {
+    let label = caption(ui, name).on_hover_text(tip);
+    ui.add_enabled_ui(obstacle.is_none(), |ui| {
+        value(ui, |ui| {
+            let number = bare_number(ui, part, PERCENT, 0.0..=most);
+            number
+                .labelled_by(label.id)
+                .on_hover_text(tip)
+                .on_disabled_hover_text(obstacle.unwrap_or_default());
+            // A value rounded by the slider would count as changed.
+            let mut percent = (100.0 * *part).round();
+            let slider = Slider::new(&mut percent, 0.0..=100.0).max_decimals(0).show_value(false);
+            let slid = ui.add(slider).accessible_name(format!("{name} slider"));
+            let slid = slid.on_hover_text(tip).on_disabled_hover_text(obstacle.unwrap_or_default());
+            if slid.changed() && percent.is_finite() {
+                *part = (percent / 100.0).clamp(0.0, most.max(0.0));
+            }
+        });
+    });
+    ui.end_row();
+}
