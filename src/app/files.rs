@@ -403,7 +403,7 @@ impl Window {
             let full = view.full.map(|full| full as f32);
             (size, Look::Flat(Box::new(Colouring { full, ..view.colouring() })))
         };
-        let (quantity, moment) = (map.quantity, map.phase);
+        let (quantity, moment, channel) = (map.quantity, map.phase, view.channel);
         let round = self.shown.round.clone();
         let (path, ctx_of_thread) = (path.to_owned(), ctx.clone());
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -417,7 +417,7 @@ impl Window {
                 check::check(&scene)?;
                 let round = round.map_or_else(|| frames::follow(&scene).map(Arc::new), Ok)?;
                 let drives = round.frames.iter().map(|frame| frame.drive.clone()).collect();
-                let request = Request { moment, ..Request::new(&scene, drives, quantity, points) };
+                let request = Request { moment, channel, ..Request::new(&scene, drives, quantity, points) };
                 let mut film = animate::Film::new(&scene, request, Stages::new(Evaluator::Cpu), look);
                 (film.rate, film.schedule) = (rate, schedule);
                 animate::write(&mut film, &path, &tell)

@@ -53,7 +53,7 @@ pub struct Wish {
     pub floor: f64,
     /// The brightness of a phase follows its amplitude.
     pub fades: bool,
-    /// dB below the map's largest value.
+    /// dB from the map's largest value; of a level in dB, its values.
     pub contours: Vec<f64>,
     pub convention: Convention,
     /// Whether there is a colour bar; beside a shaded surface, a bar of a round depth.
@@ -167,7 +167,7 @@ pub fn draw(
     content.remark = map::remark(quantity, &map).filter(|_| wish.full.is_none() && wish.range.is_none());
     if map.peak > 0.0 {
         for level in &wish.contours {
-            let level = f64::from(map.peak) * 10f64.powf(level / quantity.declaration().decibels);
+            let level = map::contour(quantity, *level, map.peak.into());
             content.contours.extend(contour::lines(&map.values, width, level as f32, |&value| value));
         }
     }

@@ -51,6 +51,15 @@ pub fn extent(quantity: Quantity, peak: f64) -> String {
     }
 }
 
+/// Levels of contour lines of a level over the threshold, dB.
+pub const OVER_THRESHOLD: [f64; 3] = [0.0, 10.0, 20.0];
+
+/// The value of a contour line on a map with this largest value: of a level in dB itself, of others so many dB from the largest.
+pub fn contour(quantity: Quantity, level: f64, largest: f64) -> f64 {
+    let declaration = quantity.declaration();
+    if declaration.is_level() { level } else { largest * 10f64.powf(level / declaration.decibels) }
+}
+
 /// The remark beside a picture whose colours need one: on a silent map, or on places beyond its range.
 pub fn remark(quantity: Quantity, map: &Map) -> Option<String> {
     let declaration = quantity.declaration();

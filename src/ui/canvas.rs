@@ -275,10 +275,19 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
     painter.galley(rect.min, galley, theme::MARK);
 }
 
+/// A level over the threshold, in dB.
+fn over_threshold(level: f64) -> String {
+    let side = if level < 0.0 { "below" } else { "over" };
+    format!("{:.1} dB {side} threshold", level.abs())
+}
+
 fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
     let quantity = map.quantity;
     let reading = probe::reading(&sound.aperture, &sound.heard, point);
     let value = map.number(uv).or_else(|| sound.value(map, point));
+    if quantity.declaration().is_level() {
+        return value.map_or_else(String::new, over_threshold);
+    }
     let of_map = match quantity.declaration().range {
         Range::Amount => value.map(|value| {
             let to_peak = quantity.decibels(value / map.largest.max(1e-30)).max(-99.9);

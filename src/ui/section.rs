@@ -97,7 +97,7 @@ impl Profile {
     /// The loudest lobe and its -6 dB width, for quantities with decibels.
     pub fn lobe(&self) -> Option<Lobe> {
         let declaration = self.quantity.declaration();
-        if declaration.range != Range::Amount {
+        if declaration.range != Range::Amount || declaration.is_level() {
             return None;
         }
         let values = &self.values;
