@@ -238,6 +238,12 @@ fn check(quantity: Quantity, wish: &Wish) -> anyhow::Result<()> {
     if wish.scale == Scale::Logarithmic && declaration.range != Range::Amount {
         bail!("--db is a scale of amounts, and {words} has a sign or a direction");
     }
+    if wish.scale == Scale::Logarithmic && declaration.is_level() {
+        bail!("--db: {words} is in dB already");
+    }
+    if let Some(level) = wish.contours.iter().find(|level| **level >= 0.0 && !declaration.is_level()) {
+        bail!("--contours {level}: give dB below 0, relative to the largest value, such as -6");
+    }
     if !wish.contours.is_empty() && !declaration.has_mean {
         bail!("--contours are of amounts, and {words} has none");
     }

@@ -2,12 +2,15 @@
 
 use egui::{Slider, Ui};
 
-use crate::scene::{Skin, Threshold};
+use crate::echo;
+use crate::scene::{Curve, Skin, Threshold};
 use crate::studio::primaries::{self, Primaries};
+use crate::ui::command::Purpose;
+use crate::ui::dialog::state::Dialog;
 use crate::ui::editor::Editor;
 use crate::ui::palm;
 use crate::ui::panels::form::{choice, heading, variants};
-use crate::ui::panels::{MM, Unit, bare_number, caption, form, number, value};
+use crate::ui::panels::{MM, Unit, bare_number, caption, fact, form, number, value};
 
 const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
 const VISCOSITY: Unit = Unit { per: 1.0, suffix: " Pa·s", decimals: 2, speed: 0.05 };
@@ -31,6 +34,7 @@ fn skin(editor: &mut Editor, ui: &mut Ui) {
         *skin = is_there.then(Skin::default);
     }
     let mut set = skin.clone().unwrap_or_default();
+    let mut asks_for_file = false;
     form(ui, "skin", |ui| {
         let tip = "Of surface waves on skin without viscosity; 7 m/s on a fingertip";
         number(ui, ("Wave speed", tip), &mut set.wave_speed, SPEED, 0.5..=100.0);
@@ -39,10 +43,13 @@ fn skin(editor: &mut Editor, ui: &mut Ui) {
         let tip = "With the wave speed, the stiffness of the skin";
         number(ui, ("Density", tip), &mut set.density, DENSITY, 100.0..=1e4);
         depth(&mut set.depth, ui);
-        threshold(&mut set, ui);
+        asks_for_file = threshold(&mut set, ui);
     });
     if set != skin.clone().unwrap_or_default() {
         *skin = Some(set);
+    }
+    if asks_for_file {
+        editor.dialog = Some(Dialog::path(Purpose::Thresholds, &editor.document));
     }
 }
 
@@ -65,16 +72,30 @@ fn depth(depth: &mut Option<f64>, ui: &mut Ui) {
     ui.end_row();
 }
 
-fn threshold(skin: &mut Skin, ui: &mut Ui) {
-    let mut known = skin.known();
+/// The choice of a curve. Returns whether a file is asked for.
+fn threshold(skin: &mut Skin, ui: &mut Ui) -> bool {
+    let mut chosen = skin.known();
     let curves = variants::<Threshold>(Into::into).into_iter().map(|(curve, name)| (Some(curve), name));
-    let curves: Vec<_> = curves.chain(skin.known().is_none().then_some((None, "file"))).collect();
+    let curves: Vec<_> = curves.chain([(None, "file")]).collect();
     let tip = "The displacement that is just felt, by frequency. Hand: the whole hand on a handle (Morioka and Griffin 2006). \
-               Psychohaptic: the curve of MPEG. Afferents: the nerve fibre that fires first (TouchSim)";
-    choice(ui, ("Threshold", tip), &mut known, &curves);
-    if let Some(curve) = known.filter(|_| known != skin.known()) {
-        curve.into_str().clone_into(&mut skin.threshold);
+               Psychohaptic: the curve of MPEG. Afferents: the nerve fibre that fires first (TouchSim). File: a CSV";
+    choice(ui, ("Threshold", tip), &mut chosen, &curves);
+    let mut asks_for_file = chosen.is_none() && skin.known().is_some();
+    if let Some(curve) = chosen.filter(|_| chosen != skin.known()) {
+        (skin.threshold, skin.curve) = (curve.into_str().to_owned(), Curve::default());
     }
+    if skin.known().is_none() {
+        fact(
+            ui,
+            ("Curve", "CSV with frequency (Hz) and displacement (m, peak)"),
+            echo::value(&skin.threshold).to_string(),
+        );
+        caption(ui, "");
+        let button = value(ui, |ui| ui.button("Choose…")).on_hover_text("Another CSV file");
+        asks_for_file |= button.clicked();
+        ui.end_row();
+    }
+    asks_for_file
 }
 
 /// Sliders of pressure, flutter and vibration, and the palm that feels them.
