@@ -634,7 +634,7 @@ fn is_steady(modulation: &Modulation) -> bool {
 }
 
 /// A scene with a liquid or a trap is for them, and so is the standing wave between opposed boards.
-fn is_for_a_hand(scene: &Scene) -> bool {
+pub fn is_for_a_hand(scene: &Scene) -> bool {
     let mut visible = scene.targets.iter().filter(|target| target.visible).peekable();
     let is_liquid = scene.liquid != Liquid::default() || scene.aims_at_depression();
     let mut boards = scene.boards.iter();

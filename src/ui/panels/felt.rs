@@ -1,16 +1,22 @@
 //! The Felt page: the skin, what a hand feels, and the primaries of touch.
 
-use egui::{Slider, Ui};
+use egui::{RichText, Slider, Ui};
 
 use crate::echo;
-use crate::scene::{Curve, Skin, Threshold};
+use crate::field::Quantity;
+use crate::rounding::percent;
+use crate::scene::{Curve, Skin, Threshold, UNCERTAINTY};
+use crate::studio::felt::{self, Felt, Speeds};
 use crate::studio::primaries::{self, Primaries};
 use crate::ui::command::Purpose;
 use crate::ui::dialog::state::Dialog;
 use crate::ui::editor::Editor;
+use crate::ui::measure;
 use crate::ui::palm;
 use crate::ui::panels::form::{choice, heading, variants};
 use crate::ui::panels::{MM, Unit, bare_number, caption, fact, form, number, value};
+use crate::ui::theme;
+use crate::ui::view::{Cut, View};
 
 const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
 const VISCOSITY: Unit = Unit { per: 1.0, suffix: " Pa·s", decimals: 2, speed: 0.05 };
@@ -20,8 +26,77 @@ const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 0, speed: 0.5 }
 const FIRST_DEPTH: f64 = 0.008;
 
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
+    figures(editor, ui);
     primaries(editor, ui);
     skin(editor, ui);
+}
+
+/// What is felt, with how far to trust it.
+fn figures(editor: &mut Editor, ui: &mut Ui) {
+    heading(ui, "What is felt");
+    if !editor.view.quantity.declaration().is_level() {
+        ui.label("On the map, the skin is the plane in view; the figures are of the scene plane.");
+        if ui.button("Show what is felt").clicked() {
+            show_level(&mut editor.view);
+        }
+    }
+    let figures = match editor.parts.feeling.newest() {
+        None => return,
+        Some(Err(why)) => {
+            ui.label(why);
+            return;
+        }
+        Some(Ok(figures)) => figures,
+    };
+    let Felt { level, pressure, flutter, vibration, position, strokes, share, speeds } = &figures.felt;
+    let [absolute, between] = UNCERTAINTY;
+    form(ui, "felt", |ui| {
+        let tip = "The largest of the three channels, over the threshold of feeling. From 80 Hz on feeling adds up over the palm";
+        fact(ui, ("Level", tip), decibels(*level));
+        let channels = [
+            ("Pressure", "Below 20 Hz", pressure),
+            ("Flutter", "20 to 60 Hz", flutter),
+            ("Vibration", "Above 60 Hz", vibration),
+        ];
+        for (name, tip, level) in channels {
+            fact(ui, (name, tip), decibels(*level));
+        }
+        if let Some(at) = position {
+            let [x, y, z] = at.to_array().map(measure::mm);
+            fact(ui, ("Most at", "x, y, z of the largest local level"), format!("{x}, {y}, {z} mm"));
+        }
+        if let Some(share) = share {
+            let tip = "Part of the drawn strokes where the level is over the threshold";
+            fact(ui, ("Drawing felt", tip), percent(*share));
+            let levels = strokes.iter().map(|stroke| stroke.level);
+            let ends = [levels.clone().fold(f64::INFINITY, f64::min), levels.fold(felt::FLOOR, f64::max)];
+            let tip = "The largest local level of each stroke: the least and the most";
+            fact(ui, ("Strokes", tip), ends.map(decibels).join(" to "));
+        }
+        if let Some(Speeds { own, best }) = speeds {
+            let tip = "The speed at which the skin moves most along this path, by the model, and its own";
+            fact(ui, ("Best speed", tip), format!("{best:.1} m/s; now {own:.1} m/s"));
+        }
+    });
+    let trust = format!("± {absolute:.0} dB absolute, ± {between:.0} dB between levels");
+    ui.label(RichText::new(trust).weak()).on_hover_text("Thresholds hang on contact, place and person");
+    for warning in &figures.warnings {
+        ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
+    }
+}
+
+/// A level over the threshold.
+pub fn decibels(level: f64) -> String {
+    if level > felt::FLOOR { format!("{level:.1} dB") } else { "not felt".to_owned() }
+}
+
+/// The map of what is felt, on a plane parallel to the array or that of the scene.
+fn show_level(view: &mut View) {
+    view.quantity = Quantity::Felt;
+    if matches!(view.cut, Cut::Xz | Cut::Yz) {
+        view.cut = Cut::Xy;
+        view.window = None;
+    }
 }
 
 /// The skin on the plane. A change of the usual one writes it to the scene.
