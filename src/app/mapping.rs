@@ -125,11 +125,22 @@ pub struct Mapping {
     slow: Later<Request, Result<Values, FieldError>>,
     /// Stages of the skin's maps, which keep their results between threads.
     of_skin: Arc<Mutex<Stages>>,
+    /// The latest request of the skin under elements with a response, and its inputs.
+    responding: Option<Box<Responding>>,
     /// The reason for abandoning the GPU, until reported.
     given_up: Option<GpuError>,
     has_lost_screen: bool,
     /// The veil over a phase map, with its own stages.
     veil: Option<Box<Veil>>,
+}
+
+/// A request that took long to make: its drives are many instants of those of the scene.
+#[derive(Debug)]
+struct Responding {
+    scene: Scene,
+    drives: Vec<Drive>,
+    quantity: Quantity,
+    request: Request,
 }
 
 /// A map over another.
@@ -157,6 +168,7 @@ impl Mapping {
             drawn: None,
             awaited: None,
             slow: Later::default(),
+            responding: None,
             of_skin: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             given_up: None,
             has_lost_screen: false,
@@ -243,7 +255,7 @@ impl Mapping {
         if let Some(error) = self.given_up.take() {
             done.gave_up = Some(format!("{error}; the CPU computes the field from now on"));
         }
-        let Some(wanted) = wanted(look, ctx) else {
+        let Some(wanted) = self.wanted(look, ctx) else {
             (*map, self.drawn, self.awaited) = (None, None, None);
             return done;
         };
@@ -283,6 +295,60 @@ impl Mapping {
             ctx.request_repaint();
         }
         done
+    }
+
+    /// The required picture. `None` without a drive.
+    fn wanted(&mut self, look: &Look<'_>, ctx: &Context) -> Option<Wanted> {
+        let Look { scene, view, lens, .. } = *look;
+        let sound = look.sound?;
+        // Until the scene is solved again, the drive may belong to another array.
+        if sound.drive().phases.len() != sound.aperture.positions.len() {
+            return None;
+        }
+        let pixels = |points: f32| ((points * ctx.pixels_per_point()).round() as usize).max(1);
+        let picture = (pixels(lens.rect.width()), pixels(lens.rect.height()));
+        if picture.0 * picture.1 > MOST_PIXELS {
+            return None;
+        }
+        let is_shaded = view.is_shaded();
+        let step = if is_shaded { SHADED_STEP } else { 1 };
+        let size = (picture.0.div_ceil(step), picture.1.div_ceil(step));
+        let is_wave = view.quantity == Quantity::Instantaneous;
+        let veil = view.veil().filter(|_| look.is_veil);
+        let quantity = if veil.is_some() { Quantity::Rms } else { view.quantity };
+        let request = Request {
+            aperture: sound.aperture.clone(),
+            plane: view.plane(scene, lens),
+            moment: if is_wave { look.moment * TAU } else { 0.0 },
+            channel: view.channel,
+            size,
+            ..self.requested(scene, &look.drives, quantity)
+        };
+        let full = look.full.or(view.full).map(|full| full as f32);
+        let low = view.low.filter(|_| view.full.is_some()).map(|low| low as f32);
+        let colouring = veil.unwrap_or_else(|| Colouring { full, low, ..view.colouring() });
+        let contours = view.contour_levels().to_vec();
+        Some(Wanted { request, colouring, picture, is_shaded, contours })
+    }
+
+    /// The request of a scene's map, of any size.
+    fn requested(&mut self, scene: &Scene, drives: &[Drive], quantity: Quantity) -> Request {
+        let request = || Request::new(scene, drives.to_vec(), quantity, (1, 1));
+        if !quantity.declaration().of_skin || scene.array.response.is_none() {
+            return request();
+        }
+        let is_kept =
+            |kept: &Responding| kept.quantity == quantity && kept.drives == drives && kept.scene == *scene;
+        match self.responding.as_deref().filter(|kept| is_kept(kept)) {
+            Some(kept) => kept.request.clone(),
+            None => {
+                let request = request();
+                let (scene, drives) = (scene.clone(), drives.to_vec());
+                let kept = Responding { scene, drives, quantity, request: request.clone() };
+                self.responding = Some(Box::new(kept));
+                request
+            }
+        }
     }
 
     /// Whether the map can be made within a frame; otherwise its values are computed on a thread.
@@ -519,39 +585,6 @@ impl Mapping {
 /// Whether a map of the skin has so many frames that it takes longer than a frame of the window.
 fn is_of_skin_in_motion(request: &Request) -> bool {
     request.quantity.declaration().of_skin && request.drives.len() > MOST_FRAMES
-}
-
-/// The required picture. `None` without a drive.
-fn wanted(look: &Look<'_>, ctx: &Context) -> Option<Wanted> {
-    let Look { scene, view, lens, .. } = *look;
-    let sound = look.sound?;
-    // Until the scene is solved again, the drive may belong to another array.
-    if sound.drive().phases.len() != sound.aperture.positions.len() {
-        return None;
-    }
-    let pixels = |points: f32| ((points * ctx.pixels_per_point()).round() as usize).max(1);
-    let picture = (pixels(lens.rect.width()), pixels(lens.rect.height()));
-    if picture.0 * picture.1 > MOST_PIXELS {
-        return None;
-    }
-    let is_shaded = view.is_shaded();
-    let step = if is_shaded { SHADED_STEP } else { 1 };
-    let size = (picture.0.div_ceil(step), picture.1.div_ceil(step));
-    let is_wave = view.quantity == Quantity::Instantaneous;
-    let veil = view.veil().filter(|_| look.is_veil);
-    let quantity = if veil.is_some() { Quantity::Rms } else { view.quantity };
-    let request = Request {
-        aperture: sound.aperture.clone(),
-        plane: view.plane(scene, lens),
-        moment: if is_wave { look.moment * TAU } else { 0.0 },
-        channel: view.channel,
-        ..Request::new(scene, look.drives.clone(), quantity, size)
-    };
-    let full = look.full.or(view.full).map(|full| full as f32);
-    let low = view.low.filter(|_| view.full.is_some()).map(|low| low as f32);
-    let colouring = veil.unwrap_or_else(|| Colouring { full, low, ..view.colouring() });
-    let contours = view.contour_levels().to_vec();
-    Some(Wanted { request, colouring, picture, is_shaded, contours })
 }
 
 /// Position of a shaded surface on the canvas.
