@@ -108,9 +108,8 @@ fn least_full(quantity: Quantity) -> f64 {
 
 /// What levels over the threshold of feeling mean, up to the largest.
 fn threshold(largest: f64) -> String {
-    let [absolute, between] = UNCERTAINTY;
-    let means = format!("0 dB: just felt, ± {absolute:.0} dB; ± {between:.0} dB between places");
-    if largest < 0.0 { format!("At most {largest:.1} dB. {means}") } else { means }
+    let means = format!("0 dB: just felt, ± {:.0} dB", UNCERTAINTY[0]);
+    if largest < 0.0 { format!("not felt: {largest:.0} dB at most\n{means}") } else { means }
 }
 
 /// The bar as a button that opens the choice of colours, range and contour lines.
