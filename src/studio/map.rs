@@ -33,10 +33,16 @@ pub fn colours(quantity: Quantity, of_amounts: ColourMap) -> ColourMap {
     of_amounts.suited_to(quantity.declaration().range)
 }
 
+/// Whether a map with this largest value is of skin that only steady sound presses.
+pub fn is_unmoved(quantity: Quantity, peak: f64) -> bool {
+    let declaration = quantity.declaration();
+    declaration.of_skin && peak <= if declaration.is_level() { UNFELT } else { 0.0 }
+}
+
 /// The range of a map's values, as text; `peak` as in the map.
 pub fn extent(quantity: Quantity, peak: f64) -> String {
     let declaration = quantity.declaration();
-    if declaration.of_skin && peak <= (if declaration.is_level() { UNFELT } else { 0.0 }) {
+    if is_unmoved(quantity, peak) {
         return UNMOVED.to_owned();
     }
     if peak == 0.0 {

@@ -35,7 +35,7 @@ impl Primaries {
         let Modulation { shape, tones, .. } = &scene.modulation;
         let depth = |frequency: f64| {
             let same = tones.iter().filter(|tone| *shape == Envelope::Tones && tone.frequency == frequency);
-            same.map(|tone| tone.depth).sum::<f64>()
+            same.fold(0.0, |sum, tone| sum + tone.depth)
         };
         let pressure = if is_pressure(&scene.motion) { scene.motion.size / (2.0 * RADIUS) } else { 0.0 };
         Self { pressure, flutter: depth(FLUTTER), vibration: depth(VIBRATION) }

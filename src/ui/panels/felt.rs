@@ -4,7 +4,6 @@ use egui::{RichText, Slider, Ui};
 
 use crate::echo;
 use crate::field::Quantity;
-use crate::rounding::percent;
 use crate::scene::{Curve, Skin, Threshold, UNCERTAINTY};
 use crate::studio::felt::{self, Felt, Speeds};
 use crate::studio::primaries::{self, Primaries};
@@ -22,6 +21,8 @@ const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
 const VISCOSITY: Unit = Unit { per: 1.0, suffix: " Pa·s", decimals: 2, speed: 0.05 };
 const DENSITY: Unit = Unit { per: 1.0, suffix: " kg/m³", decimals: 0, speed: 1.0 };
 const PERCENT: Unit = Unit { per: 100.0, suffix: " %", decimals: 0, speed: 0.5 };
+/// Points of the screen.
+const NUMBER: f32 = 54.0;
 /// m, of a layer that is put on bone.
 const FIRST_DEPTH: f64 = 0.008;
 
@@ -67,18 +68,25 @@ fn figures(editor: &mut Editor, ui: &mut Ui) {
         }
         if let Some(share) = share {
             let tip = "Part of the drawn strokes where the level is over the threshold";
-            fact(ui, ("Drawing felt", tip), percent(*share));
+            fact(ui, ("Drawing felt", tip), format!("{:.0} %", 100.0 * share));
             let levels = strokes.iter().map(|stroke| stroke.level);
-            let ends = [levels.clone().fold(f64::INFINITY, f64::min), levels.fold(felt::FLOOR, f64::max)];
+            let most = levels.clone().fold(felt::FLOOR, f64::max);
+            let text = match strokes.len() {
+                1 => decibels(most),
+                _ => format!("{} to {}", decibels(levels.fold(f64::INFINITY, f64::min)), decibels(most)),
+            };
             let tip = "The largest local level of each stroke: the least and the most";
-            fact(ui, ("Strokes", tip), ends.map(decibels).join(" to "));
+            fact(ui, ("Strokes", tip), text);
         }
         if let Some(Speeds { own, best }) = speeds {
             let tip = "The speed at which the skin moves most along this path, by the model, and its own";
             fact(ui, ("Best speed", tip), format!("{best:.1} m/s; now {own:.1} m/s"));
         }
     });
-    let trust = format!("± {absolute:.0} dB absolute, ± {between:.0} dB between levels");
+    let mut trust = format!("± {absolute:.0} dB absolute, ± {between:.0} dB between levels");
+    if editor.parts.feeling.exact().is_none() {
+        trust.push_str("; being computed anew");
+    }
     ui.label(RichText::new(trust).weak()).on_hover_text("Thresholds hang on contact, place and person");
     for warning in &figures.warnings {
         ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
@@ -182,7 +190,8 @@ fn primaries(editor: &mut Editor, ui: &mut Ui) {
     form(ui, "primaries", |ui| {
         let obstacle = primaries::has_other_motion(scene)
             .then_some("The targets have another motion: set its path to none on the Motion page");
-        let tip = "Targets circle slowly, with a radius up to 4 mm, which is felt as steady pressure";
+        let tip = "Targets circle at 5 Hz with a radius up to 4 mm, which people feel as steady pressure (Morisaki 2022); thresholds \
+                   are of vibrations, so levels do not say so";
         slider(ui, ("Pressure", tip), &mut mixed.pressure, 1.0, obstacle);
         let tip = "Depth of a tone of 30 Hz; it and Vibration have 100 % at most, and replace the modulation";
         let rest = 1.0 - mixed.vibration;
@@ -195,8 +204,8 @@ fn primaries(editor: &mut Editor, ui: &mut Ui) {
         mixed.apply(scene);
     }
     let [length, width] = palm::SIZE;
-    let tip = format!("An adult's hand to scale on the map of XY, {length:.0} x {width:.0} mm");
-    ui.checkbox(&mut editor.view.palm, "Palm over the map").on_hover_text(tip);
+    let text = format!("Palm over the map, {length:.0} x {width:.0} mm");
+    ui.checkbox(&mut editor.view.palm, text).on_hover_text("An adult's hand to scale, on XY");
 }
 
 /// A part of a whole as a slider, up to `most`, with its number; or the reason why it cannot be set.
@@ -204,6 +213,8 @@ fn slider(ui: &mut Ui, (name, tip): (&str, &str), part: &mut f64, most: f64, obs
     let label = caption(ui, name).on_hover_text(tip);
     ui.add_enabled_ui(obstacle.is_none(), |ui| {
         value(ui, |ui| {
+            // Of the same width with any number, so that sliders align.
+            ui.spacing_mut().interact_size.x = NUMBER;
             let number = bare_number(ui, part, PERCENT, 0.0..=most);
             number
                 .labelled_by(label.id)
