@@ -10,6 +10,7 @@ use serde_json::Value;
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::scene::{self, ElementModel};
 use sonoglyph::solver::{self, Limits, Problem, room};
+use sonoglyph::studio::felt::{Felt, Unknown};
 use sonoglyph::studio::json;
 use sonoglyph::studio::nonlinear::Nonlinear;
 
@@ -32,6 +33,8 @@ pub struct Solution {
     pub scene: Py<Scene>,
     /// Computed on demand: the limits of foci and array take as long as the solution itself.
     quality: OnceLock<Value>,
+    /// Likewise.
+    felt: OnceLock<Value>,
 }
 
 /// Solves a scene.
@@ -64,7 +67,7 @@ fn is_brief(scene: &scene::Scene) -> bool {
 
 impl Solution {
     pub fn new(solution: Arc<solver::Solution>, scene: Py<Scene>) -> Self {
-        Self { solution, scene, quality: OnceLock::new() }
+        Self { solution, scene, quality: OnceLock::new(), felt: OnceLock::new() }
     }
 
     fn judged(&self) -> PyResult<Value> {
@@ -143,6 +146,26 @@ impl Solution {
         let scene = &self.scene.get().scene;
         let found = py.detach(|| Nonlinear::of_solution(scene, &Aperture::new(scene), &self.solution));
         convert::python(py, &found.map_or(Value::Null, |found| json::nonlinear(&found)))
+    }
+
+    /// What a hand feels, as `sonoglyph solve --json` writes it under `felt`, as a dictionary: levels in dB over threshold; `None`
+    /// for scenes without a skin.
+    #[getter]
+    fn felt<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let scene = &self.scene.get().scene;
+        if scene.skin.is_none() {
+            return Ok(None);
+        }
+        if self.felt.get().is_none() {
+            let felt =
+                py.detach(|| Felt::of_solution(scene, &self.solution)).map_err(|error| match error {
+                    Unknown::Solve(error) => error::of_solving(&error),
+                    Unknown::Field(error) => error::of_field(&error),
+                })?;
+            // Another thread may have stored it first.
+            let _ = self.felt.set(felt.json());
+        }
+        self.felt.get().map(|felt| convert::python(py, felt)).transpose()
     }
 
     /// The method's name, or `drive` if the scene names a file of drives.

@@ -17,7 +17,7 @@ use crate::studio::solving;
 use crate::ui::beside::{Beside, Compare, Difference, With};
 use crate::ui::part::wake;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, Map, Shown};
+use crate::ui::{Editor, Map, Shown, sound};
 
 /// A second map beside the first.
 #[derive(Debug)]
@@ -66,7 +66,8 @@ impl Comparison {
         let mut beside = shown.beside.take().unwrap_or_default();
         (beside.problem, beside.is_pending) = (None, false);
         // A mean is one over all frames.
-        let is_mean = editor.view.quantity.declaration().is_slow && editor.playback.frame.is_none();
+        let quantity = editor.view.quantity;
+        let is_mean = sound::is_of_all_frames(quantity, editor.playback);
         let round = shown.round.clone().filter(|_| is_mean);
         let is_mean = round.is_some();
         let mean = round.map(|round| Source { performance: Performance::Motion(round), frame: 0 });
@@ -90,7 +91,7 @@ impl Comparison {
                 };
                 performance.drives().into_iter().map(at_levels).collect()
             }
-            (_, sound) => sound.iter().flat_map(|sound| sound.of_map()).cloned().collect(),
+            (_, own) => sound::drives(None, own.as_ref(), editor.playback, quantity),
         };
         let look = Look {
             scene: editor.scene(),

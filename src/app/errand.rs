@@ -10,7 +10,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use egui::Context;
 
 use crate::import::Drawing;
-use crate::scene::{Array, DriveFile, Wave};
+use crate::scene::{Array, Curve, DriveFile, Wave};
 use crate::studio::later;
 use crate::ui::{Folder, Purpose};
 
@@ -122,6 +122,8 @@ pub enum Outcome {
     Listed(Folder),
     Read(PathBuf, anyhow::Result<Drawing>),
     Heard(Result<Wave, String>),
+    /// Thresholds of the skin, read.
+    Felt(Result<Curve, String>),
     /// An array with loaded elements.
     Placed(Result<Box<Array>, String>),
     /// An array with loaded wires.

@@ -17,13 +17,13 @@ use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::figure::Format;
 use crate::picture::{export, numbers, sheet};
-use crate::scene::{Array, Elements, Envelope, Scene, Wave, Wires, check};
+use crate::scene::{Array, Curve, Elements, Envelope, Scene, Wave, Wires, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
 use crate::studio::opening::stem;
 use crate::studio::paintings::Placed;
-use crate::studio::{elements, figure, link, liquid, map, opening, output, waveform};
+use crate::studio::{elements, figure, link, liquid, map, opening, output, thresholds, waveform};
 use crate::ui::document::Document;
 use crate::ui::part::wake;
 use crate::ui::section::Profile;
@@ -244,11 +244,28 @@ impl Window {
 
     fn take_waveform(&mut self, wave: Wave) {
         let Some(samples) = wave.get() else { return };
-        let folder = self.editor.document.path().and_then(Path::parent);
-        let name = samples.file.strip_prefix(folder.unwrap_or(Path::new(""))).unwrap_or(&samples.file);
+        let name = self.beside_document(&samples.file);
         let modulation = &mut self.editor.document.scene.modulation;
-        modulation.file = name.to_string_lossy().into_owned();
-        (modulation.wave, modulation.shape) = (wave, Envelope::File);
+        (modulation.file, modulation.wave, modulation.shape) = (name, wave, Envelope::File);
+    }
+
+    /// Reads thresholds, then applies them to the skin.
+    pub(super) fn read_thresholds(&mut self, path: PathBuf, ctx: &egui::Context) {
+        self.send(ctx, move |_| Outcome::Felt(thresholds::read(&path)));
+    }
+
+    fn take_thresholds(&mut self, curve: Curve) {
+        let Some(file) = &curve.from else { return };
+        let name = self.beside_document(file);
+        let skin = self.editor.document.scene.skin.get_or_insert_default();
+        (skin.threshold, skin.curve) = (name, curve);
+    }
+
+    /// The name of a file in the scene: relative to the scene's folder, if it lies there.
+    fn beside_document(&self, file: &Path) -> String {
+        let folder = self.editor.document.path().and_then(Path::parent);
+        let name = file.strip_prefix(folder.unwrap_or(Path::new(""))).unwrap_or(file);
+        name.to_string_lossy().into_owned()
     }
 
     /// Processes finished errands.
@@ -302,6 +319,8 @@ impl Window {
             }
             Outcome::Heard(Ok(wave)) => self.take_waveform(wave),
             Outcome::Heard(Err(error)) => self.refuse("The waveform cannot be read", &anyhow!(error)),
+            Outcome::Felt(Ok(curve)) => self.take_thresholds(curve),
+            Outcome::Felt(Err(error)) => self.refuse("The thresholds cannot be read", &anyhow!(error)),
             Outcome::Placed(Ok(array)) => self.editor.document.scene.array = *array,
             Outcome::Wired(Ok(array)) => {
                 let own = &mut self.editor.document.scene.array;
@@ -403,7 +422,7 @@ impl Window {
             let full = view.full.map(|full| full as f32);
             (size, Look::Flat(Box::new(Colouring { full, ..view.colouring() })))
         };
-        let (quantity, moment) = (map.quantity, map.phase);
+        let (quantity, moment, channel) = (map.quantity, map.phase, view.channel);
         let round = self.shown.round.clone();
         let (path, ctx_of_thread) = (path.to_owned(), ctx.clone());
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -417,7 +436,7 @@ impl Window {
                 check::check(&scene)?;
                 let round = round.map_or_else(|| frames::follow(&scene).map(Arc::new), Ok)?;
                 let drives = round.frames.iter().map(|frame| frame.drive.clone()).collect();
-                let request = Request { moment, ..Request::new(&scene, drives, quantity, points) };
+                let request = Request { moment, channel, ..Request::new(&scene, drives, quantity, points) };
                 let mut film = animate::Film::new(&scene, request, Stages::new(Evaluator::Cpu), look);
                 (film.rate, film.schedule) = (rate, schedule);
                 animate::write(&mut film, &path, &tell)

@@ -9,6 +9,7 @@
 //! `Window::new` with a GPU, which `tests/window/gpu.rs` tests.
 
 use std::f64::consts::TAU;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Context, TextureId, TextureOptions};
 use web_time::Instant;
@@ -16,7 +17,6 @@ use web_time::Instant;
 use crate::app::screen::Screen;
 use crate::drive::Drive;
 use crate::field::Picture as Painted;
-use crate::field::contour::Line;
 use crate::field::gpu::Texture as OnGpu;
 use crate::field::sound::PRESSURE;
 use crate::field::{
@@ -27,7 +27,7 @@ use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
 use crate::studio::later::Later;
-use crate::studio::map::remark;
+use crate::studio::map;
 use crate::ui::part::wake;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Cut, Lens, View};
@@ -35,6 +35,8 @@ use crate::ui::{Map, Sound, Texture};
 
 /// Pixels of a map, at most.
 const MOST_PIXELS: usize = 1 << 23;
+/// Frames under which the skin is computed between two frames of the window.
+const MOST_FRAMES: usize = 4;
 /// Pixels from one point of a shaded surface to the next.
 const SHADED_STEP: usize = 2;
 /// Margins around a shaded surface, relative to the picture's height.
@@ -51,8 +53,8 @@ struct Wanted {
     /// Pixels of the picture.
     picture: (usize, usize),
     is_shaded: bool,
-    /// Contour level relative to the largest value.
-    contour: Option<f64>,
+    /// Levels of contour lines, as [`map::contour`] has them.
+    contours: Vec<f64>,
 }
 
 /// The displayed map, and its pending parts.
@@ -119,13 +121,26 @@ pub struct Mapping {
     drawn: Option<Drawn>,
     /// For GPUs whose pictures do not stay on the screen's device.
     awaited: Option<Box<Awaited>>,
-    /// Integrals over the air, which take longer than a frame.
+    /// Integrals over the air and the skin under many frames, which take longer than a frame.
     slow: Later<Request, Result<Values, FieldError>>,
+    /// Stages of the skin's maps, which keep their results between threads.
+    of_skin: Arc<Mutex<Stages>>,
+    /// The latest request of the skin under elements with a response, and its inputs.
+    responding: Option<Box<Responding>>,
     /// The reason for abandoning the GPU, until reported.
     given_up: Option<GpuError>,
     has_lost_screen: bool,
     /// The veil over a phase map, with its own stages.
     veil: Option<Box<Veil>>,
+}
+
+/// A request that took long to make: its drives are many instants of those of the scene.
+#[derive(Debug)]
+struct Responding {
+    scene: Scene,
+    drives: Vec<Drive>,
+    quantity: Quantity,
+    request: Request,
 }
 
 /// A map over another.
@@ -153,6 +168,8 @@ impl Mapping {
             drawn: None,
             awaited: None,
             slow: Later::default(),
+            responding: None,
+            of_skin: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             given_up: None,
             has_lost_screen: false,
             veil: None,
@@ -238,7 +255,7 @@ impl Mapping {
         if let Some(error) = self.given_up.take() {
             done.gave_up = Some(format!("{error}; the CPU computes the field from now on"));
         }
-        let Some(wanted) = wanted(look, ctx) else {
+        let Some(wanted) = self.wanted(look, ctx) else {
             (*map, self.drawn, self.awaited) = (None, None, None);
             return done;
         };
@@ -256,6 +273,8 @@ impl Mapping {
         let made = if is_drawn {
             self.awaited = None;
             self.complete(map, &mut done)
+        } else if is_of_skin_in_motion(&wanted.request) && !self.stages.has(&wanted.request) {
+            self.await_skin(wanted, frame, map, &mut done, ctx)
         } else if self.stages.gpu().is_some() && self.screen.is_none() {
             self.await_values(wanted, frame, map, &mut done, ctx)
         } else {
@@ -271,17 +290,74 @@ impl Mapping {
         }
         let is_under_way =
             self.drawn.as_ref().is_some_and(|drawn| drawn.lacks_figures || drawn.lacks_contours);
-        if is_under_way || self.awaited.is_some() {
+        // A thread wakes the window by itself.
+        if is_under_way || (self.awaited.is_some() && !self.slow.is_running()) {
             ctx.request_repaint();
         }
         done
+    }
+
+    /// The required picture. `None` without a drive.
+    fn wanted(&mut self, look: &Look<'_>, ctx: &Context) -> Option<Wanted> {
+        let Look { scene, view, lens, .. } = *look;
+        let sound = look.sound?;
+        // Until the scene is solved again, the drive may belong to another array.
+        if sound.drive().phases.len() != sound.aperture.positions.len() {
+            return None;
+        }
+        let pixels = |points: f32| ((points * ctx.pixels_per_point()).round() as usize).max(1);
+        let picture = (pixels(lens.rect.width()), pixels(lens.rect.height()));
+        if picture.0 * picture.1 > MOST_PIXELS {
+            return None;
+        }
+        let is_shaded = view.is_shaded();
+        let step = if is_shaded { SHADED_STEP } else { 1 };
+        let size = (picture.0.div_ceil(step), picture.1.div_ceil(step));
+        let is_wave = view.quantity == Quantity::Instantaneous;
+        let veil = view.veil().filter(|_| look.is_veil);
+        let quantity = if veil.is_some() { Quantity::Rms } else { view.quantity };
+        let request = Request {
+            aperture: sound.aperture.clone(),
+            plane: view.plane(scene, lens),
+            moment: if is_wave { look.moment * TAU } else { 0.0 },
+            channel: view.channel,
+            size,
+            ..self.requested(scene, &look.drives, quantity)
+        };
+        let full = look.full.or(view.full).map(|full| full as f32);
+        let low = view.low.filter(|_| view.full.is_some()).map(|low| low as f32);
+        let colouring = veil.unwrap_or_else(|| Colouring { full, low, ..view.colouring() });
+        let contours = view.contour_levels().to_vec();
+        Some(Wanted { request, colouring, picture, is_shaded, contours })
+    }
+
+    /// The request of a scene's map, of any size.
+    fn requested(&mut self, scene: &Scene, drives: &[Drive], quantity: Quantity) -> Request {
+        let request = || Request::new(scene, drives.to_vec(), quantity, (1, 1));
+        if !quantity.declaration().of_skin || scene.array.response.is_none() {
+            return request();
+        }
+        let is_kept =
+            |kept: &Responding| kept.quantity == quantity && kept.drives == drives && kept.scene == *scene;
+        match self.responding.as_deref().filter(|kept| is_kept(kept)) {
+            Some(kept) => kept.request.clone(),
+            None => {
+                let request = request();
+                let (scene, drives) = (scene.clone(), drives.to_vec());
+                let kept = Responding { scene, drives, quantity, request: request.clone() };
+                self.responding = Some(Box::new(kept));
+                request
+            }
+        }
     }
 
     /// Whether the map can be made within a frame; otherwise its values are computed on a thread.
     fn is_there(&mut self, request: &Request, ctx: &Context) -> Result<bool, FieldError> {
         self.slow.collect();
         if !request.quantity.declaration().of_volume {
-            self.slow.keep(None);
+            if !is_of_skin_in_motion(request) {
+                self.slow.keep(None);
+            }
             return Ok(true);
         }
         if self.stages.has(request) {
@@ -305,6 +381,34 @@ impl Mapping {
             }
         });
         Ok(false)
+    }
+
+    /// Makes the picture of the skin under many frames once a thread has its values; the previous one stays until then. As
+    /// with a GPU, each is displayed before the next is begun.
+    fn await_skin(
+        &mut self,
+        wanted: Wanted,
+        frame: Frame,
+        map: &mut Option<Map>,
+        done: &mut Done,
+        ctx: &Context,
+    ) -> Result<(), FieldError> {
+        let before = self.awaited.take().filter(|before| {
+            self.slow.get(&before.wanted.request).is_some()
+                || (self.slow.is_running() && is_of_skin_in_motion(&before.wanted.request))
+        });
+        let first = before.unwrap_or_else(|| Box::new(Awaited { wanted, frame, asked: Instant::now() }));
+        let Some(values) = self.slow.get(&first.wanted.request).cloned() else {
+            let stages = Arc::clone(&self.of_skin);
+            self.slow.ask(&first.wanted.request, wake(ctx), move |request| {
+                stages.lock().unwrap_or_else(PoisonError::into_inner).map(request).cloned()
+            });
+            self.awaited = self.slow.is_running().then_some(first);
+            return Ok(());
+        };
+        self.stages.keep(&first.wanted.request, values?)?;
+        let Awaited { wanted, frame, asked } = *first;
+        self.make(wanted, (frame, asked), map, done, ctx)
     }
 
     /// Makes the picture of values read back from a GPU once available, without blocking; the previous one stays
@@ -392,7 +496,7 @@ impl Mapping {
             exaggeration,
             numbers: None,
         });
-        let lacks_contours = wanted.contour.is_some();
+        let lacks_contours = !wanted.contours.is_empty();
         self.drawn = Some(Drawn { wanted, picture: relief, lacks_figures: true, lacks_contours });
         self.complete(map, done)?;
         done.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
@@ -403,11 +507,11 @@ impl Mapping {
     fn complete(&mut self, map: &mut Option<Map>, done: &mut Done) -> Result<(), FieldError> {
         let Self { stages, drawn, .. } = self;
         let (Some(drawn), Some(map)) = (drawn, map) else { return Ok(()) };
-        let Wanted { request, contour, .. } = &drawn.wanted;
+        let Wanted { request, contours, .. } = &drawn.wanted;
         if drawn.lacks_figures
             && let Some((figures, seconds)) = stages.figures(request)?
         {
-            map.remark = remark(request.quantity, &figures);
+            map.remark = map::remark(request.quantity, &figures);
             (map.largest, map.error, map.how) = (figures.peak.into(), figures.error, figures.how);
             done.on_gpu = Some(seconds.map(|seconds| seconds * 1e3));
             // If one pressure determines the value, panels derive it from the sound.
@@ -423,10 +527,13 @@ impl Mapping {
             return Ok(());
         }
         if drawn.lacks_contours
-            && let Some(part) = contour
-            && stages.poll(request)?.is_some()
+            && let Some(values) = stages.poll(request)?
         {
-            map.contours = contours(stages, request, *part)?;
+            let largest = f64::from(values.peak);
+            for level in contours {
+                let part = map::contour(request.quantity, *level, largest) / largest;
+                map.contours.extend_from_slice(stages.contours(request, part as f32)?);
+            }
             drawn.lacks_contours = false;
         }
         Ok(())
@@ -475,39 +582,9 @@ impl Mapping {
     }
 }
 
-/// The required picture. `None` without a drive.
-fn wanted(look: &Look<'_>, ctx: &Context) -> Option<Wanted> {
-    let Look { scene, view, lens, .. } = *look;
-    let sound = look.sound?;
-    // Until the scene is solved again, the drive may belong to another array.
-    if sound.drive().phases.len() != sound.aperture.positions.len() {
-        return None;
-    }
-    let pixels = |points: f32| ((points * ctx.pixels_per_point()).round() as usize).max(1);
-    let picture = (pixels(lens.rect.width()), pixels(lens.rect.height()));
-    if picture.0 * picture.1 > MOST_PIXELS {
-        return None;
-    }
-    let is_shaded = view.is_shaded();
-    let step = if is_shaded { SHADED_STEP } else { 1 };
-    let size = (picture.0.div_ceil(step), picture.1.div_ceil(step));
-    let is_wave = view.quantity == Quantity::Instantaneous;
-    let veil = view.veil().filter(|_| look.is_veil);
-    let quantity = if veil.is_some() { Quantity::Rms } else { view.quantity };
-    let request = Request {
-        aperture: sound.aperture.clone(),
-        plane: view.plane(scene, lens),
-        moment: if is_wave { look.moment * TAU } else { 0.0 },
-        ..Request::new(scene, look.drives.clone(), quantity, size)
-    };
-    let full = look.full.or(view.full).map(|full| full as f32);
-    let low = view.low.filter(|_| view.full.is_some()).map(|low| low as f32);
-    let colouring = veil.unwrap_or_else(|| Colouring { full, low, ..view.colouring() });
-    Some(Wanted { request, colouring, picture, is_shaded, contour: view.contour_part() })
-}
-
-fn contours(stages: &mut Stages, request: &Request, part: f64) -> Result<Vec<Line>, FieldError> {
-    Ok(stages.contours(request, part as f32)?.to_vec())
+/// Whether a map of the skin has so many frames that it takes longer than a frame of the window.
+fn is_of_skin_in_motion(request: &Request) -> bool {
+    request.quantity.declaration().of_skin && request.drives.len() > MOST_FRAMES
 }
 
 /// Position of a shaded surface on the canvas.

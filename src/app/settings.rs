@@ -74,6 +74,7 @@ pub struct Settings {
     pub contours: bool,
     /// dB
     pub contour_level: f64,
+    pub threshold_contours: bool,
     pub shaded: bool,
     pub colours: String,
     pub decibels: bool,
@@ -145,6 +146,7 @@ impl Settings {
             palm: view.palm,
             contours: view.contours,
             contour_level: view.contour_level,
+            threshold_contours: view.threshold_contours,
             shaded: view.shaded,
             colours: view.colours.into_str().to_owned(),
             decibels: view.scale == Scale::Logarithmic,
@@ -180,7 +182,7 @@ impl Settings {
         (view.section, view.marks) = (self.section, self.marks);
         (view.grid, view.guides) = (self.grid_lines, self.guides);
         (view.elements, view.extremes, view.palm) = (self.elements, self.extremes, self.palm);
-        view.contour_level = self.contour_level;
+        (view.contour_level, view.threshold_contours) = (self.contour_level, self.threshold_contours);
         (view.floor, view.fades) = (self.floor, self.fades);
         view.ground = value(&GROUNDS, &self.ground).unwrap_or(None);
         (view.contours, view.shaded) = (self.contours, self.shaded);
@@ -341,6 +343,7 @@ mod tests {
             &mut view.extremes,
             &mut view.palm,
             &mut view.contours,
+            &mut view.threshold_contours,
             &mut view.shaded,
             &mut view.fades,
         ] {

@@ -213,6 +213,7 @@ impl Window {
             Command::TakeWiring(path) => self.read_wiring(&path, ctx),
             Command::OpenDrive(path) => self.read_drive(path, ctx),
             Command::Waveform(path) => self.read_waveform(path, ctx),
+            Command::Thresholds(path) => self.read_thresholds(path, ctx),
             Command::Export(export, path) => self.export(export, &path, ctx),
             Command::CopyFigure => self.copy_figure(ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),

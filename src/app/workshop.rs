@@ -51,6 +51,8 @@ const BEING_SOLVED: &str =
     "Many focal points are being solved. Until that is done, the map is of those before.";
 const AT_REST: &str =
     "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
+const BEFORE: &str =
+    "The frames of the motion are being solved. Until they are there, the map is of those before.";
 
 /// Time of the last update of a running animation, in seconds on the window's clock; `None` at rest.
 #[derive(Debug, Default)]
@@ -168,6 +170,9 @@ impl Workshop {
 
     /// The map of the played drive.
     fn map(&mut self, editor: &Editor, shown: &mut Shown, lens: &Lens, ctx: &Context) {
+        if awaits_frames(editor, shown) {
+            return;
+        }
         let look = Look {
             scene: editor.scene(),
             view: &editor.view,
@@ -316,7 +321,7 @@ impl Workshop {
     fn follow(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
         let scene = editor.scene();
         let presses = editor.view.quantity.declaration().is_slow;
-        let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Device)
+        let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Felt | Panel::Device)
             || editor.playback.frame.is_some()
             || presses;
         let moves = motion::moves(scene) && scene.has_drive();
@@ -337,7 +342,9 @@ impl Workshop {
             Some(Err(problem)) => shown.problem = Some(problem.clone()),
             None => shown.is_following = self.round.is_running(),
         }
-        if shown.is_following && (presses || editor.playback.frame.is_some()) {
+        if awaits_frames(editor, shown) {
+            shown.pending = Some(BEFORE.to_owned());
+        } else if shown.is_following && (presses || editor.playback.frame.is_some()) {
             shown.pending = Some(AT_REST.to_owned());
         }
     }
@@ -443,6 +450,11 @@ fn ask_for<J: Job>(later: &mut Later<Scene, J::Made>, scene: &Scene, ctx: &Conte
         crate::app::worker::ask::<J>(scene, answered);
         true
     });
+}
+
+/// Whether the map waits for the frames of the motion, without which the skin feels something else.
+fn awaits_frames(editor: &Editor, shown: &Shown) -> bool {
+    shown.is_following && editor.view.quantity.declaration().of_skin
 }
 
 /// Warnings about the displayed results.

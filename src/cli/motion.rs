@@ -11,6 +11,7 @@ use crate::rounding::{millimetres, milliseconds, pascals};
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};
 use crate::solver::frames::Sequence;
+use crate::studio::felt::{self, Felt};
 use crate::studio::frames::{Summary, playable, write_csv, write_json};
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::output::{self, Files, say, warn};
@@ -98,6 +99,7 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
         ));
     }
     rows.extend(Moving::new(scene, sequence).iter().flat_map(Moving::rows));
+    rows.extend(felt::rows(Felt::of_sequence(scene, sequence).as_ref()));
     for (name, value) in rows {
         say!("{name:<COLUMN$}{value}")?;
     }

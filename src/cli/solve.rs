@@ -22,6 +22,7 @@ use crate::rounding::{
 use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, Turns, check, motion};
 use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
+use crate::studio::felt;
 use crate::studio::findings::{Findings, Played};
 use crate::studio::levitation::{self, Held};
 use crate::studio::nonlinear::Nonlinear;
@@ -399,6 +400,7 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
         ));
     }
     rows.extend(findings.moving.iter().flat_map(Moving::rows));
+    rows.extend(felt::rows(findings.felt.as_ref()));
     rows.extend(nonlinear_rows(&findings.nonlinear));
     for (name, value) in rows {
         let is_void = quality.is_silent() && COMPARED.contains(&name);

@@ -53,7 +53,7 @@ pub struct Wish {
     pub floor: f64,
     /// The brightness of a phase follows its amplitude.
     pub fades: bool,
-    /// dB below the map's largest value.
+    /// dB from the map's largest value; of a level in dB, its values.
     pub contours: Vec<f64>,
     pub convention: Convention,
     /// Whether there is a colour bar; beside a shaded surface, a bar of a round depth.
@@ -167,7 +167,7 @@ pub fn draw(
     content.remark = map::remark(quantity, &map).filter(|_| wish.full.is_none() && wish.range.is_none());
     if map.peak > 0.0 {
         for level in &wish.contours {
-            let level = f64::from(map.peak) * 10f64.powf(level / quantity.declaration().decibels);
+            let level = map::contour(quantity, *level, map.peak.into());
             content.contours.extend(contour::lines(&map.values, width, level as f32, |&value| value));
         }
     }
@@ -237,6 +237,12 @@ fn check(quantity: Quantity, wish: &Wish) -> anyhow::Result<()> {
     }
     if wish.scale == Scale::Logarithmic && declaration.range != Range::Amount {
         bail!("--db is a scale of amounts, and {words} has a sign or a direction");
+    }
+    if wish.scale == Scale::Logarithmic && declaration.is_level() {
+        bail!("--db: {words} is in dB already");
+    }
+    if let Some(level) = wish.contours.iter().find(|level| **level >= 0.0 && !declaration.is_level()) {
+        bail!("--contours {level}: give dB below 0, relative to the largest value, such as -6");
     }
     if !wish.contours.is_empty() && !declaration.has_mean {
         bail!("--contours are of amounts, and {words} has none");

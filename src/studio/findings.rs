@@ -5,12 +5,13 @@ use serde_json::{Value, json};
 use crate::acoustics::{Aperture, response::responding};
 use crate::drive::{Drive, delay_level};
 use crate::field::harmonic::NoHarmonic;
-use crate::field::{NoSideLobe, SideLobe, Stages, side_lobe};
+use crate::field::{FieldError, NoSideLobe, SideLobe, Stages, side_lobe};
 use crate::rounding::percent_at_most;
 use crate::scene::{Pressures, Scene, motion, outline};
 use crate::solver::frames;
 use crate::solver::levels::{self, Reached};
 use crate::solver::{Limits, Problem, Ranges, Solution, SolveError, room, shape};
+use crate::studio::felt::{self, Felt};
 use crate::studio::levitation::{self, Held, Neighbour};
 use crate::studio::nonlinear::Nonlinear;
 use crate::studio::probe::{self, Reading};
@@ -32,6 +33,8 @@ pub struct Findings {
     pub neighbour: Option<Neighbour>,
     /// Of a motion, or of drives in turn, of elements with a response.
     pub moving: Option<Moving>,
+    /// By a hand, if the scene has a skin.
+    pub felt: Option<Result<Felt, FieldError>>,
     pub nonlinear: Result<Nonlinear, NoHarmonic>,
     /// Warnings about all of it, a sentence each.
     pub warnings: Vec<String>,
@@ -83,6 +86,7 @@ impl Findings {
             traps,
             neighbour,
             moving: None,
+            felt: None,
             nonlinear,
             warnings,
         }
@@ -101,14 +105,21 @@ impl Findings {
         let aperture = Aperture::new(scene);
         let problem = Problem::of_scene(scene, &aperture, solution.foci.clone());
         solution.judge(scene, &problem);
-        let moving = match scene.array.response {
-            Some(_) if motion::moves(scene) || !solution.others.is_empty() => {
-                Moving::new(scene, &frames::follow(scene)?)
-            }
-            Some(_) | None => None,
+        let has_frames = motion::moves(scene) || !solution.others.is_empty();
+        let sequence = match has_frames && (scene.array.response.is_some() || scene.skin.is_some()) {
+            true => Some(frames::follow(scene)?),
+            false => None,
         };
-        let found = Self::new(scene, &problem, Limits::new(&problem), stages, solution);
-        Ok(Self { moving, ..found })
+        let moving = sequence.as_ref().and_then(|sequence| Moving::new(scene, sequence));
+        let felt = scene.skin.as_ref().map(|_| {
+            let drives = sequence.as_ref().map_or_else(|| solution.drives(), felt::drives);
+            Felt::with_speeds(scene, drives, stages)
+        });
+        let mut found = Self::new(scene, &problem, Limits::new(&problem), stages, solution);
+        if let Some(Ok(felt)) = &felt {
+            found.warnings.extend(felt.warnings(scene, &found.solution.foci));
+        }
+        Ok(Self { moving, felt, ..found })
     }
 
     /// The object that design and other programs know.
@@ -125,6 +136,9 @@ impl Findings {
         }
         if let Some(moving) = &self.moving {
             value["response"] = moving.json();
+        }
+        if let Some(Ok(felt)) = &self.felt {
+            value["felt"] = felt.json();
         }
         if let Ok(nonlinear) = &self.nonlinear {
             value["harmonic"] = json!(nonlinear.harmonic);

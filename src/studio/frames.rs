@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 use crate::scene::motion::{Cycle, Group};
 use crate::scene::{Scene, motion};
 use crate::solver::frames::{Frame, Sequence};
+use crate::studio::felt::Felt;
 use crate::studio::response::Moving;
 
 /// Frames per second of 256 elements that serial links carry, the slowest first.
@@ -102,6 +103,9 @@ pub fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> st
     }
     if let Some(moving) = Moving::new(scene, sequence) {
         writeln!(out, "  \"response\": {},", moving.json())?;
+    }
+    if let Some(Ok(felt)) = Felt::of_sequence(scene, sequence) {
+        writeln!(out, "  \"felt\": {},", felt.json())?;
     }
     writeln!(out, "  \"frames\": [")?;
     let frames_per_second = frames_per_second(scene);

@@ -33,10 +33,16 @@ pub fn colours(quantity: Quantity, of_amounts: ColourMap) -> ColourMap {
     of_amounts.suited_to(quantity.declaration().range)
 }
 
+/// Whether a map with this largest value is of skin that only steady sound presses.
+pub fn is_unmoved(quantity: Quantity, peak: f64) -> bool {
+    let declaration = quantity.declaration();
+    declaration.of_skin && peak <= if declaration.is_level() { UNFELT } else { 0.0 }
+}
+
 /// The range of a map's values, as text; `peak` as in the map.
 pub fn extent(quantity: Quantity, peak: f64) -> String {
     let declaration = quantity.declaration();
-    if declaration.of_skin && peak <= (if declaration.is_level() { UNFELT } else { 0.0 }) {
+    if is_unmoved(quantity, peak) {
         return UNMOVED.to_owned();
     }
     if peak == 0.0 {
@@ -49,6 +55,15 @@ pub fn extent(quantity: Quantity, peak: f64) -> String {
             format!("{} up to {}", declaration.words, quantity.at_most(peak))
         }
     }
+}
+
+/// Levels of contour lines of a level over the threshold, dB.
+pub const OVER_THRESHOLD: [f64; 3] = [0.0, 10.0, 20.0];
+
+/// The value of a contour line on a map with this largest value: of a level in dB itself, of others so many dB from the largest.
+pub fn contour(quantity: Quantity, level: f64, largest: f64) -> f64 {
+    let declaration = quantity.declaration();
+    if declaration.is_level() { level } else { largest * 10f64.powf(level / declaration.decibels) }
 }
 
 /// The remark beside a picture whose colours need one: on a silent map, or on places beyond its range.

@@ -27,6 +27,7 @@ pub mod performance;
 pub mod player;
 pub mod posing;
 pub mod presets;
+pub mod primaries;
 pub mod probe;
 pub mod reach;
 pub mod response;

@@ -57,7 +57,7 @@ pub fn values(
     points: &[DVec3],
 ) -> Vec<f64> {
     let declaration = quantity.declaration();
-    if declaration.of_liquid || declaration.of_volume {
+    if declaration.is_pressed() || declaration.of_volume {
         return Vec::new();
     }
     if declaration.of_bead {

@@ -7,7 +7,8 @@ use glam::{DVec2, DVec3};
 
 use crate::field::{Quantity, Range};
 use crate::picture::figure::axes;
-use crate::studio::probe;
+use crate::scene::Channel;
+use crate::studio::{map, probe};
 use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
@@ -26,6 +27,8 @@ const ABOVE: f32 = 12.0;
 /// Points of the screen between two ticks, at least.
 const TICK: f64 = 70.0;
 const SMALLEST: f32 = 40.0;
+const STEADY: &str = "The skin does not move: steady sound is hardly felt. Add a modulation or a motion on the Felt or the Motion page.";
+const ELSEWHERE: &str = "The skin does not move at the frequencies of this channel.";
 const CONTOUR: Color32 = Color32::from_rgb(235, 235, 235);
 const CONTOUR_EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 120);
 
@@ -214,11 +217,20 @@ pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect, note
         }
         None => match &shown.pending {
             Some(pending) => (pending.clone(), theme::MARK),
+            None if is_unmoved(shown) => {
+                let text = if editor.view.channel == Channel::All { STEADY } else { ELSEWHERE };
+                (text.to_owned(), theme::MARK)
+            }
             None => return,
         },
     };
     let at = pos2(rect.center().x, notes.max(rect.top() + 44.0));
     wrapped_chip(painter, at, rect.width() - 40.0, &text, colour);
+}
+
+fn is_unmoved(shown: &Shown) -> bool {
+    // The largest value comes with the figures of the map.
+    shown.map.as_ref().is_some_and(|map| !map.how.is_empty() && map::is_unmoved(map.quantity, map.largest))
 }
 
 fn wrapped_chip(painter: &Painter, top: Pos2, width: f32, text: &str, colour: Color32) -> Rect {
@@ -275,10 +287,19 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
     painter.galley(rect.min, galley, theme::MARK);
 }
 
+/// A level over the threshold, in dB.
+fn over_threshold(level: f64) -> String {
+    let side = if level < 0.0 { "below" } else { "over" };
+    format!("{:.1} dB {side} threshold", level.abs())
+}
+
 fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
     let quantity = map.quantity;
     let reading = probe::reading(&sound.aperture, &sound.heard, point);
     let value = map.number(uv).or_else(|| sound.value(map, point));
+    if quantity.declaration().is_level() {
+        return value.map_or_else(String::new, over_threshold);
+    }
     let of_map = match quantity.declaration().range {
         Range::Amount => value.map(|value| {
             let to_peak = quantity.decibels(value / map.largest.max(1e-30)).max(-99.9);

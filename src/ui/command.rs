@@ -43,6 +43,8 @@ pub enum Command {
     ForgetRecent,
     /// Takes a WAV file as the modulation's waveform.
     Waveform(PathBuf),
+    /// Takes a table of thresholds of feeling for the skin.
+    Thresholds(PathBuf),
     /// Copies the scene as a link to the clipboard.
     CopyLink,
     /// Opens the scene of a link.
@@ -118,6 +120,8 @@ pub enum Purpose {
     Drive,
     /// Waveform of the modulation.
     Waveform,
+    /// Thresholds of the skin.
+    Thresholds,
     Export(Export),
 }
 
@@ -142,6 +146,7 @@ impl Purpose {
             Self::Drive => "Open a drive: phases and amplitudes of the elements (CSV)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Waveform => "Open a waveform of the modulation (WAV)",
+            Self::Thresholds => "Take thresholds (CSV with frequency in Hz and displacement in m, peak)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the map as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
@@ -161,6 +166,7 @@ impl Purpose {
             Self::Elements | Self::Wiring => ELEMENTS,
             Self::Drive => DRIVES,
             Self::Waveform => &["wav"],
+            Self::Thresholds => &["csv"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
@@ -174,7 +180,13 @@ impl Purpose {
     pub fn reads(self) -> bool {
         matches!(
             self,
-            Self::Open | Self::Import | Self::Elements | Self::Wiring | Self::Drive | Self::Waveform
+            Self::Open
+                | Self::Import
+                | Self::Elements
+                | Self::Wiring
+                | Self::Drive
+                | Self::Waveform
+                | Self::Thresholds
         )
     }
 
@@ -182,7 +194,7 @@ impl Purpose {
         match self {
             Self::Open | Self::Drive => "Open",
             Self::SaveAs => "Save",
-            Self::Import | Self::Elements | Self::Wiring | Self::Waveform => "Read",
+            Self::Import | Self::Elements | Self::Wiring | Self::Waveform | Self::Thresholds => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -196,6 +208,7 @@ impl Purpose {
             Self::Wiring => Command::TakeWiring(path),
             Self::Drive => Command::OpenDrive(path),
             Self::Waveform => Command::Waveform(path),
+            Self::Thresholds => Command::Thresholds(path),
             Self::Export(export) => Command::Export(export, path),
         }
     }

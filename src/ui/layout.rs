@@ -13,6 +13,7 @@ pub enum Panel {
     Drive,
     Liquid,
     Motion,
+    Felt,
     Device,
 }
 

@@ -10,7 +10,9 @@ use egui::{
 use crate::field::{Quantity, Range, Scale, figures};
 use crate::picture::ColourMap;
 use crate::picture::figure::axes::round_step;
+use crate::scene::UNCERTAINTY;
 use crate::studio::convention::Convention;
+use crate::studio::map::{OVER_THRESHOLD, contour};
 use crate::ui::number::{self, Look};
 use crate::ui::view::{Lens, View};
 use crate::ui::{editor::Editor, map::Map, panels, segments, shown::Shown, theme, ticks};
@@ -47,7 +49,7 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     let bar = place(plot);
     let convention = editor.view.convention;
     let factor = convention.factor(map.quantity);
-    let full = map.full.unwrap_or(map.largest).max(1e-30) * factor;
+    let full = map.full.unwrap_or(map.largest).max(least_full(map.quantity)) * factor;
     let law = Law::of(&editor.view, map.quantity, map.low.map(|low| low * factor), full);
     painter.text(
         pos2(bar.left(), plot.top() - 4.0),
@@ -82,18 +84,32 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
         painter.text(at + vec2(7.0, 0.0), Align2::LEFT_CENTER, label, FontId::proportional(12.0), ink);
     }
     // A given range shows what it was given for.
-    if let Some(remark) = map.remark.as_ref().filter(|_| map.full.is_none()) {
+    let threshold = map.quantity.declaration().is_level().then(|| threshold(map.largest));
+    if let Some(remark) = threshold.as_ref().or(map.remark.as_ref().filter(|_| map.full.is_none())) {
         let font = FontId::proportional(11.0);
         let weak = ui.visuals().weak_text_color();
         let galley = painter.layout(remark.clone(), font, weak, ROOM);
         painter.galley(bar.left_bottom() + vec2(0.0, 6.0), galley, weak);
     }
-    if let Some(contour) = editor.view.contour_part() {
-        let part = law.place(contour * map.largest * factor / full, map.quantity);
+    for level in editor.view.contour_levels() {
+        let part = law.place(contour(map.quantity, *level, map.largest) * factor / full, map.quantity);
         if (0.0..=1.0).contains(&part) {
             painter.hline(bar.expand(3.0).x_range(), y(part), Stroke::new(2.0, ink));
         }
     }
+}
+
+/// The least value of the last colour.
+fn least_full(quantity: Quantity) -> f64 {
+    /// dB: the bar of a map on which nothing is felt is not empty.
+    const LEVELS: f64 = 1.0;
+    if quantity.declaration().is_level() { LEVELS } else { 1e-30 }
+}
+
+/// What levels over the threshold of feeling mean, up to the largest.
+fn threshold(largest: f64) -> String {
+    let means = format!("0 dB: just felt, ± {:.0} dB", UNCERTAINTY[0]);
+    if largest < 0.0 { format!("not felt: {largest:.0} dB at most\n{means}") } else { means }
 }
 
 /// The bar as a button that opens the choice of colours, range and contour lines.
@@ -129,6 +145,8 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         });
         list.response.labelled_by(name.id);
         ui.end_row();
+    }
+    if is_amount && !view.quantity.declaration().is_level() {
         label(ui, "Scale");
         let decibels = "In decibels below the largest value".to_owned();
         let scales = [
@@ -157,7 +175,12 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         view.ground = (is_light != of_theme).then_some(is_light);
     }
     ui.end_row();
-    if view.quantity.declaration().has_mean {
+    if view.quantity.declaration().is_level() {
+        ui.checkbox(&mut view.threshold_contours, "Contours")
+            .on_hover_text("Lines at the threshold of feeling, and 10 and 20 dB over it");
+        ui.label(OVER_THRESHOLD.map(|level| format!("{level:.0}")).join(", ") + " dB");
+        ui.end_row();
+    } else if view.quantity.declaration().has_mean {
         ui.checkbox(&mut view.contours, "Contours").on_hover_text(
             "Lines at a level below the largest value in view; at -6 dB the pressure is half of it",
         );
@@ -190,7 +213,8 @@ fn range(view: &mut View, map: &Map, ui: &mut Ui) {
     ui.horizontal(|ui| {
         if is_linear {
             let low = view.low.filter(|_| view.full.is_some()).unwrap_or(least);
-            let lowest = if least < 0.0 { -LARGEST } else { 0.0 };
+            let has_negative = least < 0.0 || view.quantity.declaration().is_level();
+            let lowest = if has_negative { -LARGEST } else { 0.0 };
             let typed =
                 field(ui, low, lowest..=largest * (1.0 - NARROWEST), "Smallest value that has a colour");
             if let Some(low) = typed {
@@ -241,7 +265,7 @@ impl Law {
     /// With the first colour at `low`, if chosen, and the last one at `full`.
     fn of(view: &View, quantity: Quantity, low: Option<f64>, full: f64) -> Self {
         let low = low.filter(|low| *low < full).map(|low| low / full);
-        match (quantity.declaration().range, view.scale) {
+        match (quantity.declaration().range, view.scale()) {
             (Range::Cyclic, _) => Self::Turn,
             (Range::Signed, _) => Self::Linear(low.unwrap_or(-1.0)),
             (Range::Amount, Scale::Linear) => Self::Linear(low.unwrap_or(0.0)),

@@ -1,11 +1,18 @@
-//! The outline of an adult's hand, to scale.
+//! The outline of an adult's hand, to scale and with its dimensions.
 
-use egui::{Color32, Painter, Shape, Stroke};
+use egui::{Align2, Color32, Painter, Shape, Stroke, vec2};
 use glam::DVec2;
 
+use crate::ui::marks;
+use crate::ui::theme;
 use crate::ui::view::Lens;
 
-/// mm, about the middle of the palm: 190 mm from the wrist to the tip of the middle finger, 84 mm across the knuckles.
+/// Length from the wrist to the tip of the middle finger, and width across the knuckles, mm.
+pub const SIZE: [f64; 2] = [190.0, 84.0];
+/// Places of the lines that show them, mm.
+const BESIDE: f64 = 58.0;
+const BELOW: f64 = -92.0;
+/// mm, about the middle of the palm.
 const OUTLINE: &[(f64, f64)] = &[
     (-28.0, -85.0),
     (-30.0, -70.0),
@@ -72,6 +79,26 @@ pub fn paint(centre: DVec2, painter: &Painter, lens: &Lens) {
         let cut = outline.windows(2).flat_map(|pair| [0.25, 0.75].map(|part| pair[0].lerp(pair[1], part)));
         outline = std::iter::once(first).chain(cut).chain([last]).collect();
     }
-    painter.add(Shape::line(outline.clone(), Stroke::new(3.5, Color32::from_black_alpha(110))));
-    painter.add(Shape::line(outline, Stroke::new(1.4, Color32::from_white_alpha(130))));
+    let thin =
+        [Stroke::new(3.5, Color32::from_black_alpha(110)), Stroke::new(1.4, Color32::from_white_alpha(130))];
+    for stroke in thin {
+        painter.add(Shape::line(outline.clone(), stroke));
+    }
+    let [length, width] = SIZE;
+    let tip = OUTLINE.iter().map(|(_, y)| *y).fold(f64::MIN, f64::max);
+    let at = |x: f64, y: f64| lens.screen(centre + DVec2::new(x, y) * 1e-3);
+    let lines = [
+        ([at(BESIDE, tip - length), at(BESIDE, tip)], vec2(4.0, 0.0), length),
+        ([at(-width / 2.0, BELOW), at(width / 2.0, BELOW)], vec2(0.0, 4.0), width),
+    ];
+    for ([from, to], end, size) in lines {
+        for stroke in thin {
+            painter.line_segment([from, to], stroke);
+            for at in [from, to] {
+                painter.line_segment([at - end, at + end], stroke);
+            }
+        }
+        let text = format!("{size:.0} mm");
+        marks::chip(painter, from.lerp(to, 0.5), Align2::CENTER_CENTER, &text, 11.0, theme::MARK);
+    }
 }

@@ -23,6 +23,8 @@ const BELOW: f32 = 36.0;
 /// Points of the screen between two ticks, at least.
 const TICK: f64 = 70.0;
 const TICK_UP: f64 = 26.0;
+/// dB below the threshold that a plot of levels shows.
+const LOWEST_LEVEL: f64 = -20.0;
 /// In wavelengths: the far-field model is meaningless closer to the array.
 const NEAREST: f64 = 0.5;
 
@@ -97,7 +99,7 @@ impl Profile {
     /// The loudest lobe and its -6 dB width, for quantities with decibels.
     pub fn lobe(&self) -> Option<Lobe> {
         let declaration = self.quantity.declaration();
-        if declaration.range != Range::Amount {
+        if declaration.range != Range::Amount || declaration.is_level() {
             return None;
         }
         let values = &self.values;
@@ -313,7 +315,8 @@ impl<'a> Plot<'a> {
             }
             ProfileLine::Between([from, to]) => [0.0, from.distance(to)],
         };
-        let lowest = profile.values.iter().copied().fold(0.0, f64::min) * factor;
+        let least = if profile.quantity.declaration().is_level() { LOWEST_LEVEL } else { f64::NEG_INFINITY };
+        let lowest = profile.values.iter().copied().fold(0.0, f64::min).max(least) * factor;
         let above = profile.band.iter().flatten().map(|[_, high]| *high);
         let highest = profile.values.iter().copied().chain(above).fold(0.0, f64::max) * factor;
         let values = [lowest, highest + 0.06 * (highest - lowest).max(1e-30)];
@@ -337,6 +340,10 @@ impl<'a> Plot<'a> {
         let inside = ui.painter_at(self.rect);
         if let Some(lobe) = self.profile.lobe() {
             self.width(&inside, &lobe);
+        }
+        if self.profile.quantity.declaration().is_level() {
+            let threshold = Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.6));
+            inside.hline(self.rect.x_range(), self.y(0.0), threshold);
         }
         self.foci(&inside);
         self.band(&inside);

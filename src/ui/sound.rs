@@ -72,8 +72,13 @@ impl Sound {
     }
 }
 
-/// The drives of a map of this quantity: the played ones, or all frames of the motion if their mean counts and no frame
-/// is displayed.
+/// Whether a map of this quantity is of all frames of a motion: what the skin feels, and means while no frame is displayed.
+pub fn is_of_all_frames(quantity: Quantity, playback: Playback) -> bool {
+    let declaration = quantity.declaration();
+    declaration.of_skin || (declaration.is_slow && playback.frame.is_none())
+}
+
+/// The drives of a map of this quantity: the played ones, or all frames of the motion if they count together.
 pub fn drives(
     cycle: Option<&Arc<Sequence>>,
     sound: Option<&Sound>,
@@ -81,8 +86,12 @@ pub fn drives(
     quantity: Quantity,
 ) -> Vec<Drive> {
     match cycle {
-        Some(cycle) if quantity.declaration().is_slow && playback.frame.is_none() => {
+        Some(cycle) if is_of_all_frames(quantity, playback) => {
             cycle.frames.iter().map(|frame| frame.drive.clone()).collect()
+        }
+        // Requests of the skin add the response of elements by themselves.
+        _ if quantity.declaration().of_skin => {
+            sound.iter().flat_map(|sound| &sound.drives).cloned().collect()
         }
         _ => sound.iter().flat_map(|sound| sound.of_map()).cloned().collect(),
     }

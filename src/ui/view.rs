@@ -8,7 +8,7 @@ use strum::{IntoStaticStr, VariantArray};
 
 use crate::field::{Colouring, FLOOR, Quantity, Range, Scale};
 use crate::picture::{ColourMap, veil};
-use crate::scene::{Array, Plane, Scene, outline};
+use crate::scene::{Array, Channel, Plane, Scene, outline};
 use crate::studio::convention::Convention;
 use crate::studio::map;
 use crate::ui::measure::ProfileLine;
@@ -196,6 +196,10 @@ pub struct View {
     pub contours: bool,
     /// dB from the largest value to that one.
     pub contour_level: f64,
+    /// Whether levels over the threshold have contour lines.
+    pub threshold_contours: bool,
+    /// The frequencies of the skin's motion in maps of the skin.
+    pub channel: Channel,
     /// Focal points and outlines over the map.
     pub marks: bool,
     /// Whether the snap grid is shown and active.
@@ -236,6 +240,8 @@ impl View {
             shaded: false,
             contours: false,
             contour_level: -6.0,
+            threshold_contours: true,
+            channel: Channel::All,
             marks: true,
             grid: false,
             guides: true,
@@ -343,10 +349,15 @@ impl View {
         }
     }
 
+    /// The scale of the colours: levels in dB have logarithms already.
+    pub fn scale(&self) -> Scale {
+        if self.quantity.declaration().is_level() { Scale::Linear } else { self.scale }
+    }
+
     /// Over the whole range.
     pub fn colouring(&self) -> Colouring {
         Colouring {
-            scale: self.scale,
+            scale: self.scale(),
             floor: self.floor as f32,
             ..Colouring::new(self.quantity, self.table())
         }
@@ -383,11 +394,16 @@ impl View {
         self.shaded && self.quantity.declaration().is_surface()
     }
 
-    /// The contour level relative to the largest value; `None` without contours.
-    pub fn contour_part(&self) -> Option<f64> {
+    /// Levels of the contour lines (dB), as [`map::contour`] has them; empty without contours.
+    pub fn contour_levels(&self) -> &[f64] {
         let declaration = self.quantity.declaration();
-        let is_wanted = self.contours && declaration.has_mean && !self.is_shaded();
-        is_wanted.then(|| 10f64.powf(self.contour_level / declaration.decibels))
+        match declaration.is_level() {
+            true if self.threshold_contours => &map::OVER_THRESHOLD,
+            false if self.contours && declaration.has_mean && !self.is_shaded() => {
+                std::slice::from_ref(&self.contour_level)
+            }
+            true | false => &[],
+        }
     }
 }
 
@@ -452,12 +468,19 @@ mod tests {
     #[test]
     fn contours_of_pressure_and_of_its_square_are_at_the_same_place() {
         let view = View { contours: true, ..View::of(&Scene::default()) };
-        let part = |quantity| View { quantity, ..view.clone() }.contour_part();
-        let of_pressure = part(Quantity::Rms).unwrap();
+        let lines = |view: &View, quantity| {
+            let view = View { quantity, ..view.clone() };
+            view.contour_levels()
+                .iter()
+                .map(|level| map::contour(quantity, *level, 100.0))
+                .collect::<Vec<_>>()
+        };
+        let of_pressure = lines(&view, Quantity::Rms)[0] / 100.0;
         assert!((of_pressure - 0.501).abs() < 1e-3);
-        assert!((part(Quantity::Radiation).unwrap() - of_pressure.powi(2)).abs() < 1e-12);
-        assert_eq!((part(Quantity::Phase), part(Quantity::Instantaneous)), (None, None));
-        assert_eq!(View { shaded: true, quantity: Quantity::Depression, ..view }.contour_part(), None);
+        assert!((lines(&view, Quantity::Radiation)[0] / 100.0 - of_pressure.powi(2)).abs() < 1e-12);
+        assert!(lines(&view, Quantity::Phase).is_empty() && lines(&view, Quantity::Instantaneous).is_empty());
+        assert!(lines(&View { shaded: true, ..view.clone() }, Quantity::Depression).is_empty());
+        assert_eq!(lines(&View { contours: false, ..view }, Quantity::Felt), [0.0, 10.0, 20.0], "always");
     }
 
     #[test]

@@ -4,6 +4,7 @@ use egui::{Slider, Ui};
 use strum::VariantArray;
 
 use crate::field::Quantity;
+use crate::scene::Channel;
 use crate::studio::convention::Convention;
 use crate::ui::action::Action;
 use crate::ui::icon::{self, Icon};
@@ -39,6 +40,9 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         }
         if editor.view.quantity.declaration().is_surface() {
             surface(editor, ui);
+        }
+        if editor.view.quantity.declaration().of_skin {
+            channel(editor, ui);
         }
     });
     ui.horizontal_wrapped(|ui| {
@@ -124,6 +128,21 @@ fn oscillation(editor: &mut Editor, ui: &mut Ui) {
         oscillation.playing = false;
         oscillation.part = (degrees / 360.0).rem_euclid(1.0);
     }
+}
+
+/// The frequencies of the skin's motion that count.
+fn channel(editor: &mut Editor, ui: &mut Ui) {
+    let choice = |&channel: &Channel| {
+        let (name, tip) = match channel {
+            Channel::All => ("All", "All frequencies"),
+            Channel::Pressure => ("Pressure", "Below 20 Hz, felt as slow pressure"),
+            Channel::Flutter => ("Flutter", "20 to 60 Hz"),
+            Channel::Vibration => ("Vibration", "Above 60 Hz"),
+        };
+        (channel, name, tip.to_owned())
+    };
+    let choices: Vec<_> = Channel::VARIANTS.iter().map(choice).collect();
+    segments::show(ui, "Channel", &mut editor.view.channel, &choices);
 }
 
 fn surface(editor: &mut Editor, ui: &mut Ui) {

@@ -1,9 +1,11 @@
-//! Thresholds of the skin: known curves, and a user's own from a file.
+//! The skin: thresholds by name and from files, and what is felt of a scene.
 
 use std::fs;
 use std::path::Path;
 
 use sonoglyph::scene::{Skin, Threshold};
+use sonoglyph::solver;
+use sonoglyph::studio::felt::{FLOOR, Felt};
 use sonoglyph::studio::opening;
 use sonoglyph::studio::paintings::Paintings;
 use strum::VariantArray;
@@ -115,4 +117,49 @@ fn invalid_thresholds_name_file_line_and_value() {
     assert!(parts.iter().all(|part| missing.contains(part)), "{missing}");
     let empty = refused("format = 1\n[skin]\nthreshold = \"\"\n");
     assert!(empty.contains("a.toml:3:") && empty.contains("hand, psychohaptic, afferents"), "{empty}");
+}
+
+/// What is felt of a scene of these tables, with a focus in the middle.
+fn felt(tables: &str) -> Felt {
+    let text = format!("format = 1\n[[target]]\n[solver]\nmethod = \"focus\"\n[skin]\n{tables}");
+    let scene = opening::parse(&text, Path::new("a.toml")).unwrap();
+    Felt::of_solution(&scene, &solver::solve(&scene).unwrap()).unwrap()
+}
+
+#[test]
+fn levels_of_a_modulated_focus_are_the_table_s() {
+    // Hz and dB, summed over the palm from 80 Hz on.
+    for (frequency, vibration) in [(80.0, 21.6), (120.0, 28.1), (200.0, 32.4)] {
+        let felt = felt(&format!("[modulation]\nshape = \"sine\"\nfrequency = {frequency}\n"));
+        eprintln!("AM {frequency}: {felt:?}");
+        assert!((felt.vibration - vibration).abs() < 0.5, "{frequency} Hz: {felt:?}");
+        assert_eq!((felt.level, felt.pressure, felt.flutter), (felt.vibration, FLOOR, FLOOR));
+        assert!(felt.position.unwrap().distance([0.0, 0.0, 0.1].into()) < 2e-4, "{felt:?}");
+        assert_eq!((felt.strokes.len(), felt.share, felt.speeds), (0, None, None));
+    }
+    // Local at 20 Hz and 40 Hz.
+    let slow = felt("[modulation]\nshape = \"sine\"\nfrequency = 20\n");
+    eprintln!("AM 20: {slow:?}");
+    assert!((slow.flutter + 9.4).abs() < 0.5 && slow.level == slow.flutter, "{slow:?}");
+    let steady = felt("");
+    assert_eq!((steady.level, steady.position), (FLOOR, None));
+}
+
+#[test]
+fn levels_of_a_moving_focus_are_the_table_s() {
+    // mm and Hz of circles, and dB summed over the palm.
+    for (radius, rate, vibration) in
+        [(4.0, 80.0, 24.7), (4.0, 200.0, 35.6), (8.0, 120.0, 37.4), (8.0, 200.0, 38.7)]
+    {
+        let size = 2e-3 * radius;
+        let felt = felt(&format!("[motion]\npath = \"circle\"\nsize = {size}\nrate = {rate}\n"));
+        eprintln!("LM {radius} {rate}: {felt:?}");
+        assert!((felt.vibration - vibration).abs() < 1.0, "{radius} mm, {rate} Hz: {felt:?}");
+    }
+    for speed in [4.0, 7.0, 9.0] {
+        let felt = felt(&format!("[motion]\npath = \"circle\"\nsize = 0.04\nspeed = {speed}\n"));
+        eprintln!("STM {speed}: {felt:?}");
+        let speeds = felt.speeds.unwrap();
+        assert!((speeds.own - speed).abs() < 1e-9 && (speeds.best - 7.5).abs() < 0.3, "{speeds:?}");
+    }
 }

@@ -16,6 +16,7 @@ mod dice;
 #[cfg(target_os = "linux")]
 mod display;
 mod edits;
+mod felt;
 mod figure;
 mod files;
 mod gpu;
@@ -139,6 +140,11 @@ fn drag_and_hold(screen: &mut Screen, from: Pos2, to: Pos2) {
     screen.step();
     screen.hover_at(to);
     rest(screen);
+}
+
+/// The button of a page of the panel on the right, if it is open; a quantity may have the same name.
+fn page<'a>(screen: &'a Screen, name: &'a str) -> Option<egui_kittest::Node<'a>> {
+    screen.query_all_by_label(name).max_by(|a, b| a.rect().left().total_cmp(&b.rect().left()))
 }
 
 /// Chooses an entry of a list.
@@ -418,7 +424,9 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     rest(screen);
     let verb = match purpose {
         Purpose::Open | Purpose::Drive => "Open",
-        Purpose::Elements | Purpose::Wiring | Purpose::Import | Purpose::Waveform => "Read",
+        Purpose::Elements | Purpose::Wiring | Purpose::Import | Purpose::Waveform | Purpose::Thresholds => {
+            "Read"
+        }
         Purpose::SaveAs | Purpose::Export(_) => "Save",
     };
     screen.get_by_label(verb).click();

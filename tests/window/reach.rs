@@ -70,8 +70,8 @@ fn no_input_is_without_a_name() {
     screen.state_mut().editor_mut().view.section = true;
     screen.state_mut().editor_mut().view.full = Some(100.0);
     screen.state_mut().editor_mut().tool = Tool::Brush;
-    for panel in ["Solver", "Drive", "Liquid", "Motion", "Device", "Scene"] {
-        screen.get_by_label(panel).click();
+    for panel in ["Solver", "Drive", "Liquid", "Motion", "Felt", "Device", "Scene"] {
+        page(&screen, panel).unwrap().click();
         rest(&mut screen);
         found.extend(unnamed(&screen).into_iter().map(|what| format!("{panel}: {what}")));
     }
@@ -79,7 +79,7 @@ fn no_input_is_without_a_name() {
     screen.state_mut().editor_mut().document.scene.motion.path = outline;
     screen.state_mut().editor_mut().document.scene.targets[0].motion.as_mut().unwrap().path = outline;
     for panel in ["Motion", "Scene"] {
-        screen.get_by_label(panel).click();
+        page(&screen, panel).unwrap().click();
         rest(&mut screen);
         found.extend(unnamed(&screen).into_iter().map(|what| format!("{panel}, outline: {what}")));
     }
@@ -115,8 +115,8 @@ fn the_keyboard_reaches_every_input() {
     screen.state_mut().editor_mut().document.scene.targets[0].motion = Some(outline);
     screen.state_mut().editor_mut().tool = Tool::Brush;
     rest(&mut screen);
-    for panel in ["Scene", "Solver", "Liquid", "Motion"] {
-        screen.get_by_label(panel).click();
+    for panel in ["Scene", "Solver", "Liquid", "Motion", "Felt"] {
+        page(&screen, panel).unwrap().click();
         rest(&mut screen);
         let reachable = |screen: &Screen| -> BTreeSet<NodeId> {
             let nodes = screen.root().children_recursive();

@@ -111,8 +111,8 @@ fn typed_numbers_do_no_harm() {
         screen.get_by_label(part).click();
         rest(&mut screen);
     }
-    for panel in ["Scene", "Solver", "Liquid", "Motion"] {
-        screen.get_by_label(panel).click();
+    for panel in ["Scene", "Solver", "Liquid", "Motion", "Felt"] {
+        page(&screen, panel).unwrap().click();
         rest(&mut screen);
         count += mistype_everywhere(&mut screen);
     }
@@ -159,8 +159,8 @@ fn tiny_windows_and_empty_scenes_work() {
             let seen = Rect::from_min_size(Pos2::ZERO, size);
             assert!(seen.contains_rect(lens(&screen).rect), "{size}: {:?}", lens(&screen).rect);
         }
-        for panel in ["Solver", "Drive", "Liquid", "Motion", "Device", "Scene"] {
-            if let Some(node) = screen.query_by_label(panel) {
+        for panel in ["Solver", "Drive", "Liquid", "Motion", "Felt", "Device", "Scene"] {
+            if let Some(node) = page(&screen, panel) {
                 node.click();
             }
             rest(&mut screen);

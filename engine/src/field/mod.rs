@@ -64,6 +64,6 @@ pub(crate) use side_lobe::side_lobes;
 pub use side_lobe::{NoSideLobe, SideLobe, side_lobe};
 #[doc(hidden)]
 pub use sources::{Sources, Wave};
-#[doc(hidden)]
-pub use stages::Picture;
 pub use stages::{By, Depression, FieldError, MOST_PIXELS, Map, Pressed, Request, Stages, Work};
+#[doc(hidden)]
+pub use stages::{Picture, SkinMotion};

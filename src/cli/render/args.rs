@@ -128,7 +128,7 @@ pub struct FigureArgs {
     /// Values of the first and the last colour: Pa, m, W/m², m/s or × undisturbed; with --db in dB
     #[arg(long, value_name = "A,B", requires = "figure", allow_hyphen_values = true, value_parser = parse_range)]
     pub range: Option<[f64; 2]>,
-    /// Contour lines at these levels, in dB relative to the largest value: -6, or -3,-6,-12
+    /// Contour lines at these levels, in dB relative to the largest value: -6, or -3,-6,-12; of what is felt over the threshold: 0,10,20
     #[arg(long, value_name = "L", requires = "figure", allow_hyphen_values = true, value_delimiter = ',', value_parser = parse_level)]
     pub contours: Vec<f64>,
     /// Draw targets: strokes as lines, foci as rings
@@ -243,8 +243,10 @@ fn parse_range(text: &str) -> Result<[f64; 2], String> {
 
 fn parse_level(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
-        Ok(level) if (-200.0..0.0).contains(&level) => Ok(level),
-        _ => Err("give a number of dB below 0, such as -6".to_owned()),
+        Ok(level) if (-200.0..=200.0).contains(&level) => Ok(level),
+        _ => {
+            Err("give a number of dB: below 0, such as -6, or over the threshold for what is felt".to_owned())
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use crate::picture::figure::{Format, Paper};
 use crate::scene::{Scene, motion};
 use crate::studio::animate::Kind;
 use crate::studio::figure::Wish;
+use crate::studio::map;
 use crate::studio::swell::Schedule;
 use crate::ui::map::Map;
 use crate::ui::view::View;
@@ -50,7 +51,11 @@ impl FigureForm {
     pub fn wish(&self, view: &View) -> Wish {
         let declaration = view.quantity.declaration();
         let is_shaded = view.is_shaded();
-        let has_contours = self.contours && declaration.has_mean && !is_shaded;
+        let contours: &[f64] = match declaration.is_level() {
+            true => &map::OVER_THRESHOLD,
+            false if declaration.has_mean && !is_shaded => std::slice::from_ref(&view.contour_level),
+            false => &[],
+        };
         Wish {
             paper: self.paper,
             title: Some(self.title.clone()),
@@ -63,7 +68,7 @@ impl FigureForm {
             low: view.low.filter(|_| view.full.is_some()),
             floor: view.floor,
             fades: view.fades,
-            contours: has_contours.then_some(view.contour_level).into_iter().collect(),
+            contours: contours.iter().copied().filter(|_| self.contours).collect(),
             convention: view.convention,
             has_colour_bar: self.colour_bar,
             has_scale_bar: self.scale_bar,

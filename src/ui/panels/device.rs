@@ -6,12 +6,12 @@ use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::device::wiring::{Share, Wiring};
 use crate::rounding;
-use crate::scene::motion;
+use crate::scene::{UNCERTAINTY, motion};
 use crate::studio::bring_up::tested;
 use crate::studio::felt::Offer;
 use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
 use crate::ui::panels::form::{choice, count, heading};
-use crate::ui::panels::{bring_up, caption, fact, form, others};
+use crate::ui::panels::{bring_up, caption, fact, felt, form, others};
 use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
 /// Bits per second that the most usual adapters have.
@@ -245,7 +245,15 @@ fn sending(
         Plays::Checkerboard => "a checkerboard".to_owned(),
         Plays::Focus => "a focus above the centre".to_owned(),
     };
-    form(ui, "plays", |ui| fact(ui, ("Playing", "As sent to the board"), what));
+    form(ui, "plays", |ui| {
+        fact(ui, ("Playing", "As sent to the board"), what);
+        if let Some(Ok(figures)) = editor.parts.feeling.newest() {
+            let tip =
+                "Level of the scene over the threshold of feeling, in motion if it moves; see the Felt page";
+            let level = felt::decibels(figures.felt.level);
+            fact(ui, ("Felt", tip), format!("{level}, ± {:.0} dB", UNCERTAINTY[0]));
+        }
+    });
     offer(editor, board, ui);
     if let Some(carrier) = other_carrier(editor, board) {
         let frequency = editor.scene().array.frequency;

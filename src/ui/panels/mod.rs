@@ -1,9 +1,10 @@
-//! The panel on the right: one page each for scene, solver, drive, liquid, motion and device.
+//! The panel on the right: one page each for scene, solver, drive, liquid, motion, feeling and device.
 
 mod boards;
 mod bring_up;
 mod device;
 mod drive;
+mod felt;
 pub mod form;
 mod liquid;
 mod modulation;
@@ -26,7 +27,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     ui.add_space(4.0);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 1.0;
-        ui.spacing_mut().button_padding.x = 6.0;
+        ui.spacing_mut().button_padding.x = 4.0;
         for &panel in Panel::VARIANTS {
             let tip = match panel {
                 Panel::Scene => "Targets, air and array",
@@ -34,6 +35,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
                 Panel::Drive => "What every element plays",
                 Panel::Liquid => "What the sound presses",
                 Panel::Motion => "How the targets move",
+                Panel::Felt => "What a hand feels",
                 Panel::Device => "The board that plays",
             };
             ui.selectable_value(&mut editor.panel, panel, panel.into_str()).on_hover_text(tip);
@@ -49,6 +51,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
             Panel::Drive => drive::show(editor, shown, ui),
             Panel::Liquid => liquid::show(editor, shown, ui),
             Panel::Motion => motion::show(editor, shown, ui),
+            Panel::Felt => felt::show(editor, ui),
             Panel::Device => device::show(editor, shown, ui, commands),
         }
         ui.add_space(12.0);

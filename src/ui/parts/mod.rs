@@ -2,6 +2,7 @@
 
 mod bound;
 pub mod course;
+pub(crate) mod feeling;
 pub mod levitation;
 mod nonlinear;
 pub(crate) mod radiation;
@@ -15,6 +16,7 @@ use egui::Context;
 use crate::ui::part::{Background, Derived, Now};
 use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
+use crate::ui::parts::feeling::Feeling;
 use crate::ui::parts::levitation::Levitation;
 use crate::ui::parts::levitation::arrows::Arrows;
 use crate::ui::parts::nonlinear::Harmonic;
@@ -24,6 +26,7 @@ use crate::ui::parts::response::Response;
 use crate::ui::parts::survey::Survey;
 use crate::ui::parts::trade::Trade;
 
+pub use feeling::FeltFigures;
 pub use radiation::RadiationFigures;
 pub use survey::Extremes;
 
@@ -33,6 +36,7 @@ pub struct Parts {
     pub arrows: Derived<Arrows>,
     pub bound: Derived<Bound>,
     pub course: Derived<TimeCourse>,
+    pub feeling: Derived<Feeling>,
     pub harmonic: Derived<Harmonic>,
     pub levitation: Derived<Levitation>,
     pub radiation: Derived<Radiation>,
@@ -43,16 +47,38 @@ pub struct Parts {
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 10] {
-        let Self { arrows, bound, course, harmonic, levitation, radiation, ranges, response, survey, trade } =
-            self;
-        [arrows, bound, course, harmonic, levitation, radiation, ranges, response, survey, trade]
+    fn all(&self) -> [&dyn Background; 11] {
+        let Self {
+            arrows,
+            bound,
+            course,
+            feeling,
+            harmonic,
+            levitation,
+            radiation,
+            ranges,
+            response,
+            survey,
+            trade,
+        } = self;
+        [arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 10] {
-        let Self { arrows, bound, course, harmonic, levitation, radiation, ranges, response, survey, trade } =
-            self;
-        [arrows, bound, course, harmonic, levitation, radiation, ranges, response, survey, trade]
+    fn all_mut(&mut self) -> [&mut dyn Background; 11] {
+        let Self {
+            arrows,
+            bound,
+            course,
+            feeling,
+            harmonic,
+            levitation,
+            radiation,
+            ranges,
+            response,
+            survey,
+            trade,
+        } = self;
+        [arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade]
     }
 
     /// Collects finished values, and returns whether there were any.

@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::field::{Evaluator, Pressed, Request, Stages};
+use crate::field::{Declaration, Evaluator, Pressed, Request, Stages};
 use crate::studio::liquid;
 use crate::ui::part::{Now, Part};
 
@@ -36,7 +36,8 @@ impl Part for Radiation {
 
     fn input(&self, now: &Now<'_>) -> Option<Request> {
         let quantity = now.view.quantity;
-        let sound = now.sound.filter(|_| quantity.declaration().is_slow)?;
+        let Declaration { is_slow, of_skin, .. } = *quantity.declaration();
+        let sound = now.sound.filter(|_| is_slow && !of_skin)?;
         // On planes too near for cells, the force is computed from pixels.
         let pixels = now.scene.plane.size * PER_WAVELENGTH / sound.aperture.wavelength();
         let [width, height] = pixels.to_array().map(|side| side.ceil().clamp(1.0, MOST_PER_SIDE) as usize);

@@ -1,4 +1,4 @@
-//! The panel of the pressure at a point over time, with the spectrum of its square.
+//! The panel of the pressure at a point over time, with the spectrum of its square, and of the skin there.
 
 use egui::Ui;
 use egui_plot::{Line, PlotPoints};
@@ -63,6 +63,18 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
     let times = course.moduli.iter().map(|[time, p]| [time * 1e3, p * factor]).collect::<Vec<_>>();
     ui.label(format!("|p| / {name} ({}) against time / ms", convention.into_str()));
     plot("course of time", ui, vec![times]);
+    match &course.skin {
+        Some(Ok(displacements)) => {
+            let microns = displacements.iter().map(|[time, u]| [time * 1e3, u * 1e6]).collect();
+            ui.label("Displacement of the skin / µm against time / ms")
+                .on_hover_text("Positive into the skin, with its mean");
+            plot("skin over time", ui, vec![microns]);
+        }
+        Some(Err(why)) => {
+            ui.label(why);
+        }
+        None => {}
+    }
     ui.label("Lines of |p|² / % of its mean against frequency / Hz");
     let stem = |line: &SpectralLine| {
         let part = 100.0 * line.amplitude / course.mean().max(f64::MIN_POSITIVE);
