@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::process::{folder_with, output_of, succeed};
+use crate::process::{folder_with, output_of, program, succeed};
 
 /// Two points that a hand cannot tell apart.
 const POINTS: &str = "format = 1\n[[target]]\nat = [-0.006, 0, 0.1]\n[[target]]\nat = [0.006, 0, 0.1]\n[skin]\n\
@@ -34,7 +34,9 @@ fn scenes_with_a_skin_say_what_is_felt() {
     let line = "{\"target\": [{\"at\": [-0.006, 0, 0.1]}, {\"at\": [0.006, 0, 0.1]}], \"skin\": {}, \
                 \"modulation\": {\"shape\": \"sine\", \"frequency\": 150}}\n";
     fs::write(folder.join("lines"), line).unwrap();
-    assert_eq!(json(folder, &["batch", "lines"])["felt"], felt);
+    let lines = fs::File::open(folder.join("lines")).unwrap();
+    let answer = program(folder, &["batch"]).stdin(lines).output().unwrap().stdout;
+    assert_eq!(serde_json::from_slice::<Value>(&answer).unwrap()["felt"], felt);
     fs::write(folder.join("a.toml"), POINTS.replace("[skin]\n", "")).unwrap();
     assert_eq!(json(folder, &["solve", "a.toml", "--json"]).get("felt"), None);
 }
@@ -50,7 +52,7 @@ fn a_slow_coarse_circle_is_warned_about() {
     let (still, same) = output_of(folder, &["solve", "a.toml", "--json"]);
     for warnings in [warnings, same] {
         assert!(warnings.contains("moves by 2.0 mm from frame to frame"), "{warnings}");
-        assert!(warnings.contains("below 1 mm, motion.frames = 126"), "{warnings}");
+        assert!(warnings.contains("below 1.0 mm, motion.frames = 126"), "{warnings}");
     }
     let felt = serde_json::from_str::<Value>(&still).unwrap()["felt"].take();
     assert_eq!(json(folder, &["solve", "a.toml", "--motion", "--json"])["felt"], felt);
