@@ -74,7 +74,12 @@ fn own_motions(cycle: &Cycle<'_>) -> Vec<Value> {
 ///
 /// # Errors
 /// If the writer fails.
-pub fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io::Result<()> {
+pub fn write_json(
+    out: &mut dyn Write,
+    scene: &Scene,
+    sequence: &Sequence,
+    felt: Option<&Felt>,
+) -> std::io::Result<()> {
     let (cycle, summary) = (motion::cycle(scene), Summary::new(sequence));
     let of_scene = cycle.iter().flat_map(|cycle| &cycle.groups).find(|group| group.target.is_none());
     let length = of_scene.map_or(0.0, |group| group.length);
@@ -104,7 +109,7 @@ pub fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> st
     if let Some(moving) = Moving::new(scene, sequence) {
         writeln!(out, "  \"response\": {},", moving.json())?;
     }
-    if let Some(Ok(felt)) = Felt::of_sequence(scene, sequence) {
+    if let Some(felt) = felt {
         writeln!(out, "  \"felt\": {},", felt.json())?;
     }
     writeln!(out, "  \"frames\": [")?;
