@@ -94,6 +94,8 @@ pub struct Touch {
     nodes: Vec<[Complex64; 2]>,
     /// J₀(kr) of every node, radius by radius.
     bessel: Vec<Complex64>,
+    /// The radii of columns 0 to half of them, of every row 0 to half of them.
+    places: Vec<Place>,
     transforms: [Transform; 2],
 }
 
@@ -125,33 +127,46 @@ impl Touch {
             let r = radius as f64 * step / PER_STEP;
             nodes.iter().map(move |[k, _]| bessel_0(k * r))
         });
-        Self { counts, step, bessel: bessel.collect(), nodes, transforms: counts.map(transform) }
+        let [across, up] = counts.map(|count| count / 2 + 1);
+        let place = |i: usize| Place::new(((i % across) as f64).hypot((i / across) as f64) * PER_STEP);
+        let places = (0..across * up).into_par_iter().map(place).collect();
+        Self { counts, step, bessel: bessel.collect(), places, nodes, transforms: counts.map(transform) }
     }
 
-    /// The factors that turn the transform of a pressure (Pa) on the lattice into that of the displacement (m), at a frequency (Hz):
-    /// columns 0 to half of them, of every row 0 to half of them.
-    pub fn factors(&self, skin: &Skin, frequency: f64) -> Vec<Complex64> {
-        let omega = TAU * frequency;
-        let weighted: Vec<_> =
-            self.nodes.iter().map(|[k, weight]| weight * yielding(skin, *k, omega)).collect();
-        let of_radius = |bessel: &[Complex64]| {
-            bessel.iter().zip(&weighted).fold(Complex64::ZERO, |sum, (j, w)| sum + j * w)
+    /// The factors that turn the transform of a pressure (Pa) on the lattice into that of the displacement (m), at each of some
+    /// frequencies (Hz): columns 0 to half of them, of every row 0 to half of them.
+    pub fn factors(&self, skin: &Skin, frequencies: &[f64]) -> Vec<Vec<Complex64>> {
+        let weighted = |frequency: &f64| -> Vec<_> {
+            self.nodes.iter().map(|[k, weight]| weight * yielding(skin, *k, TAU * frequency)).collect()
         };
-        let table: Vec<_> = self.bessel.chunks_exact(self.nodes.len()).map(of_radius).collect();
+        let weighted: Vec<_> = frequencies.par_iter().map(weighted).collect();
+        // Radius by radius, whose row of the table serves all frequencies.
+        let of_radius = |bessel: &[Complex64]| -> Vec<_> {
+            let sum = |weighted: &Vec<Complex64>| {
+                bessel.iter().zip(weighted).fold(Complex64::ZERO, |sum, (j, w)| sum + j * w)
+            };
+            weighted.iter().map(sum).collect()
+        };
+        let rows: Vec<_> = self.bessel.par_chunks_exact(self.nodes.len()).map(of_radius).collect();
+        let of_frequency = |line: usize| self.transformed(|radius| rows[radius][line]);
+        (0..frequencies.len()).into_par_iter().map(of_frequency).collect()
+    }
+
+    /// The transform of a table by radius, on the lattice, which is even along both axes.
+    fn transformed(&self, table: impl Fn(usize) -> Complex64) -> Vec<Complex64> {
         let [columns, rows] = self.counts;
         let [across, up] = self.counts.map(|count| count / 2 + 1);
         let area = self.step * self.step;
-        // The lattice is even along both axes.
         let mut line = vec![Complex64::ZERO; columns];
         let mut halves = vec![Complex64::ZERO; across * up];
-        for row in 0..up {
-            for column in 0..columns {
-                let i = column.min(columns - column);
-                let r = (i as f64).hypot(row as f64) * PER_STEP;
-                line[column] = area * between(&table, r);
+        for (places, half) in self.places.chunks_exact(across).zip(halves.chunks_exact_mut(across)) {
+            for (column, place) in places.iter().enumerate() {
+                let value = area * place.between(&table);
+                line[column] = value;
+                line[(columns - column) % columns] = value;
             }
             self.transforms[0].process(&mut line);
-            halves[row * across..][..across].copy_from_slice(&line[..across]);
+            half.copy_from_slice(&line[..across]);
         }
         let mut line = vec![Complex64::ZERO; rows];
         for column in 0..across {
@@ -219,8 +234,9 @@ impl Touch {
 fn path(farthest: f64, step: f64) -> Vec<[Complex64; 2]> {
     /// Rise of J₀ along the path, as an exponent.
     const RISE: f64 = 3.0;
-    /// Pieces per cycle of J₀ at the farthest radius.
-    const PIECES: f64 = 0.6;
+    /// Cycles of J₀ at the farthest radius in a piece, while poles are near the path, and beyond, where viscosity has damped them.
+    const CYCLES: [f64; 2] = [1.7, 3.0];
+    const DAMPED: f64 = 400.0;
     /// Cut-off e^{-(k/k_c)^p}: 1e-5 away from one at twice the sound's wavenumber, and ended at four times.
     const POWER: i32 = 20;
     const CUT: f64 = 1.153;
@@ -228,13 +244,15 @@ fn path(farthest: f64, step: f64) -> Vec<[Complex64; 2]> {
     let cut = CUT * PI / step;
     let height = RISE / farthest;
     let at = |t: f64| Complex64::new(t, t.min(height));
-    let longest = TAU / farthest / PIECES;
     // Finer towards k = 0, where slow waves have their poles.
     let mut ends = vec![0.0];
     ends.extend((-6..=0).map(|n| height * 2f64.powi(n)));
     let last = END * cut;
-    let pieces = ((last - height) / longest).ceil();
-    ends.extend((1..=pieces as usize).map(|n| height + (last - height) * n as f64 / pieces));
+    for (until, cycles) in [height.max(DAMPED).min(last), last].into_iter().zip(CYCLES) {
+        let first = ends[ends.len() - 1];
+        let pieces = ((until - first) * farthest / (TAU * cycles)).ceil();
+        ends.extend((1..=pieces as usize).map(|n| first + (until - first) * n as f64 / pieces));
+    }
     let rule = gauss_legendre(NODES);
     let piece = |ends: &[f64]| {
         let (start, end) = (at(ends[0]), at(ends[1]));
@@ -248,28 +266,37 @@ fn path(farthest: f64, step: f64) -> Vec<[Complex64; 2]> {
     ends.windows(2).flat_map(piece).collect()
 }
 
-/// A table at a place between its entries (Lagrange); it is even about 0.
-fn between(table: &[Complex64], place: f64) -> Complex64 {
-    let first = place.floor() as i64 - (TAPS as i64 / 2 - 1);
-    let mut sum = Complex64::ZERO;
-    for i in 0..TAPS as i64 {
-        let mut weight = 1.0;
-        for j in (0..TAPS as i64).filter(|j| *j != i) {
-            weight *= (place - (first + j) as f64) / (i - j) as f64;
-        }
-        sum += table[(first + i).unsigned_abs() as usize] * weight;
+/// A place between the entries of a table that is even about 0 (Lagrange).
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    first: i32,
+    weights: [f64; TAPS],
+}
+
+impl Place {
+    fn new(place: f64) -> Self {
+        let first = place.floor() as i32 - (TAPS as i32 / 2 - 1);
+        let weight = |i: usize| {
+            let others = (0..TAPS).filter(|j| *j != i);
+            others.map(|j| (place - f64::from(first) - j as f64) / (i as f64 - j as f64)).product()
+        };
+        Self { first, weights: std::array::from_fn(weight) }
     }
-    sum
+
+    fn between(&self, table: impl Fn(usize) -> Complex64) -> Complex64 {
+        let taps = (self.first..).zip(&self.weights);
+        taps.map(|(entry, weight)| table(entry.unsigned_abs() as usize) * weight).sum()
+    }
 }
 
 /// J₀ of a complex number with a positive real part.
 fn bessel_0(z: Complex64) -> Complex64 {
     /// |z| from which Hankel's expansion is as accurate as the series.
     const FAR: f64 = 12.0;
-    if z.norm() < FAR {
+    if z.norm_sqr() < FAR * FAR {
         let square = -z * z / 4.0;
         let (mut term, mut sum, mut m) = (Complex64::ONE, Complex64::ONE, 1.0);
-        while term.norm() > 1e-17 * sum.norm() && m < 60.0 {
+        while term.norm_sqr() > 1e-34 && m < 60.0 {
             term *= square / (m * m);
             sum += term;
             m += 1.0;
@@ -278,19 +305,17 @@ fn bessel_0(z: Complex64) -> Complex64 {
     }
     // Terms a_m/z^m with a_m/a_{m-1} = -(2m - 1)²/(8m), of alternating parts.
     let inverse = z.inv();
-    let (mut term, mut even, mut odd) = (Complex64::ONE, Complex64::ONE, Complex64::ZERO);
+    let (mut term, mut parts) = (Complex64::ONE, [Complex64::ONE, Complex64::ZERO]);
     for m in 1..20 {
         let next = term * inverse * (-f64::from((2 * m - 1) * (2 * m - 1)) / f64::from(8 * m));
-        if next.norm() > term.norm() || next.norm() < 1e-17 {
+        if next.norm_sqr() > term.norm_sqr() || next.norm_sqr() < 1e-26 {
             break;
         }
         term = next;
-        let sign = if m / 2 % 2 == 0 { 1.0 } else { -1.0 };
-        if m % 2 == 0 { even += sign * term } else { odd += sign * term }
+        parts[m as usize % 2] += if m / 2 % 2 == 0 { term } else { -term };
     }
-    let (sine, cosine) = {
-        let w = z - FRAC_PI_4;
-        (w.sin(), w.cos())
-    };
-    (2.0 / (PI * z)).sqrt() * (even * cosine - odd * sine)
+    let up = (Complex64::I * (z - FRAC_PI_4)).exp();
+    let down = up.inv();
+    let [even, odd] = parts;
+    (0.5 * PI * z).inv().sqrt() * 0.5 * (even * (up + down) + odd * Complex64::I * (up - down))
 }

@@ -27,8 +27,8 @@ fn places() -> impl Iterator<Item = DVec2> {
 
 /// The displacement at every cell under a pressure.
 fn displacement(touch: &Touch, skin: &Skin, frequency: f64, pressure: &[Complex64]) -> Vec<Complex64> {
-    let factors = touch.factors(skin, frequency);
-    touch.displacement(&factors, (pressure, [CELLS; 2]), ([0; 2], [CELLS; 2]))
+    let factors = touch.factors(skin, &[frequency]);
+    touch.displacement(&factors[0], (pressure, [CELLS; 2]), ([0; 2], [CELLS; 2]))
 }
 
 fn gaussian(at: DVec2) -> f64 {

@@ -7,7 +7,6 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::ops::Range;
-use std::sync::Arc;
 
 use glam::DVec2;
 use num_complex::{Complex32, Complex64};
@@ -172,7 +171,7 @@ pub(super) struct OfSkin {
     /// Radiation pressure (Pa) of every frame at the cells.
     pub(super) pressures: Kept<FormedKey, Vec<Vec<f32>>>,
     touch: Kept<Lattice, Option<Touch>>,
-    factors: Kept<(Lattice, Skin), BTreeMap<u64, Arc<Vec<Complex64>>>>,
+    factors: Kept<(Lattice, Skin), BTreeMap<u64, Vec<Complex64>>>,
     motion: Kept<MotionKey, SkinMotion>,
 }
 
@@ -222,33 +221,28 @@ impl OfSkin {
         let matter = Skin { threshold: Skin::default().threshold, curve: Default::default(), ..skin.clone() };
         factors.update(&(lattice, matter), BTreeMap::clear);
         let kept = &mut factors.value;
-        if kept.len() + lines.len() > MOST_FACTORS {
-            kept.clear();
-        }
-        let made: Vec<_> = lines
-            .into_par_iter()
-            .map(|line| {
-                let own = kept.get(&line.frequency.to_bits()).map(Arc::clone);
-                let factors = own.unwrap_or_else(|| Arc::new(touch.factors(skin, line.frequency)));
+        let mut made = Vec::with_capacity(lines.len());
+        for some in lines.chunks(MOST_FACTORS) {
+            let of = |line: &Combination| line.frequency.to_bits();
+            let mut lacking: Vec<_> = some.iter().filter(|line| !kept.contains_key(&of(line))).collect();
+            if kept.len() + lacking.len() > MOST_FACTORS {
+                kept.clear();
+                lacking = some.iter().collect();
+            }
+            let frequencies: Vec<_> = lacking.iter().map(|line| line.frequency).collect();
+            kept.extend(lacking.into_iter().map(of).zip(touch.factors(skin, &frequencies)));
+            made.par_extend(some.par_iter().map(|line| {
                 let pressure = harmonics.combined(&line.weights);
                 let found = touch.displacement(
-                    &factors,
+                    &kept[&of(line)],
                     (&pressure, lattice.cells),
                     (lattice.first(), lattice.middle),
                 );
                 let narrow = |value: Complex64| Complex32::new(value.re as f32, value.im as f32);
-                let values = found.into_iter().map(narrow).collect();
-                (factors, Line { frequency: line.frequency, values })
-            })
-            .collect();
-        let count = made.len() as u64;
-        let mut lines = Vec::with_capacity(made.len());
-        for (factors, line) in made {
-            if kept.len() < MOST_FACTORS {
-                kept.insert(line.frequency.to_bits(), factors);
-            }
-            lines.push(line);
+                Line { frequency: line.frequency, values: found.into_iter().map(narrow).collect() }
+            }));
         }
+        let (count, lines) = (made.len() as u64, made);
         motion.value = SkinMotion { cells: Some(cells.within(lattice.middle)), all: cells.counts, lines };
         motion.key = Some(key);
         (&motion.value, count)
