@@ -284,6 +284,7 @@ impl Workshop {
                 .solved
                 .as_ref()
                 .and_then(|(scene, solved)| Some((scene, solved.as_ref().ok()?))),
+            plays: shown.board.plays,
             cycle: shown.round.as_ref(),
             has_selection: !selection.is_empty(),
             focus: sound::focus(scene, selection, sound),

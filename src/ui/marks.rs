@@ -20,7 +20,9 @@ const ASKS: f32 = 8.0;
 
 pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
     if editor.view.palm && editor.view.cut == Cut::Xy {
-        palm::paint(DVec2::ZERO, painter, lens);
+        for (at, size) in palm::paint(DVec2::ZERO, painter, lens) {
+            chip(painter, at, Align2::CENTER_CENTER, &format!("{size:.0} mm"), 11.0, theme::MARK);
+        }
     }
     array::paint(editor, shown, painter, lens);
     let scene = editor.scene();

@@ -1,10 +1,8 @@
 //! The outline of an adult's hand, to scale and with its dimensions.
 
-use egui::{Align2, Color32, Painter, Shape, Stroke, vec2};
+use egui::{Color32, Painter, Pos2, Shape, Stroke, vec2};
 use glam::DVec2;
 
-use crate::ui::marks;
-use crate::ui::theme;
 use crate::ui::view::Lens;
 
 /// Length from the wrist to the tip of the middle finger, and width across the knuckles, mm.
@@ -70,8 +68,8 @@ const OUTLINE: &[(f64, f64)] = &[
 /// How often corners are cut.
 const ROUNDS: usize = 2;
 
-/// Draws it around a point of the plane.
-pub fn paint(centre: DVec2, painter: &Painter, lens: &Lens) {
+/// Draws it around a point of the plane. Returns the middles of the lines that show its size, mm.
+pub fn paint(centre: DVec2, painter: &Painter, lens: &Lens) -> [(Pos2, f64); 2] {
     let mut outline: Vec<_> =
         OUTLINE.iter().map(|&(x, y)| lens.screen(centre + DVec2::new(x, y) * 1e-3)).collect();
     for _ in 0..ROUNDS {
@@ -91,14 +89,13 @@ pub fn paint(centre: DVec2, painter: &Painter, lens: &Lens) {
         ([at(BESIDE, tip - length), at(BESIDE, tip)], vec2(4.0, 0.0), length),
         ([at(-width / 2.0, BELOW), at(width / 2.0, BELOW)], vec2(0.0, 4.0), width),
     ];
-    for ([from, to], end, size) in lines {
+    lines.map(|([from, to], end, size)| {
         for stroke in thin {
             painter.line_segment([from, to], stroke);
             for at in [from, to] {
                 painter.line_segment([at - end, at + end], stroke);
             }
         }
-        let text = format!("{size:.0} mm");
-        marks::chip(painter, from.lerp(to, 0.5), Align2::CENTER_CENTER, &text, 11.0, theme::MARK);
-    }
+        (from.lerp(to, 0.5), size)
+    })
 }

@@ -11,6 +11,7 @@ use crate::scene::Scene;
 use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::studio::later::Later;
+use crate::ui::board::Plays;
 use crate::ui::layout::Panel;
 use crate::ui::playback::Playback;
 use crate::ui::sound::{self, Sound};
@@ -32,6 +33,8 @@ pub struct Now<'a> {
     pub solution: Option<&'a Arc<Solution>>,
     /// The last solved scene at rest, with its solution.
     pub solved: Option<(&'a Scene, &'a Arc<Solution>)>,
+    /// What the board plays.
+    pub plays: Plays,
     /// The drives of the motion.
     pub cycle: Option<&'a Arc<Sequence>>,
     /// Whether targets are selected.

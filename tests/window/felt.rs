@@ -1,7 +1,8 @@
 //! What a hand feels: the Felt page with its skin and sliders, maps of levels over the threshold, and the skin over time.
 
 use egui::accesskit::Role;
-use sonoglyph::scene::{Envelope, Law, Modulation, Motion, MotionPath, Skin, Target, Tempo, check, motion};
+use sonoglyph::scene::{Envelope, Law, LiquidName, Modulation, Motion, MotionPath, Skin, Target, Tempo};
+use sonoglyph::scene::{check, motion};
 use sonoglyph::studio::primaries::Primaries;
 use sonoglyph::ui::Panel;
 use sonoglyph::ui::parts::FeltFigures;
@@ -82,6 +83,14 @@ fn a_map_of_what_is_felt_has_levels_and_contours() {
     rest(&mut screen);
     assert!(largest(&screen) < 0.0, "200 Hz is no flutter");
     assert!(screen.state().shown().problem.is_none());
+    // Beside the button that sends it to a hand, and not to a liquid.
+    let on_device = |screen: &mut Screen, liquid: Option<LiquidName>| {
+        let editor = screen.state_mut().editor_mut();
+        (editor.panel, editor.document.scene.liquid.name) = (Panel::Device, liquid);
+        rest(screen);
+        screen.state().editor().parts.feeling.newest().is_some()
+    };
+    assert!(on_device(&mut screen, None) && !on_device(&mut screen, Some(LiquidName::Water)));
 }
 
 #[test]

@@ -248,10 +248,11 @@ fn sending(
     form(ui, "plays", |ui| {
         fact(ui, ("Playing", "As sent to the board"), what);
         if let Some(Ok(figures)) = editor.parts.feeling.newest() {
-            let tip =
-                "Level of the scene over the threshold of feeling, in motion if it moves; see the Felt page";
+            let moves = motion::moves(editor.scene()) && board.plays != Plays::Scene;
+            let name = if moves { "Felt in motion" } else { "Felt" };
+            let tip = "Level of the scene over the threshold of feeling; see the Felt page";
             let level = felt::decibels(figures.felt.level);
-            fact(ui, ("Felt", tip), format!("{level}, ± {:.0} dB", UNCERTAINTY[0]));
+            fact(ui, (name, tip), format!("{level}, ± {:.0} dB", UNCERTAINTY[0]));
         }
     });
     offer(editor, board, ui);

@@ -3,11 +3,18 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::field::{Evaluator, Stages};
-use crate::scene::{Scene, motion};
+use crate::scene::{Motion, Scene, Target, motion};
 use crate::studio::felt::{self, Felt};
 use crate::studio::performance::Performance;
+use crate::ui::board::Plays;
 use crate::ui::layout::Panel;
 use crate::ui::part::{Now, Part};
+
+/// The scene as a board plays it that was sent no motion.
+fn at_rest(scene: &Scene) -> Scene {
+    let targets = scene.targets.iter().map(|target| Target { motion: None, ..target.clone() }).collect();
+    Scene { targets, motion: Motion::default(), ..scene.clone() }
+}
 
 /// The figures of the Felt page, and of what a board is to play.
 #[derive(Debug)]
@@ -34,19 +41,21 @@ impl Part for Feeling {
     type Output = Result<FeltFigures, String>;
 
     fn input(&self, now: &Now<'_>) -> Option<Self::Input> {
-        let is_shown = match now.panel? {
-            Panel::Felt => true,
-            Panel::Device => felt::is_for_a_hand(now.scene),
-            Panel::Scene | Panel::Solver | Panel::Drive | Panel::Liquid | Panel::Motion => false,
+        let (is_shown, is_still) = match now.panel? {
+            Panel::Felt => (true, false),
+            Panel::Device => (felt::is_for_a_hand(now.scene), now.plays == Plays::Scene),
+            Panel::Scene | Panel::Solver | Panel::Drive | Panel::Liquid | Panel::Motion => (false, false),
         };
-        let performance = match now.cycle.filter(|_| is_shown) {
+        let scene = if is_still { at_rest(now.scene) } else { now.scene.clone() };
+        let performance = match now.cycle.filter(|_| motion::moves(&scene)) {
+            _ if !is_shown => return None,
             Some(cycle) => Performance::Motion(cycle.clone()),
-            None if !is_shown || motion::moves(now.scene) => return None,
+            None if motion::moves(&scene) => return None,
             None => Performance::Still(now.solution?.clone()),
         };
         // Until the scene is solved again, the drive may belong to another array.
         let fits = now.sound.is_some() && performance.first().phases.len() == now.scene.elements();
-        fits.then(|| (now.scene.clone(), performance))
+        fits.then_some((scene, performance))
     }
 
     fn may_begin(&self, now: &Now<'_>) -> bool {

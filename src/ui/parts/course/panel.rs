@@ -3,6 +3,7 @@
 use egui::Ui;
 use egui_plot::{Line, PlotPoints};
 
+use crate::field::Quantity;
 use crate::scene::SpectralLine;
 use crate::ui::panels::form::{choice, heading, still_plot};
 use crate::ui::panels::form::{fact, form};
@@ -56,6 +57,11 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
             let tip = "Lines of |p|²: amplitude relative to the mean";
             fact(ui, ("Strongest line", tip), format!("{part:.1} % at {} Hz", hertz(line.frequency)));
         }
+        if let Some(Ok(displacements)) = &course.skin {
+            let tip = "From the least to the largest displacement of the skin";
+            let text = format!("{} peak to peak", Quantity::Skin.with_unit(swing(displacements)));
+            fact(ui, ("Skin moves", tip), text);
+        }
     });
     let largest = course.moduli.iter().fold(0.0f64, |most, [_, p]| most.max(*p));
     let (name, factor) = if largest * convention.of_peak() < 1000.0 { ("Pa", 1.0) } else { ("kPa", 1e-3) };
@@ -82,6 +88,13 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
     };
     let stems = course.lines.iter().filter(|line| line.frequency > 0.0).map(stem);
     plot("spectrum", ui, stems.chain([vec![[0.0, 0.0], [BAND, 0.0]]]).collect());
+}
+
+/// From the least to the largest value.
+fn swing(curve: &[[f64; 2]]) -> f64 {
+    let ends = (f64::INFINITY, f64::NEG_INFINITY);
+    let (low, high) = curve.iter().fold(ends, |(low, high), [_, u]| (low.min(*u), high.max(*u)));
+    (high - low).max(0.0)
 }
 
 fn hertz(frequency: f64) -> String {
