@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use num_complex::Complex64;
 
+use crate::field::Quantity;
+use crate::field::quantity::Constants;
 use crate::field::stages::Request;
 use crate::field::stages::probes::Probes;
 use crate::field::stages::site::{Frame, Site, SiteKey};
@@ -20,4 +22,26 @@ pub(super) struct Job<'a> {
     pub(super) probes: &'a Probes,
     /// Excitations u of every element, for each drive that counts.
     pub(super) excitations: &'a Arc<Vec<Vec<Complex64>>>,
+}
+
+/// The inputs of the means at the cells.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct FormedKey {
+    site: SiteKey,
+    quantity: Quantity,
+    excitations: Arc<Vec<Vec<Complex64>>>,
+    constants: Constants<f64>,
+    pub(super) double: bool,
+}
+
+impl FormedKey {
+    pub(super) fn new(job: &Job<'_>, double: bool) -> Self {
+        Self {
+            site: job.key.clone(),
+            quantity: job.request.quantity.pressed_by(),
+            excitations: Arc::clone(job.excitations),
+            constants: job.request.constants(),
+            double,
+        }
+    }
 }

@@ -1,7 +1,6 @@
 //! The stages on the CPU.
 
 use std::ops::Range;
-use std::sync::Arc;
 
 use glam::DVec3;
 use num_complex::Complex64;
@@ -9,11 +8,11 @@ use rayon::prelude::*;
 
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::plan::F32_ERROR;
-use crate::field::quantity::{Constants, Declaration, Norm, PRESSURE, Part, Sound};
+use crate::field::quantity::{Declaration, Norm, PRESSURE, Part, Sound};
 use crate::field::slope::{SoundTransfer, part_on_cpu};
 use crate::field::stages::caustic::Caustic;
 use crate::field::stages::depression::Depression;
-use crate::field::stages::job::Job;
+use crate::field::stages::job::{FormedKey, Job};
 use crate::field::stages::kept::Kept;
 use crate::field::stages::lattice::{Lattice, RUN, Share};
 use crate::field::stages::probes::AtProbes;
@@ -66,16 +65,6 @@ pub(super) struct OnCpu {
 struct SampledKey {
     site: SiteKey,
     excitation: Vec<Complex64>,
-    double: bool,
-}
-
-/// The inputs of the means at the cells.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct FormedKey {
-    site: SiteKey,
-    quantity: field::Quantity,
-    excitations: Arc<Vec<Vec<Complex64>>>,
-    constants: Constants<f64>,
     double: bool,
 }
 
@@ -547,18 +536,6 @@ impl Job<'_> {
             sound.means(&self.excitations[drives.clone()], (quantity, &constants))
         };
         (0..count.div_ceil(TOGETHER)).into_par_iter().flat_map_iter(of_run).collect()
-    }
-}
-
-impl FormedKey {
-    fn new(job: &Job<'_>, double: bool) -> Self {
-        Self {
-            site: job.key.clone(),
-            quantity: job.request.quantity.pressed_by(),
-            excitations: Arc::clone(job.excitations),
-            constants: job.request.constants(),
-            double,
-        }
     }
 }
 

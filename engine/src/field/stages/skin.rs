@@ -15,16 +15,17 @@ use sonoglyph_fourier::transform;
 
 use crate::acoustics::course::{Combination, Course};
 use crate::field::cells::{Cells, smooth};
+use crate::field::stages::job::FormedKey;
 use crate::field::stages::kept::Kept;
-use crate::field::stages::on_cpu::FormedKey;
 use crate::field::stages::request::FieldError;
 use crate::scene::{Channel, Skin, SpectralLine};
 use crate::surface::skin::{Touch, yielding};
 
 /// Highest frequency of a line, Hz: far beyond what is felt, and what a focus of 15 m/s excites.
 const BAND: f64 = 2000.0;
-/// Part of the power, and of what is felt, of all lines that may be left out.
-const LEAST: f64 = 1e-5;
+/// Part of the power, and of what is felt, of all lines that may be left out: of maps, and of courses of time, whose lines add up
+/// in phase.
+const LEAST: [f64; 2] = [1e-5, 1e-7];
 /// Wavenumber (1/m) whose response ranks the lines: that of a focus.
 const OF_FOCUS: f64 = 300.0;
 /// Values of all frames at the cells.
@@ -298,7 +299,7 @@ fn lines_that_count(
         let mut ranked: Vec<_> = all.iter().enumerate().map(weighted).collect();
         ranked.sort_unstable_by(|a, b| b.1.total_cmp(&a.1));
         let mut left: f64 = ranked.iter().map(|(_, power)| power).sum();
-        let least = LEAST * left;
+        let least = LEAST[usize::from(purpose == Purpose::All)] * left;
         for (index, power) in ranked {
             if left <= least || power <= 0.0 {
                 break;
