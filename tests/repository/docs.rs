@@ -59,6 +59,7 @@ fn quantities_are_documented_with_their_units() {
             Unit::Joule => "J",
             Unit::Newton => "N",
             Unit::Undisturbed => "×",
+            Unit::Decibel => "dB",
         };
         let value = &said[&name];
         assert!(value.split([' ', ',']).any(|word| word == unit), "{name} in {unit}: {value}");
