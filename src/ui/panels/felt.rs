@@ -32,7 +32,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     skin(editor, ui);
 }
 
-/// What is felt, with how far to trust it.
+/// The levels, with their uncertainty.
 fn figures(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "What is felt");
     if !editor.view.quantity.declaration().is_level() {
