@@ -257,7 +257,7 @@ class Solver(_Table):
     search: float | None = None
     frames: int | None = None
     target: str | None = None
-    """pressure or depression"""
+    """pressure, depression or felt"""
 
 
 @dataclass(kw_only=True)

@@ -66,6 +66,7 @@ pub fn of_solving(error: &SolveError) -> PyErr {
     match error {
         SolveError::Scene(error) => of_key(error),
         SolveError::SeveralFoci(_) => scene(Some("solver.method"), error.to_string()),
+        SolveError::Skin(_) => scene(Some("solver.target"), error.to_string()),
         SolveError::Cancelled => pyo3::exceptions::PyKeyboardInterrupt::new_err(error.to_string()),
         SolveError::TooLarge { .. } => pyo3::exceptions::PyMemoryError::new_err(error.to_string()),
     }

@@ -80,6 +80,15 @@ def test_frames_equal_the_command_lines(tmp_path):
     assert np.array_equal(frames.phases, [frame["phases"] for frame in told["frames"]])
 
 
+def test_what_is_felt_equals_the_command_lines(tmp_path):
+    scene = five(skin=sg.Skin(viscosity=2.0), modulation=sg.Modulation(shape="sine", frequency=150.0))
+    path = tmp_path / "scene.toml"
+    scene.save(path)
+    felt = scene.solve().felt
+    assert felt is not None and felt["level"] > 0 and felt == json.loads(run("solve", path, "--json"))["felt"]
+    assert five().solve().felt is None
+
+
 # --- against NumPy models
 
 

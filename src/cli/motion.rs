@@ -33,14 +33,19 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
     }
     let sequence = follow(&scene, &args.scene.display().to_string(), &progress::begin(SOLVING))?;
     warn_of_rate(&scene);
+    let felt = Felt::of_sequence(&scene, &sequence);
+    if let Some(Ok(felt)) = &felt {
+        felt.warnings(&scene, &[]).iter().for_each(|warning| warn(warning));
+    }
     if let Some(path) = &args.csv {
         output::write_by(path, |file| Ok(write_csv(file, &scene, &sequence)?))?;
     }
     if args.json {
         let mut out = BufWriter::new(output::standard()?);
-        write_json(&mut out, &scene, &sequence).and_then(|()| out.flush()).map_err(output::unsaid)?;
+        let felt = felt.as_ref().and_then(|felt| felt.as_ref().ok());
+        write_json(&mut out, &scene, &sequence, felt).and_then(|()| out.flush()).map_err(output::unsaid)?;
     } else {
-        print(&scene, &sequence)?;
+        print(&scene, &sequence, felt::rows(felt.as_ref()))?;
     }
     Ok(())
 }
@@ -56,7 +61,7 @@ fn warn_of_rate(scene: &Scene) {
     }
 }
 
-fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
+fn print(scene: &Scene, sequence: &Sequence, felt: Vec<(&'static str, String)>) -> anyhow::Result<()> {
     let (summary, count) = (Summary::new(sequence), sequence.frames.len());
     let mut rows = vec![("path", scene.motion.path.into_str().to_owned())];
     match motion::cycle(scene) {
@@ -99,7 +104,7 @@ fn print(scene: &Scene, sequence: &Sequence) -> anyhow::Result<()> {
         ));
     }
     rows.extend(Moving::new(scene, sequence).iter().flat_map(Moving::rows));
-    rows.extend(felt::rows(Felt::of_sequence(scene, sequence).as_ref()));
+    rows.extend(felt);
     for (name, value) in rows {
         say!("{name:<COLUMN$}{value}")?;
     }

@@ -19,7 +19,9 @@ use crate::field::{Evaluator, NoSideLobe, SideLobe, Stages};
 use crate::rounding::{
     millimetres, milliseconds, pascals, pascals_at_most, percent, percent_at_least, percent_at_most,
 };
-use crate::scene::{Amplitudes, Focus, Listener, Method, Pressures, Scene, Turns, check, motion};
+use crate::scene::{
+    Amplitudes, Focus, Listener, Method, Pressures, Scene, Turns, UNCERTAINTY, check, motion,
+};
 use crate::solver::levels;
 use crate::solver::{self, Limits, Problem, Solution, SolveError, room};
 use crate::studio::felt;
@@ -29,6 +31,7 @@ use crate::studio::nonlinear::Nonlinear;
 use crate::studio::output::{self, Files, note, say, warn};
 use crate::studio::response::Moving;
 use crate::studio::spread;
+use crate::studio::stimulus;
 
 /// Replaces the figures that compare pressures if the foci are silent, in these rows.
 const SILENT: &str = "no sound reaches the foci";
@@ -60,6 +63,9 @@ pub struct SolveArgs {
     /// off. --json prints one object whose `frames` hold time, foci, pressures (Pa, peak) and phases.
     #[arg(long, conflicts_with_all = ["levels", "drive"])]
     pub motion: bool,
+    /// Play the drawing in many ways, and list what is felt most: kind, level over threshold by channel, and keys of the scene
+    #[arg(long, conflicts_with_all = ["method", "drive", "levels", "motion", "csv"])]
+    pub felt: bool,
     /// Duration of the further search (s), instead of the scene's
     #[arg(long, value_name = "S", conflicts_with_all = ["motion", "drive"], allow_negative_numbers = true, value_parser = arguments::parse_search)]
     pub search: Option<f64>,
@@ -106,6 +112,9 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
             anyhow::bail!("--levels takes one drive: name one method");
         }
         return compare(&scene, args.json, &in_file);
+    }
+    if args.felt {
+        return rank(&scene, args);
     }
     if args.levels.is_some() {
         match scene.solver.frames {
@@ -158,6 +167,50 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         }
     }
     Ok(())
+}
+
+/// Prints the ways of playing a drawing, the one that is felt most first.
+fn rank(scene: &Scene, args: &SolveArgs) -> anyhow::Result<()> {
+    let name = args.scene.display();
+    if scene.drive.is_named() || !felt::is_for_a_hand(scene) {
+        anyhow::bail!(
+            "{name}: --felt takes a drawing for a hand, without a liquid, traps or a drive of its own"
+        );
+    }
+    let ways = stimulus::ranked(scene).map_err(|error| anyhow::anyhow!("{name}: {error}"))?;
+    if args.json {
+        let ways: Vec<_> = ways.iter().map(stimulus::Stimulus::json).collect();
+        return say!("{}", serde_json::to_string_pretty(&ways)?);
+    }
+    let mut table = Table::new();
+    table.set_header([
+        "felt / dB",
+        "pressure",
+        "flutter",
+        "vibration",
+        "drawing felt",
+        "kept",
+        "kind",
+        "keys of the scene",
+    ]);
+    for way in &ways {
+        let felt = &way.felt;
+        let mut row: Vec<_> = [felt.level, felt.pressure, felt.flutter, felt.vibration].map(level).to_vec();
+        row.extend([felt.share, way.kept].map(|part| part.map_or("-".to_owned(), percent)));
+        row.extend([<&str>::from(way.kind).to_owned(), way.keys()]);
+        table.add_row(row);
+    }
+    for column in table.column_iter_mut().take(6) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    let [absolute, differences] = UNCERTAINTY;
+    say!("{table}")?;
+    say!("levels over threshold are worth ± {absolute} dB, differences ± {differences} dB")
+}
+
+/// A level (dB over threshold).
+fn level(level: f64) -> String {
+    if level > felt::FLOOR { format!("{level:.1}") } else { "-".to_owned() }
 }
 
 /// Prints the quality on a board with few phase levels.

@@ -23,8 +23,8 @@ use crate::field::cells::Cells;
 use crate::field::{Evaluator, FieldError, Quantity, Request, SkinMotion, Stages};
 use crate::rounding::{millimetres, percent};
 use crate::scene::{
-    Channel, Envelope, Focus, Liquid, Modulation, MotionPath, Part, Plane, Scene, Skin, SpectralLine, Tempo,
-    UNCERTAINTY, motion, outline,
+    Channel, Envelope, Focus, Liquid, Modulation, MotionPath, Part, Plane, Scene, Skin, SpectralLine, Target,
+    Tempo, UNCERTAINTY, motion, outline,
 };
 use crate::solver::frames::{self, Sequence};
 use crate::solver::{Solution, SolveError};
@@ -53,7 +53,7 @@ const ONE: f64 = 0.015;
 const TWO: f64 = 0.032;
 /// m, between frames, of motions that are felt as pressure.
 const SMOOTH: f64 = 1e-3;
-/// Of a wavelength, between frames of faster motions: half the width of a focus.
+/// Of a wavelength, between frames of faster motions: neighbouring foci overlap.
 const APART: f64 = 0.5;
 /// Speeds that are tried, relative to that of surface waves: the first, the step and the number.
 const SLOWEST: f64 = 0.8;
@@ -239,6 +239,7 @@ impl Felt {
         let steady = || Offer::new(scene, motion::moves(scene), native, native.baud());
         let weak = (self.level < 0.0).then(|| match steady() {
             Some(offer) => offer.to_string(),
+            None if self.level == FLOOR => "steady sound is hardly felt".to_owned(),
             None => format!(
                 "the scene is hardly felt: {} over threshold, ± {:.0} dB",
                 decibels(self.level),
@@ -377,7 +378,7 @@ fn summed(plane: &Plane, skin: &Skin, motion: &SkinMotion) -> f64 {
 /// The strokes of targets at rest, with the indices of these, and the paths of points that move.
 fn strokes(scene: &Scene) -> Vec<(usize, Vec<DVec3>)> {
     let shown = scene.targets.iter().enumerate().filter(|(_, target)| target.visible);
-    let of_target = |(index, target): (usize, &crate::scene::Target)| {
+    let of_target = |(index, target): (usize, &Target)| {
         let motion = target.motion.as_ref().unwrap_or(&scene.motion);
         let is_at_rest = matches!(motion.path, MotionPath::None | MotionPath::Outline | MotionPath::Steps);
         let shape = &target.shape;
@@ -465,7 +466,7 @@ impl Along {
 
 impl Speeds {
     /// Of foci along the scene's path, or that of its slowest target: at which speed of elements that follow at once the skin is
-    /// displaced most, from peak to peak on the path. `None` without a path on the plane.
+    /// displaced most, from peak to peak on the path. `None` without a path on the plane, or a maximum near the speed of surface waves.
     fn new(scene: &Scene, drives: &[Drive], stages: &mut Stages) -> Result<Option<Self>, FieldError> {
         let Some(cycle) = motion::cycle(scene).filter(|_| !scene.drive.is_named()) else { return Ok(None) };
         let Some(leader) = cycle.groups.get(cycle.leader).filter(|group| group.length > 0.0) else {
@@ -497,13 +498,14 @@ impl Speeds {
         let speeds: Vec<_> = (0..SPEEDS).map(|n| skin.wave_speed * (SLOWEST + FASTER * n as f64)).collect();
         let swings = speeds.iter().map(|&speed| swing(speed)).collect::<Result<Vec<_>, _>>()?;
         let most = (0..SPEEDS).max_by(|&a, &b| swings[a].total_cmp(&swings[b])).unwrap_or(0);
-        let between = (1..SPEEDS - 1).contains(&most).then(|| {
-            let [before, here, after] = [most - 1, most, most + 1].map(|n| swings[n]);
-            0.5 * (before - after) / (before - 2.0 * here + after)
-        });
-        let offset = between.filter(|offset| offset.is_finite()).unwrap_or(0.0);
+        // At an end the maximum is elsewhere.
+        if !(1..SPEEDS - 1).contains(&most) {
+            return Ok(None);
+        }
+        let [before, here, after] = [most - 1, most, most + 1].map(|n| swings[n]);
+        let offset = 0.5 * (before - after) / (before - 2.0 * here + after);
         let best = speeds[most] + skin.wave_speed * FASTER * offset;
-        Ok(Some(Self { own: leader.length * cycle.rate, best }))
+        Ok(Some(Self { own: leader.length * cycle.rate, best }).filter(|_| offset.is_finite()))
     }
 }
 

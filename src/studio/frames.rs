@@ -74,7 +74,12 @@ fn own_motions(cycle: &Cycle<'_>) -> Vec<Value> {
 ///
 /// # Errors
 /// If the writer fails.
-pub fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std::io::Result<()> {
+pub fn write_json(
+    out: &mut dyn Write,
+    scene: &Scene,
+    sequence: &Sequence,
+    felt: Option<&Felt>,
+) -> std::io::Result<()> {
     let (cycle, summary) = (motion::cycle(scene), Summary::new(sequence));
     let of_scene = cycle.iter().flat_map(|cycle| &cycle.groups).find(|group| group.target.is_none());
     let length = of_scene.map_or(0.0, |group| group.length);
@@ -104,7 +109,7 @@ pub fn write_json(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> st
     if let Some(moving) = Moving::new(scene, sequence) {
         writeln!(out, "  \"response\": {},", moving.json())?;
     }
-    if let Some(Ok(felt)) = Felt::of_sequence(scene, sequence) {
+    if let Some(felt) = felt {
         writeln!(out, "  \"felt\": {},", felt.json())?;
     }
     writeln!(out, "  \"frames\": [")?;
@@ -125,10 +130,21 @@ fn frames_per_second(scene: &Scene) -> f64 {
 fn frame_json(frame: &Frame, time: f64) -> Value {
     let foci = frame.foci.iter().map(|focus| json!(focus.position.to_array())).collect::<Vec<_>>();
     let pressures = frame.pressures.iter().map(|p| p.norm()).collect::<Vec<_>>();
-    json!({ "time": time, "foci": foci, "pressures": pressures, "phases": frame.drive.phases })
+    let mut value =
+        json!({ "time": time, "foci": foci, "pressures": pressures, "phases": frame.drive.phases });
+    if !is_full(frame) {
+        value["amplitudes"] = json!(frame.drive.amplitudes);
+    }
+    value
 }
 
-/// A row per frame: the phase (rad) of every element, and `nan` for those that are off.
+/// Whether all that is driven is at full drive.
+fn is_full(frame: &Frame) -> bool {
+    frame.drive.amplitudes.iter().all(|&amplitude| amplitude == 0.0 || amplitude > 1.0 - 1e-9)
+}
+
+/// A row per frame: the phase (rad) of every element, and `nan` for those that are off; unless all are at full drive, also the
+/// amplitude of every element.
 ///
 /// # Errors
 /// If the writer fails.
@@ -137,12 +153,19 @@ pub fn write_csv(out: &mut dyn Write, scene: &Scene, sequence: &Sequence) -> std
     for element in 0..scene.elements() {
         write!(out, ",phase_{element}")?;
     }
+    let has_amplitudes = !sequence.frames.iter().all(is_full);
+    for element in (0..scene.elements()).filter(|_| has_amplitudes) {
+        write!(out, ",amplitude_{element}")?;
+    }
     writeln!(out)?;
     let frames_per_second = frames_per_second(scene);
     for (index, frame) in sequence.frames.iter().enumerate() {
         write!(out, "{index},{:?}", index as f64 / frames_per_second)?;
         for (phase, amplitude) in frame.drive.phases.iter().zip(&frame.drive.amplitudes) {
             if *amplitude > 0.0 { write!(out, ",{phase:?}")? } else { write!(out, ",nan")? }
+        }
+        for amplitude in frame.drive.amplitudes.iter().filter(|_| has_amplitudes) {
+            write!(out, ",{amplitude:?}")?;
         }
         writeln!(out)?;
     }

@@ -36,6 +36,7 @@ pub mod space;
 pub mod spread;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod still;
+pub mod stimulus;
 pub mod swell;
 pub mod thresholds;
 pub mod trade;

@@ -1,6 +1,6 @@
 //! The part of a scene that determines its solution, so that other edits cost no solve.
 
-use crate::scene::{Liquid, Method, Plane, Scene, Solver, Target, Turns, motion, outline};
+use crate::scene::{Liquid, Method, Modulation, Plane, Scene, Solver, Target, Turns, motion, outline};
 
 /// The part of a scene that its drive follows from.
 pub fn posed(scene: &Scene) -> Scene {
@@ -14,11 +14,13 @@ pub fn posed(scene: &Scene) -> Scene {
         quiet: scene.quiet.clone(),
         solver: Solver { frames: turns(scene), ..scene.solver.clone() },
         liquid: if has_surface(scene) { scene.liquid.clone() } else { Liquid::default() },
-        plane: if is_shape(scene) || has_surface(scene) {
+        plane: if is_shape(scene) || has_surface(scene) || scene.aims_at_felt() {
             quiet_plane(&scene.plane)
         } else {
             Plane::default()
         },
+        skin: scene.skin.clone().filter(|_| scene.aims_at_felt()),
+        modulation: if scene.aims_at_felt() { scene.modulation.clone() } else { Modulation::default() },
         ..Scene::default()
     }
 }

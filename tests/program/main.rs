@@ -10,6 +10,7 @@ mod contract;
 mod dice;
 mod drives;
 mod examples;
+mod felt;
 mod figures;
 #[cfg(unix)]
 mod film;

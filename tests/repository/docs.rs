@@ -175,8 +175,19 @@ fn every_printed_figure_has_a_definition() {
     printed.extend(labels(&point, &["--levels", "8", "--listener", "0,0.1,0.3"]));
     printed.extend(labels(&format!("{head}{shapes}"), &[]));
     printed.extend(labels(&format!("{head}{trap}"), &[]));
-    for known in ["peak side lobe", "strength", "error", "areas", "continuous strokes", "refined", "listener"]
-    {
+    let circle =
+        "[skin]\n[motion]\npath = \"circle\"\nrate = 80.0\nframes = 16\n[plane]\ncentre = [0, 0, 0.05]\n";
+    printed.extend(labels(&format!("{point}{circle}"), &[]));
+    for known in [
+        "peak side lobe",
+        "strength",
+        "error",
+        "areas",
+        "continuous strokes",
+        "refined",
+        "listener",
+        "felt along",
+    ] {
         assert!(printed.contains(known), "{known}: {printed:?}");
     }
     let model = text("docs/model.md");

@@ -17,7 +17,7 @@ use crate::scene::solver::{Pressures, Solver};
 use crate::scene::space::Front;
 use crate::scene::target::{Sampling, Target};
 use crate::scene::zone::{Area, Zone};
-use crate::scene::{liquid::Liquid, medium::Medium, plane::Plane, space, trap::Trap, turns::Turns};
+use crate::scene::{liquid::Liquid, medium::Medium, motion, plane::Plane, space, trap::Trap, turns::Turns};
 
 pub use crate::scene::space::MOST_ELEMENTS;
 
@@ -81,7 +81,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     }
     solver(&scene.solver).map_err(|e| e.under(&["solver".into()]))?;
     plane(&scene.plane).map_err(|e| e.under(&["plane".into()]))?;
-    aim(scene).map_err(|e| e.under(&["solver".into()]))?;
+    aim(scene).and_then(|()| felt(scene)).map_err(|e| e.under(&["solver".into()]))?;
     liquid(&scene.liquid).map_err(|e| e.under(&["liquid".into()]))?;
     scene.bead.check().map_err(|e| e.under(&["bead".into()]))?;
     scene.skin.as_ref().map_or(Ok(()), Skin::check).map_err(|e| e.under(&["skin".into()]))?;
@@ -279,6 +279,20 @@ fn solver(solver: &Solver) -> Result<(), KeyError> {
 /// A negative time, or more than an hour.
 pub fn search(seconds: f64) -> Result<(), KeyError> {
     within("search", seconds, 0.0, LONGEST_SEARCH, "s")
+}
+
+/// What is felt moves, and has no pressure of its own.
+fn felt(scene: &Scene) -> Result<(), KeyError> {
+    if !scene.aims_at_felt() || scene.drive.is_named() {
+        return Ok(());
+    }
+    if scene.solver.pressures == Pressures::Pascal {
+        return refuse("target", "\"felt\" finds the pressures, and pressures = \"pascal\" prescribes them");
+    }
+    if scene.modulation.shape == Envelope::Off && !motion::moves(scene) {
+        return refuse("target", "steady sound is not felt: give [modulation] a shape, or [motion] a path");
+    }
+    Ok(())
 }
 
 /// The liquid's surface is horizontal, and the only board faces it.

@@ -99,6 +99,12 @@ impl Scene {
         self.solver.target == Aim::Depression && self.solver.method == Method::Best
     }
 
+    /// Whether the targets prescribe what a hand feels.
+    #[doc(hidden)]
+    pub fn aims_at_felt(&self) -> bool {
+        self.solver.target == Aim::Felt
+    }
+
     /// Whether |p|² or a depression is prescribed over areas.
     pub fn has_areas(&self) -> bool {
         self.aims_at_depression() || self.targets.iter().any(|target| target.visible && target.is_area())

@@ -65,6 +65,7 @@ pub fn foci_of_step(scene: &Scene, step: u32) -> Result<Vec<Focus>, KeyError> {
         return Err(KeyError::new([Key::from("target")], message));
     }
     on_surface(scene, &foci)?;
+    on_skin(scene, &foci)?;
     Ok(foci)
 }
 
@@ -149,6 +150,21 @@ fn on_surface(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
     let message = format!(
         "a depression is drawn on the scene's plane, z = {height} m, and a target reaches z = {} m",
         away.position.z
+    );
+    Err(KeyError::new([Key::from("solver"), Key::from("target")], message))
+}
+
+/// What is to be felt must be drawn on the skin.
+fn on_skin(scene: &Scene, foci: &[Focus]) -> Result<(), KeyError> {
+    if !scene.aims_at_felt() || scene.drive.is_named() {
+        return Ok(());
+    }
+    let Some((x, y)) = scene.plane.axes() else { return Ok(()) };
+    let away = |focus: &Focus| (focus.position - scene.plane.centre).dot(x.cross(y)).abs();
+    let Some(focus) = foci.iter().find(|focus| away(focus) > scene.wavelength()) else { return Ok(()) };
+    let message = format!(
+        "what is felt is drawn on the skin, which lies on the scene's plane, and a target is {} mm off: move `plane.centre`",
+        (away(focus) * 1e4).round() / 10.0
     );
     Err(KeyError::new([Key::from("solver"), Key::from("target")], message))
 }

@@ -36,6 +36,8 @@ pub enum Aim {
     Pressure,
     /// The surface depression of the liquid at rest, on the scene's plane.
     Depression,
+    /// The level over the threshold of feeling, on the scene's plane: foci and strokes of equal pressure are felt evenly.
+    Felt,
 }
 
 pub fn is_pressure(aim: &Aim) -> bool {

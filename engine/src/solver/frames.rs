@@ -22,6 +22,7 @@ use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::gauge::{Counter, Gauge};
 use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
+use crate::solver::felt::Levelling;
 use crate::solver::problem::{Excitation, Problem};
 use crate::solver::run::Played;
 use crate::solver::solution::unless_cancelled;
@@ -102,8 +103,29 @@ pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveErr
     if !motion::moves(scene) && *scene.drives_in_turn().end() > 1 {
         return turns_of(scene, progress);
     }
-    let frames = motion::frames(scene)?;
     let aperture = Aperture::new(scene);
+    let mut frames = motion::frames(scene)?;
+    let mut levelling = Levelling::of(scene);
+    loop {
+        let solved = of_frames(scene, &aperture, &frames, progress)?;
+        let drives = || solved.iter().map(|frame| frame.drive.clone()).collect();
+        match levelling.next(&frames, drives).map_err(SolveError::Skin)? {
+            Some(levelled) => frames = levelled,
+            None => {
+                let steps = phase_steps(&phases(&solved), &aperture.driven, frames.len());
+                return Ok(Sequence { frames: solved, steps, seconds: start.elapsed().as_secs_f64() });
+            }
+        }
+    }
+}
+
+/// All frames, given their foci.
+fn of_frames(
+    scene: &Scene,
+    aperture: &Aperture,
+    frames: &[Vec<Focus>],
+    progress: &Gauge,
+) -> Result<Vec<Frame>, SolveError> {
     // Identical frames are solved once.
     let stands: Vec<_> = frames.chunk_by(|a, b| a == b).collect();
     let settings = &scene.solver;
@@ -112,11 +134,11 @@ pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveErr
     let _room = room::of_methods(scene, most, rayon::current_num_threads())?;
     let solved = if settings.method == Method::Best {
         let foci: Vec<_> = stands.iter().map(|stand| &stand[0][..]).collect();
-        chained(scene, &aperture, &foci, progress, &found)?
+        chained(scene, aperture, &foci, progress, &found)?
     } else {
         let alone = |stand: &&[Vec<Focus>]| {
             limited(progress, stands.len(), || {
-                let problem = Problem::of_scene(scene, &aperture, stand[0].clone());
+                let problem = Problem::of_scene(scene, aperture, stand[0].clone());
                 let excitation = excite(&problem, settings)?;
                 found.add();
                 Ok(Found::new(&problem, settings, excitation, true))
@@ -129,15 +151,11 @@ pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveErr
         .zip(parts(scene, &stands))
         .map(|(angle, part)| Complex64::from_polar(part, angle))
         .collect();
-    let frame = |(found, &turn): (Found, &Complex64)| found.into_frame(&aperture, turn);
+    let frame = |(found, &turn): (Found, &Complex64)| found.into_frame(aperture, turn);
     let solved: Vec<_> = solved.into_par_iter().zip(&turns).with_min_len(64).map(frame).collect();
-    let seconds = start.elapsed().as_secs_f64();
-
-    let mut steps = phase_steps(&phases(&solved), &aperture.driven, frames.len());
-    steps.to = stands[..steps.to].iter().map(|stand| stand.len()).sum();
     let repeated =
         solved.into_iter().zip(&stands).flat_map(|(frame, stand)| std::iter::repeat_n(frame, stand.len()));
-    Ok(Sequence { frames: repeated.collect(), steps, seconds })
+    Ok(repeated.collect())
 }
 
 /// One of `of` frames, on any thread, under the limits of all.
@@ -184,12 +202,13 @@ fn phases(frames: &[Frame]) -> Vec<&[f64]> {
     frames.iter().map(|frame| &frame.drive.phases[..]).collect()
 }
 
-/// The fraction at which each distinct frame is played. Along outlines and keyframes, pressures are relative to other
-/// frames, too: the loudest focus of the cycle is at full drive.
+/// The fraction at which each distinct frame is played. Along outlines and keyframes, and where all is to be felt evenly, pressures
+/// are relative to other frames, too: the loudest focus of the cycle is at full drive.
 fn parts(scene: &Scene, stands: &[&[Vec<Focus>]]) -> Vec<f64> {
     let each: Vec<_> = stands.iter().map(|stand| loudest(&stand[0])).collect();
     let most = each.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let is_relative = scene.solver.pressures == Pressures::Relative && motion::has_dynamics(scene);
+    let is_relative = scene.solver.pressures == Pressures::Relative
+        && (motion::has_dynamics(scene) || scene.aims_at_felt());
     each.into_iter().map(|part| if is_relative { part / most } else { 1.0 }).collect()
 }
 

@@ -10,7 +10,7 @@
 //! - `best` levels moduli in [`contest`], draws continuous strokes and areas with low side lobes in [`shape`], and
 //!   holds beads in [`trap`].
 //!
-//! [`frames`] solves motions. [`Limits`] computes a drive's distance from the best possible one on request: it
+//! [`frames`] solves motions, and [`felt`] levels what a hand feels of them. [`Limits`] computes a drive's distance from the best possible one on request: it
 //! takes longer than the drive and is independent of the method, so commands that print it compute it once.
 //!
 //! A solver never returns NaN: singular values below 1e-6 of the largest are not inverted, weights are floored and
@@ -23,6 +23,7 @@ mod bidiagonal;
 mod cholesky;
 mod contest;
 mod descent;
+mod felt;
 pub mod frames;
 mod inverse;
 mod iteration;

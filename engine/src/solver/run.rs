@@ -6,6 +6,7 @@ use web_time::{Duration, Instant};
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::scene::{Amplitudes, Method, Pressures, Scene, Solver, outline};
+use crate::solver::felt::Levelling;
 use crate::solver::method::{excite, excite_from};
 use crate::solver::problem::{Excitation, Problem};
 use crate::solver::quality::Quality;
@@ -34,29 +35,48 @@ pub fn solve_with(scene: &Scene, so_far: &mut dyn FnMut(Solution)) -> Result<Sol
     }
     let start = Instant::now();
     let aperture = Aperture::new(scene);
-    let foci = outline::foci(scene)?;
+    let mut foci = outline::foci(scene)?;
     let _room = room::of_methods(scene, foci.len(), 1)?;
-    let problem = unless_cancelled(Problem::of_scene(scene, &aperture, foci))?;
+    let mut levelling = Levelling::of(scene);
+    loop {
+        let problem = unless_cancelled(Problem::of_scene(scene, &aperture, foci))?;
+        let excitation = excite_scene(scene, &problem, start, so_far)?;
+        let seconds = start.elapsed().as_secs_f64();
+        let mut solution = solution(scene, &problem, &excitation, seconds);
+        let frame = std::slice::from_ref(&problem.foci);
+        let levelled = levelling.next(frame, || solution.drives()).map_err(SolveError::Skin)?;
+        if let Some(louder) = levelled.and_then(|mut frames| frames.pop()) {
+            foci = louder;
+            continue;
+        }
+        if problem.surroundings.is_some() {
+            solution.judge(scene, &problem);
+        }
+        return unless_cancelled(solution);
+    }
+}
+
+/// The excitation of the scene's method, including its further search.
+fn excite_scene(
+    scene: &Scene,
+    problem: &Problem<'_>,
+    start: Instant,
+    so_far: &mut dyn FnMut(Solution),
+) -> Result<Excitation, SolveError> {
     let time = Duration::try_from_secs_f64(scene.solver.search).unwrap_or_default();
-    let excitation = match (&problem.traps, scene.solver.method, &problem.surroundings) {
-        (Some(traps), _, _) => trap::best(&problem, traps, time),
+    Ok(match (&problem.traps, scene.solver.method, &problem.surroundings) {
+        (Some(traps), _, _) => trap::best(problem, traps, time),
         (None, Method::Best, Some(surroundings)) => {
-            shape::best_within(&problem, surroundings, time, &mut |found| {
-                so_far(solution(scene, &problem, &found, start.elapsed().as_secs_f64()));
+            shape::best_within(problem, surroundings, time, &mut |found| {
+                so_far(solution(scene, problem, &found, start.elapsed().as_secs_f64()));
             })
         }
         (None, Method::Best, None) => {
-            let found = excite(&problem, Method::Best, scene.solver.iterations)?;
-            iteration::search_on(&problem, found, time)
+            let found = excite(problem, Method::Best, scene.solver.iterations)?;
+            iteration::search_on(problem, found, time)
         }
-        (None, method, _) => excite(&problem, method, scene.solver.iterations)?,
-    };
-    let seconds = start.elapsed().as_secs_f64();
-    let mut solution = solution(scene, &problem, &excitation, seconds);
-    if problem.surroundings.is_some() {
-        solution.judge(scene, &problem);
-    }
-    unless_cancelled(solution)
+        (None, method, _) => excite(problem, method, scene.solver.iterations)?,
+    })
 }
 
 /// Solves within the time of a drag's frame: a shape's drive continues from the previous one, or is a first one,

@@ -7,6 +7,7 @@ use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::drive::Drive;
+use crate::field::FieldError;
 use crate::gauge;
 use crate::scene::{Focus, KeyError, Method, Part, Scene};
 use crate::solver::problem::Problem;
@@ -129,6 +130,8 @@ pub enum SolveError {
     SeveralFoci(usize),
     #[error("{elements} elements and {foci} foci need about {mebibytes} MiB of memory, more than there is")]
     TooLarge { elements: usize, foci: usize, mebibytes: usize },
+    #[error("`target` of [solver] is \"felt\": {0}")]
+    Skin(FieldError),
     #[error("the solver was cancelled")]
     Cancelled,
 }

@@ -6,6 +6,7 @@ mod cancel;
 #[path = "../../../tests/dice/mod.rs"]
 #[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
+mod felt;
 mod force;
 mod methods;
 mod properties;

@@ -93,7 +93,8 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
             &mut solver.pressures,
             &pressures,
         );
-        let aims = [(Aim::Pressure, "pressure"), (Aim::Depression, "surface depression")];
+        let aims =
+            [(Aim::Pressure, "pressure"), (Aim::Depression, "surface depression"), (Aim::Felt, "felt level")];
         let tip = "The field that gets the drawn shape";
         choice(ui, ("Target", tip), &mut solver.target, &aims);
     });
