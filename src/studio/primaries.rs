@@ -30,7 +30,7 @@ pub struct Primaries {
 }
 
 impl Primaries {
-    /// What a scene has of them.
+    /// The amounts in a scene.
     pub fn of(scene: &Scene) -> Self {
         let Modulation { shape, tones, .. } = &scene.modulation;
         let depth = |frequency: f64| {

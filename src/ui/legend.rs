@@ -106,10 +106,10 @@ fn least_full(quantity: Quantity) -> f64 {
     if quantity.declaration().is_level() { LEVELS } else { 1e-30 }
 }
 
-/// What levels over the threshold of feeling mean, up to the largest.
+/// The meaning of levels up to the largest.
 fn threshold(largest: f64) -> String {
     let means = format!("0 dB: just felt, ± {:.0} dB", UNCERTAINTY[0]);
-    if largest < 0.0 { format!("not felt: {largest:.0} dB at most\n{means}") } else { means }
+    if largest < 0.0 { format!("not felt: at most {largest:.0} dB") } else { means }
 }
 
 /// The bar as a button that opens the choice of colours, range and contour lines.

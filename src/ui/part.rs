@@ -33,7 +33,7 @@ pub struct Now<'a> {
     pub solution: Option<&'a Arc<Solution>>,
     /// The last solved scene at rest, with its solution.
     pub solved: Option<(&'a Scene, &'a Arc<Solution>)>,
-    /// What the board plays.
+    /// The sound of the board.
     pub plays: Plays,
     /// The drives of the motion.
     pub cycle: Option<&'a Arc<Sequence>>,

@@ -6,8 +6,9 @@ use egui::{Button, ComboBox, Frame, Margin, TextStyle, TextWrapMode, Ui, WidgetT
 /// One choice: the value, its name, and a sentence about it.
 pub type Segment<'a, T> = (T, &'a str, String);
 
-/// Points of the screen from one name to the next, and around all of them.
-const BETWEEN: f32 = 17.0;
+/// Points of the screen from one name to the next, on either side of it, and around all of them.
+const BETWEEN: f32 = 13.0;
+const PADDING: f32 = 6.0;
 const AROUND: f32 = 4.0;
 /// More choices become a list in narrow windows.
 const FEW: usize = 2;
@@ -32,6 +33,7 @@ pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices
             ui.set_max_width(width);
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 1.0;
+                ui.spacing_mut().button_padding.x = PADDING;
                 for (choice, name, tip) in choices {
                     let button = Button::selectable(value == choice, *name).corner_radius(4);
                     if ui.add(button).on_hover_text(tip).clicked() {

@@ -382,7 +382,10 @@ fn a_board_is_brought_up_step_by_step() {
     until(&mut screen, "all elements", |_| {
         board.report().playing.unwrap().drive().amplitudes.iter().all(|&amplitude| amplitude > 0.0)
     });
-    press(&mut screen, "Felt");
+    // A quantity and a page have this name, too.
+    let named = screen.query_all_by_label("Felt");
+    named.max_by(|a, b| a.rect().top().total_cmp(&b.rect().top())).unwrap().click();
+    screen.run_steps(3);
     until(&mut screen, "sound", |screen| {
         !is_silent(&board) && screen.state().shown().board.health.as_ref().unwrap().in_place
     });

@@ -32,7 +32,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     skin(editor, ui);
 }
 
-/// What is felt, with how far to trust it.
+/// The levels, with their uncertainty.
 fn figures(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "What is felt");
     if !editor.view.quantity.declaration().is_level() {
@@ -70,11 +70,9 @@ fn figures(editor: &mut Editor, ui: &mut Ui) {
             let tip = "Part of the drawn strokes where the level is over the threshold";
             fact(ui, ("Drawing felt", tip), format!("{:.0} %", 100.0 * share));
             let levels = strokes.iter().map(|stroke| stroke.level);
-            let most = levels.clone().fold(felt::FLOOR, f64::max);
-            let text = match strokes.len() {
-                1 => decibels(most),
-                _ => format!("{} to {}", decibels(levels.fold(f64::INFINITY, f64::min)), decibels(most)),
-            };
+            let most = decibels(levels.clone().fold(felt::FLOOR, f64::max));
+            let least = decibels(levels.fold(f64::INFINITY, f64::min));
+            let text = if least == most { most } else { format!("{least} to {most}") };
             let tip = "The largest local level of each stroke: the least and the most";
             fact(ui, ("Strokes", tip), text);
         }

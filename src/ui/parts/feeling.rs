@@ -1,4 +1,4 @@
-//! What a hand feels of the scene as it is played.
+//! The levels at which a hand feels the scene as it is played.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -29,7 +29,7 @@ impl Default for Feeling {
     }
 }
 
-/// What is felt, with warnings.
+/// The levels, with warnings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeltFigures {
     pub felt: Felt,
