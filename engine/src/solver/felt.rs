@@ -14,8 +14,8 @@ use crate::field::{Evaluator, FieldError, Quantity, Request, Stages};
 use crate::scene::{Focus, Part, Plane, Scene, SpectralLine};
 use crate::solver::statistics;
 
-/// Rounds of scaling.
-const ROUNDS: usize = 4;
+/// Rounds of measuring; all but the last scale.
+const ROUNDS: usize = 5;
 /// Standard deviation (dB) of levels that are even: less is not noticed, and costs strength.
 const EVEN: f64 = 0.7;
 /// Limit of a step (dB).
@@ -34,13 +34,16 @@ pub struct Levelling<'a> {
     /// Level (dB) that every focus is to have above that of pressure 1, frame by frame.
     wanted: Vec<Vec<f64>>,
     rounds: usize,
+    /// Standard deviation (dB) of the most even round, and its foci.
+    best: (f64, Vec<Vec<Focus>>),
 }
 
 impl<'a> Levelling<'a> {
     /// For a scene whose target is what is felt, and otherwise without rounds.
     pub fn of(scene: &'a Scene) -> Self {
         let rounds = if scene.aims_at_felt() { ROUNDS } else { 0 };
-        Self { scene, stages: Stages::new(Evaluator::Cpu), wanted: Vec::new(), rounds }
+        let best = (f64::INFINITY, Vec::new());
+        Self { scene, stages: Stages::new(Evaluator::Cpu), wanted: Vec::new(), rounds, best }
     }
 
     /// The foci of all frames with other target pressures; `None` if these drives of theirs are felt evenly, or rounds are used up.
@@ -73,9 +76,17 @@ impl<'a> Levelling<'a> {
             return Ok(None);
         }
         let mean = statistics::mean(scaled.iter().copied());
-        let variance = statistics::mean(scaled.iter().map(|excess| (excess - mean).powi(2)));
-        if variance.sqrt() <= EVEN {
+        let uneven = statistics::mean(scaled.iter().map(|excess| (excess - mean).powi(2))).sqrt();
+        if uneven < self.best.0 {
+            self.best = (uneven, frames.to_vec());
+        }
+        if uneven <= EVEN {
             return Ok(None);
+        }
+        // Rounds need not improve: the most even one is played.
+        if left == 0 {
+            let (least, foci) = std::mem::take(&mut self.best);
+            return Ok((least < uneven).then_some(foci));
         }
         let mut excess = excess.into_iter();
         let mut levelled = frames.to_vec();
