@@ -98,6 +98,27 @@ fn is_silent(board: &Board) -> bool {
 }
 
 #[test]
+fn what_is_felt_most_of_a_drawing_is_played() {
+    let (mut screen, _board, _shown) = connected(Profile::Native);
+    screen.set_size(vec2(1280.0, 1400.0));
+    screen.run_steps(2);
+    screen.get_by_label("Ways of playing").click();
+    let is_there = |screen: &Screen| screen.query_by_label("Play what is felt most").is_some();
+    until(&mut screen, "the ways", is_there);
+    let best = screen.state().editor().parts.ways.newest().unwrap().as_ref().unwrap()[0].clone();
+    screen.get_by_label("Play what is felt most").click();
+    until(&mut screen, "the best way", |screen| {
+        let felt = screen.state().editor().parts.feeling.exact();
+        let level = felt.and_then(|felt| Some(felt.as_ref().ok()?.felt.level));
+        screen.state().shown().board.plays != Plays::Nothing
+            && level.is_some_and(|level| (level - best.felt.level).abs() < 0.01)
+    });
+    let scene = &screen.state().editor().document.scene;
+    assert_eq!((&scene.modulation, &scene.motion), (&best.scene.modulation, &best.scene.motion));
+    assert!(best.felt.level > 30.0, "{best:?}");
+}
+
+#[test]
 fn a_dragged_target_is_played() {
     for profile in [Profile::Native, Profile::SonicSurface] {
         let (mut screen, board, shown) = connected(profile);

@@ -256,6 +256,7 @@ fn sending(
         }
     });
     offer(editor, board, ui);
+    ways(editor, obstacle(health).as_deref(), ui, ask);
     if let Some(carrier) = other_carrier(editor, board) {
         let frequency = editor.scene().array.frequency;
         ui.label(
@@ -281,6 +282,43 @@ fn offer(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
     let tip = "Sets the modulation of the scene: a sine, down to silence";
     if ui.button(format!("Modulate at {} Hz", offer.frequency)).on_hover_text(tip).clicked() {
         editor.document.scene.modulation = offer.of(&editor.scene().modulation);
+    }
+}
+
+/// The ways of playing the drawing, and the one that is felt most.
+fn ways(editor: &mut Editor, obstacle: Option<&str>, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
+    let tip = "Tries modulations, small circles, running foci and drives in turn, and compares what a hand feels of each; may take a minute";
+    ui.checkbox(&mut editor.parts.ways.form.is_shown, "Ways of playing").on_hover_text(tip);
+    if !editor.parts.ways.form.is_shown {
+        return;
+    }
+    let best = match editor.parts.ways.newest() {
+        None => {
+            ui.label("Being computed; for drawings that a hand feels.");
+            return;
+        }
+        Some(Err(why)) => {
+            ui.label(why);
+            return;
+        }
+        Some(Ok(all)) => {
+            form(ui, "ways", |ui| {
+                for way in all {
+                    fact(ui, (way.kind.into_str(), &way.keys()), felt::decibels(way.felt.level));
+                }
+            });
+            all.first().map(|way| way.scene.clone())
+        }
+    };
+    let Some(best) = best else { return };
+    if button(ui, "Play what is felt most", "Sets motion and modulation of the scene, and plays it", obstacle)
+    {
+        let moves = motion::moves(&best);
+        let scene = &mut editor.document.scene;
+        (scene.modulation, scene.motion, scene.solver.frames) =
+            (best.modulation, best.motion, best.solver.frames);
+        scene.targets.iter_mut().for_each(|target| target.motion = None);
+        ask(if moves { BoardCommand::PlayMotion } else { BoardCommand::Send });
     }
 }
 

@@ -11,7 +11,7 @@ use crate::ui::layout::Panel;
 use crate::ui::part::{Now, Part};
 
 /// The scene as a board plays it that was sent no motion.
-fn at_rest(scene: &Scene) -> Scene {
+pub fn at_rest(scene: &Scene) -> Scene {
     let targets = scene.targets.iter().map(|target| Target { motion: None, ..target.clone() }).collect();
     Scene { targets, motion: Motion::default(), ..scene.clone() }
 }

@@ -10,6 +10,7 @@ mod ranges;
 mod response;
 pub(crate) mod survey;
 pub mod trade;
+mod ways;
 
 use egui::Context;
 
@@ -25,6 +26,7 @@ use crate::ui::parts::ranges::FigureRanges;
 use crate::ui::parts::response::Response;
 use crate::ui::parts::survey::Survey;
 use crate::ui::parts::trade::Trade;
+use crate::ui::parts::ways::Ways;
 
 pub use feeling::FeltFigures;
 pub use radiation::RadiationFigures;
@@ -44,10 +46,11 @@ pub struct Parts {
     pub response: Derived<Response>,
     pub survey: Derived<Survey>,
     pub trade: Derived<Trade>,
+    pub ways: Derived<Ways>,
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 11] {
+    fn all(&self) -> [&dyn Background; 12] {
         let Self {
             arrows,
             bound,
@@ -60,11 +63,15 @@ impl Parts {
             response,
             survey,
             trade,
+            ways,
         } = self;
-        [arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade]
+        [
+            arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade,
+            ways,
+        ]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 11] {
+    fn all_mut(&mut self) -> [&mut dyn Background; 12] {
         let Self {
             arrows,
             bound,
@@ -77,8 +84,12 @@ impl Parts {
             response,
             survey,
             trade,
+            ways,
         } = self;
-        [arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade]
+        [
+            arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade,
+            ways,
+        ]
     }
 
     /// Collects finished values, and returns whether there were any.
