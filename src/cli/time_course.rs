@@ -24,7 +24,8 @@ const SAME_LINE: f64 = 1e-3;
 #[derive(Debug, Args)]
 pub struct TimeArgs {
     /// Pressure over time, under modulation and the frames of a motion: columns x, y, z (m), time (s), re, im (Pa,
-    /// peak), square (|p|², Pa²); in scenes with [skin] also skin (m, positive into it), at points on the scene's plane
+    /// peak), square (|p|², Pa²); in scenes with `[skin]` also skin (m,
+    /// positive into it), at points on the scene's plane
     #[arg(long)]
     pub time: bool,
     /// Duration of --time (s) [default: the common period of modulation and motion]
@@ -34,7 +35,8 @@ pub struct TimeArgs {
     #[arg(long, value_name = "HZ", requires = "time", allow_negative_numbers = true, value_parser = above_zero(1e6, "a frequency in Hz"))]
     rate: Option<f64>,
     /// Also write the spectral lines of |p|²: columns x, y, z (m), frequency (Hz), square (Pa²; amplitude of the
-    /// cosine, at 0 Hz the mean), phase (rad); in scenes with [skin] also skin (m) and skin_phase (rad)
+    /// cosine, at 0 Hz the mean), phase (rad); in scenes with `[skin]` also skin (m) and
+    /// skin_phase (rad)
     #[arg(long, value_name = "FILE.csv", requires = "time")]
     pub spectrum: Option<PathBuf>,
     /// Highest frequency of --spectrum (Hz)

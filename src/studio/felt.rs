@@ -133,9 +133,9 @@ impl Felt {
     ///
     /// # Errors
     /// The errors of [`Self::new`].
-    pub fn with_speeds(scene: &Scene, drives: Vec<Drive>, stages: &mut Stages) -> Result<Self, FieldError> {
-        let felt = Self::new(scene, drives.clone(), stages)?;
-        Ok(Self { speeds: Speeds::new(scene, &drives, stages)?, ..felt })
+    pub fn with_speeds(scene: &Scene, drives: &[Drive], stages: &mut Stages) -> Result<Self, FieldError> {
+        let felt = Self::new(scene, drives.to_vec(), stages)?;
+        Ok(Self { speeds: Speeds::new(scene, drives, stages)?, ..felt })
     }
 
     /// The same of a solution that stands alone.
@@ -144,13 +144,13 @@ impl Felt {
     /// The errors of [`frames::follow`] and [`Self::new`].
     pub fn of_solution(scene: &Scene, solution: &Solution) -> Result<Self, Unknown> {
         let drives = if motion::moves(scene) { drives(&frames::follow(scene)?) } else { solution.drives() };
-        Ok(Self::with_speeds(scene, drives, &mut Stages::new(Evaluator::Cpu))?)
+        Ok(Self::with_speeds(scene, &drives, &mut Stages::new(Evaluator::Cpu))?)
     }
 
     /// The same of all frames, if the scene has a skin.
     pub fn of_sequence(scene: &Scene, sequence: &Sequence) -> Option<Result<Self, FieldError>> {
         scene.skin.as_ref()?;
-        Some(Self::with_speeds(scene, drives(sequence), &mut Stages::new(Evaluator::Cpu)))
+        Some(Self::with_speeds(scene, &drives(sequence), &mut Stages::new(Evaluator::Cpu)))
     }
 
     fn of_motion(scene: &Scene, skin: &Skin, motion: &SkinMotion, strokes: &[(usize, Vec<DVec3>)]) -> Self {

@@ -113,7 +113,7 @@ impl Findings {
         let moving = sequence.as_ref().and_then(|sequence| Moving::new(scene, sequence));
         let felt = scene.skin.as_ref().map(|_| {
             let drives = sequence.as_ref().map_or_else(|| solution.drives(), felt::drives);
-            Felt::with_speeds(scene, drives, stages)
+            Felt::with_speeds(scene, &drives, stages)
         });
         let mut found = Self::new(scene, &problem, Limits::new(&problem), stages, solution);
         if let Some(Ok(felt)) = &felt {

@@ -66,7 +66,7 @@ impl Part for Feeling {
         let stages = Arc::clone(&self.stages);
         move |(scene, performance)| {
             let mut stages = stages.lock().unwrap_or_else(PoisonError::into_inner);
-            let felt = Felt::with_speeds(scene, performance.drives(), &mut stages);
+            let felt = Felt::with_speeds(scene, &performance.drives(), &mut stages);
             let felt = felt.map_err(|error| error.to_string())?;
             let foci = match performance {
                 Performance::Still(solution) => &solution.foci[..],
