@@ -35,6 +35,7 @@ mod transfer;
 
 pub use air::{Air, absorption, viscosity};
 pub use aperture::Aperture;
+#[doc(hidden)]
 pub use clearance::Clearance;
 pub use element::Element;
 #[doc(hidden)]
@@ -46,6 +47,7 @@ pub use face::Face;
 pub(crate) use face::{Layout, Pose};
 pub(crate) use gauss::legendre as gauss_legendre;
 pub(crate) use jacobian::PhaseJacobian;
+#[doc(hidden)]
 pub use partial::PartialWaves;
 pub(crate) use partial::{Coupling, MOST as MOST_ORDER, couplings};
 pub use transfer::Transfer;

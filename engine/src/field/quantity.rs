@@ -428,11 +428,13 @@ impl Declaration {
     }
 
     /// Whether it is how a surface on the plane, a liquid's or the skin's, answers the radiation pressure.
+    #[doc(hidden)]
     pub fn is_pressed(&self) -> bool {
         self.of_liquid || self.of_skin
     }
 
     /// Whether it is a level in dB.
+    #[doc(hidden)]
     pub fn is_level(&self) -> bool {
         self.unit == Unit::Decibel
     }

@@ -116,6 +116,7 @@ impl Sphere {
 
     /// Radius (m) of the sphere that partial waves are taken from: small enough for far-field pistons, whose sound is a wave
     /// only near a point, and large enough for the orders of the bead.
+    #[doc(hidden)]
     pub fn shell(&self) -> f64 {
         self.radius * (self.ka / 3.0).max(0.15) / self.ka
     }
@@ -131,6 +132,7 @@ impl Sphere {
     }
 
     /// J, the potential of the force that has one; Gor'kov's of a small sphere.
+    #[doc(hidden)]
     pub fn potential(&self, waves: &PartialWaves) -> f64 {
         let of_order = |order: usize| -> f64 {
             self.potential[order] * waves.of_order(order).iter().map(|a| a.norm_sqr()).sum::<f64>()
@@ -139,11 +141,13 @@ impl Sphere {
     }
 
     /// Radiation force (N), including scattering of travelling waves.
+    #[doc(hidden)]
     pub fn force(&self, waves: &PartialWaves) -> DVec3 {
         DVec3::AXES.map(|axis| 0.5 * real_product(waves, &self.response(waves, axis))).into()
     }
 
     /// N/m, -∂Fᵢ/∂xⱼ in row i and column j, in sound that obeys the wave equation; of waves of one order more.
+    #[doc(hidden)]
     pub fn stiffness(&self, waves: &PartialWaves) -> DMat3 {
         self.stiffness_by(waves, &DVec3::AXES.map(|axis| waves.along(axis)))
     }

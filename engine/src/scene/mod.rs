@@ -70,9 +70,9 @@ pub use range::{Key, KeyError};
 pub(crate) use response::Circuit;
 pub use response::{Pole, Response, Transducer};
 pub use shape::{Shape, ShapeKey, ShapeValue};
-pub use skin::{Channel, Skin, Threshold};
+pub use skin::{Channel, Skin};
 #[doc(hidden)]
-pub use skin::{Curve, UNCERTAINTY};
+pub use skin::{Curve, Threshold, UNCERTAINTY};
 pub use solver::{Aim, Amplitudes, Method, Pressures, Solver};
 #[doc(hidden)]
 pub use target::TargetTable;

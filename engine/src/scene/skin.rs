@@ -77,6 +77,7 @@ pub struct Skin {
     pub threshold: String,
     /// The curve of the file, once loaded.
     #[serde(skip)]
+    #[doc(hidden)]
     pub curve: Curve,
 }
 
@@ -154,16 +155,19 @@ fn along(curve: &[[f64; 2]], frequency: f64) -> f64 {
 
 impl Skin {
     /// Shear modulus, Pa.
+    #[doc(hidden)]
     pub fn shear_modulus(&self) -> f64 {
         self.density * (self.wave_speed / RAYLEIGH).powi(2)
     }
 
     /// The known curve of thresholds; `None` if a file has it.
+    #[doc(hidden)]
     pub fn known(&self) -> Option<Threshold> {
         self.threshold.parse().ok()
     }
 
     /// Whether a named curve is not yet loaded.
+    #[doc(hidden)]
     pub fn lacks_curve(&self) -> bool {
         self.known().is_none() && self.curve.get().is_none()
     }

@@ -468,6 +468,7 @@ impl Stages {
     ///
     /// # Errors
     /// The errors of [`Stages::map`]; a quantity without a skin has no motion.
+    #[doc(hidden)]
     pub fn skin(&mut self, request: &Request) -> Result<&SkinMotion, FieldError> {
         let request = request.relevant()?;
         let costs = self.costs();

@@ -43,6 +43,7 @@ pub struct Request {
     /// The frequencies of the skin's motion that count.
     pub channel: Channel,
     /// When each drive is played, under which envelope; for the skin.
+    #[doc(hidden)]
     pub course: Course,
     /// The scene's reflectors; their images are in the aperture.
     pub mirrors: Vec<Reflector>,
