@@ -356,7 +356,7 @@ quantities! {
         name: "skin",
         title: "Skin",
         words: "RMS displacement of the skin",
-        help: "How far the skin on the plane moves to and fro",
+        help: "How far the sound moves the skin on the plane",
         unit: Unit::Metre,
         norm: Norm::Difference,
         is_square: true,
