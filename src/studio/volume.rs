@@ -57,8 +57,10 @@ impl Wish<'_> {
     pub fn check(&self) -> anyhow::Result<()> {
         let Self { quantity, counts, output, .. } = self;
         Format::of(output)?;
-        if quantity.declaration().of_liquid {
-            bail!("{} is of a liquid's surface and has no volume", quantity.declaration().words);
+        let declaration = quantity.declaration();
+        if declaration.is_pressed() {
+            let surface = if declaration.of_skin { "the skin" } else { "a liquid's surface" };
+            bail!("{} is of {surface} and has no volume", declaration.words);
         }
         let points = counts.as_u64vec3().element_product();
         if counts.min_element() < 1 || counts.max_element() > MOST_POINTS_ALONG || points > MOST_POINTS {

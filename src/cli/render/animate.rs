@@ -33,6 +33,9 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         Diagram::Map(quantity) if args.waves && !quantity.declaration().of_liquid => {
             bail!("--waves needs a liquid's surface: --quantity depression or caustic")
         }
+        Diagram::Map(quantity) if quantity.declaration().is_level() => {
+            bail!("{} is that of the whole cycle: --quantity skin is animated", quantity.declaration().words)
+        }
         Diagram::Map(quantity) => quantity,
         Diagram::Drive | Diagram::Sheet => {
             let names = Quantity::ALL.map(|quantity| quantity.declaration().name);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use crate::echo;
-use crate::field::{Colouring, Range, Request, Stages};
+use crate::field::{Colouring, Quantity, Range, Request, Stages};
 use crate::gauge::Gauge;
 use crate::picture::Picture;
 use crate::picture::animation::{Animation, Colours, Format, Pace};
@@ -164,6 +164,10 @@ pub struct Film<'a> {
 impl<'a> Film<'a> {
     /// `request` has the drives of all frames.
     pub fn new(scene: &'a Scene, request: Request, stages: Stages, look: Look) -> Self {
+        // A level is that of the whole cycle: what moves is the skin.
+        let is_level = request.quantity.declaration().is_level();
+        let quantity = if is_level { Quantity::Skin } else { request.quantity };
+        let request = Request { quantity, ..request };
         Self {
             scene,
             skin: Period::new(&request),
