@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use egui::Context;
 
-use crate::app::mapping::{Look, Mapping, image, in_egui};
+use crate::app::mapping::{Look, Mapping, NEAREST, image, in_egui};
 use crate::app::posing::{Source, sound};
 use crate::drive::Drive;
 use crate::field::{Colouring, Range, Request};
@@ -186,7 +186,7 @@ impl Comparison {
         colouring.colours(&values, largest, &mut colours);
         let (width, height) = key.0.size;
         let before = beside.difference.take().map(|difference| difference.texture);
-        let texture = in_egui(before, image([width, height], &colours), ctx);
+        let texture = in_egui(before, image([width, height], &colours), NEAREST, ctx);
         let (window, rect) = (map.window, map.rect);
         let (largest, quantity) = (largest.into(), key.0.quantity);
         beside.difference = Some(Difference { texture, largest, quantity, window, rect });

@@ -9,12 +9,12 @@
 //! `Window::new` with a GPU, which `tests/window/gpu.rs` tests.
 
 use std::f64::consts::TAU;
-use std::sync::{Arc, Mutex, PoisonError};
 
 use egui::{Color32, ColorImage, Context, TextureId, TextureOptions};
 use web_time::Instant;
 
 use crate::app::screen::Screen;
+use crate::app::slow::{SlowMaps, is_slow};
 use crate::drive::Drive;
 use crate::field::Picture as Painted;
 use crate::field::gpu::Texture as OnGpu;
@@ -22,21 +22,16 @@ use crate::field::sound::PRESSURE;
 use crate::field::{
     Colouring, Evaluator, FieldError, Gpu, GpuError, Map as Values, Quantity, Request, Stages, Work,
 };
-use crate::gauge::Gauge;
 use crate::picture::Picture;
 use crate::picture::relief::{Place, Relief};
 use crate::scene::Scene;
-use crate::studio::later::Later;
 use crate::studio::map;
-use crate::ui::part::wake;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Cut, Lens, View};
 use crate::ui::{Map, Sound, Texture};
 
 /// Pixels of a map, at most.
 const MOST_PIXELS: usize = 1 << 23;
-/// Frames under which the skin is computed between two frames of the window.
-const MOST_FRAMES: usize = 4;
 /// Pixels from one point of a shaded surface to the next.
 const SHADED_STEP: usize = 2;
 /// Margins around a shaded surface, relative to the picture's height.
@@ -44,10 +39,14 @@ const SHADED_SIDE: f64 = 0.04;
 const SHADED_TOP: f64 = 0.09;
 const SHADED_BOTTOM: f64 = 0.12;
 
+/// Enlarged pixels stay sharp.
+pub const NEAREST: TextureOptions =
+    TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
+
 /// The inputs of a displayed picture.
 #[derive(Clone, Debug, PartialEq)]
 struct Wanted {
-    /// Request, with fewer pixels for shaded views.
+    /// Request, with fewer pixels for shaded views, and for the first of slow maps.
     request: Request,
     colouring: Colouring,
     /// Pixels of the picture.
@@ -67,8 +66,8 @@ struct Drawn {
     lacks_contours: bool,
 }
 
-/// A picture with values pending on a GPU, and its position.
-#[derive(Debug)]
+/// A picture with values pending on a GPU or a thread, and its position.
+#[derive(Clone, Debug)]
 struct Awaited {
     wanted: Wanted,
     frame: Frame,
@@ -119,12 +118,9 @@ pub struct Mapping {
     /// The picture registered with egui on that device, and its id.
     registered: Option<(OnGpu, TextureId)>,
     drawn: Option<Drawn>,
-    /// For GPUs whose pictures do not stay on the screen's device.
+    /// For slow maps, and for GPUs whose pictures do not stay on the screen's device.
     awaited: Option<Box<Awaited>>,
-    /// Integrals over the air and the skin under many frames, which take longer than a frame.
-    slow: Later<Request, Result<Values, FieldError>>,
-    /// Stages of the skin's maps, which keep their results between threads.
-    of_skin: Arc<Mutex<Stages>>,
+    slow: SlowMaps,
     /// The latest request of the skin under elements with a response, and its inputs.
     responding: Option<Box<Responding>>,
     /// The reason for abandoning the GPU, until reported.
@@ -161,15 +157,15 @@ impl std::fmt::Debug for Mapping {
 impl Mapping {
     /// With a `screen`, pictures stay on its device, shared with the evaluator.
     pub fn new(evaluator: Evaluator, screen: Option<Screen>) -> Self {
+        let gpu = if let Evaluator::Gpu(gpu) = &evaluator { Some(gpu.twin()) } else { None };
         Self {
             stages: Stages::new(evaluator),
             screen,
             registered: None,
             drawn: None,
             awaited: None,
-            slow: Later::default(),
+            slow: SlowMaps::new(gpu),
             responding: None,
-            of_skin: Arc::new(Mutex::new(Stages::new(Evaluator::Cpu))),
             given_up: None,
             has_lost_screen: false,
             veil: None,
@@ -215,7 +211,7 @@ impl Mapping {
 
     /// Whether the map is complete.
     pub fn is_complete(&self) -> bool {
-        self.drawn.as_ref().is_some_and(|drawn| !drawn.lacks_figures)
+        self.awaited.is_none() && self.drawn.as_ref().is_some_and(|drawn| !drawn.lacks_figures)
     }
 
     /// Whether values of a picture are pending.
@@ -260,21 +256,17 @@ impl Mapping {
             return done;
         };
         let is_drawn = self.drawn.as_ref().is_some_and(|drawn| drawn.wanted == wanted);
-        match self.is_there(&wanted.request, ctx) {
-            Ok(true) => {}
-            // The previous map stays until then.
-            Ok(false) => return done,
-            Err(error) => {
-                done.problem = Some(error.to_string());
-                return done;
-            }
+        self.slow.collect();
+        let waits = is_slow(&wanted.request) && !self.stages.has(&wanted.request);
+        if !waits {
+            self.slow.stop();
         }
         let frame = Frame { cut: look.view.cut, axes: look.view.axes(look.scene), lens: *look.lens };
         let made = if is_drawn {
             self.awaited = None;
             self.complete(map, &mut done)
-        } else if is_of_skin_in_motion(&wanted.request) && !self.stages.has(&wanted.request) {
-            self.await_skin(wanted, frame, map, &mut done, ctx)
+        } else if waits {
+            self.await_slow(wanted, frame, map, &mut done, ctx)
         } else if self.stages.gpu().is_some() && self.screen.is_none() {
             self.await_values(wanted, frame, map, &mut done, ctx)
         } else {
@@ -351,41 +343,9 @@ impl Mapping {
         }
     }
 
-    /// Whether the map can be made within a frame; otherwise its values are computed on a thread.
-    fn is_there(&mut self, request: &Request, ctx: &Context) -> Result<bool, FieldError> {
-        self.slow.collect();
-        if !request.quantity.declaration().of_volume {
-            if !is_of_skin_in_motion(request) {
-                self.slow.keep(None);
-            }
-            return Ok(true);
-        }
-        if self.stages.has(request) {
-            return Ok(true);
-        }
-        if let Some(values) = self.slow.get(request) {
-            self.stages.keep(request, values.clone()?)?;
-            return Ok(true);
-        }
-        self.slow.keep(Some(request));
-        let gpu = self.gpu().map(Gpu::twin);
-        self.slow.ask_with(request, wake(ctx), move |request, answer| {
-            let own = |evaluator: Evaluator| {
-                let mut stages = Stages::new(evaluator);
-                stages.show_progress(Gauge::default().until(&answer.cancel));
-                stages.map(request).cloned()
-            };
-            match gpu.map(|gpu| own(Evaluator::Gpu(Box::new(gpu)))) {
-                Some(Err(FieldError::Gpu(_))) | None => own(Evaluator::Cpu),
-                Some(made) => made,
-            }
-        });
-        Ok(false)
-    }
-
-    /// Makes the picture of the skin under many frames once a thread has its values; the previous one stays until then. As
-    /// with a GPU, each is displayed before the next is begun.
-    fn await_skin(
+    /// Makes the picture of a slow map from the values that are there; the previous one stays until then. A map being made
+    /// is displayed before the next is begun: otherwise a drag, with a new request per frame, would never display any.
+    fn await_slow(
         &mut self,
         wanted: Wanted,
         frame: Frame,
@@ -393,22 +353,34 @@ impl Mapping {
         done: &mut Done,
         ctx: &Context,
     ) -> Result<(), FieldError> {
-        let before = self.awaited.take().filter(|before| {
-            self.slow.get(&before.wanted.request).is_some()
-                || (self.slow.is_running() && is_of_skin_in_motion(&before.wanted.request))
-        });
-        let first = before.unwrap_or_else(|| Box::new(Awaited { wanted, frame, asked: Instant::now() }));
-        let Some(values) = self.slow.get(&first.wanted.request).cloned() else {
-            let stages = Arc::clone(&self.of_skin);
-            self.slow.ask(&first.wanted.request, wake(ctx), move |request| {
-                stages.lock().unwrap_or_else(PoisonError::into_inner).map(request).cloned()
-            });
-            self.awaited = self.slow.is_running().then_some(first);
-            return Ok(());
+        let this = Box::new(Awaited { wanted, frame, asked: Instant::now() });
+        let before = self.awaited.take().filter(|before| is_slow(&before.wanted.request));
+        let (first, is_outdated) = match before {
+            Some(before) if before.wanted != this.wanted && self.slow.is_running() => (before, true),
+            Some(before) if before.wanted == this.wanted => (before, false),
+            Some(_) | None => (this.clone(), false),
         };
-        self.stages.keep(&first.wanted.request, values?)?;
-        let Awaited { wanted, frame, asked } = *first;
-        self.make(wanted, (frame, asked), map, done, ctx)
+        let found = self.slow.get(&first.wanted.request).map(|found| found.cloned());
+        if let Some((request, values)) = found.transpose()? {
+            let Awaited { mut wanted, frame, asked } = (*first).clone();
+            wanted.request = request;
+            if self.drawn.as_ref().is_none_or(|drawn| drawn.wanted != wanted) {
+                self.stages.keep(&wanted.request, values)?;
+                self.make(wanted.clone(), (frame, asked), map, done, ctx)?;
+            }
+            if wanted == this.wanted {
+                return Ok(());
+            }
+            if is_outdated {
+                self.slow.stop();
+            }
+        } else if is_outdated && first.wanted.request.quantity.declaration().of_volume {
+            self.slow.stop();
+        }
+        let next = if is_outdated && self.slow.is_running() { first } else { this };
+        self.slow.begin(&next.wanted.request, ctx);
+        self.awaited = self.slow.is_running().then_some(next);
+        Ok(())
     }
 
     /// Makes the picture of values read back from a GPU once available, without blocking; the previous one stays
@@ -462,10 +434,13 @@ impl Mapping {
             let picture = surface.draw(&place(width, height));
             let image = from_top(&picture);
             relief = Some(picture);
-            in_egui(old, image, ctx)
+            in_egui(old, image, NEAREST, ctx)
         } else {
             let Self { stages, screen, registered, .. } = self;
-            let by_cpu = |colours: &[_]| in_egui(old, image([width, height], colours), ctx);
+            let size = [request.size.0, request.size.1];
+            // Until the whole map is there, one of fewer pixels is blurred.
+            let filter = if request.size == wanted.picture { NEAREST } else { TextureOptions::LINEAR };
+            let by_cpu = |colours: &[_]| in_egui(old, image(size, colours), filter, ctx);
             match screen {
                 None => by_cpu(stages.colours(request, &wanted.colouring)?),
                 Some(screen) => match stages.picture(request, &wanted.colouring)? {
@@ -553,6 +528,7 @@ impl Mapping {
     fn give_up_gpu(&mut self, error: GpuError) {
         self.has_lost_screen = self.screen.is_some() && matches!(error, GpuError::Lost(_));
         self.stages = Stages::new(Evaluator::Cpu);
+        self.slow = SlowMaps::new(None);
         self.given_up = Some(error);
         (self.drawn, self.awaited) = (None, None);
     }
@@ -582,11 +558,6 @@ impl Mapping {
     }
 }
 
-/// Whether a map of the skin has so many frames that it takes longer than a frame of the window.
-fn is_of_skin_in_motion(request: &Request) -> bool {
-    request.quantity.declaration().of_skin && request.drives.len() > MOST_FRAMES
-}
-
 /// Position of a shaded surface on the canvas.
 fn place(width: usize, height: usize) -> Place {
     let (high, ground) = (height as f64, theme::ground(false));
@@ -614,8 +585,12 @@ pub fn image(size: [usize; 2], colours: &[[u8; 4]]) -> ColorImage {
 }
 
 /// The image as an egui texture, replacing that of the previous map.
-pub fn in_egui(before: Option<Texture>, image: ColorImage, ctx: &Context) -> Texture {
-    let options = TextureOptions { magnification: egui::TextureFilter::Nearest, ..TextureOptions::LINEAR };
+pub fn in_egui(
+    before: Option<Texture>,
+    image: ColorImage,
+    options: TextureOptions,
+    ctx: &Context,
+) -> Texture {
     match before {
         Some(Texture::InEgui(mut texture)) => {
             texture.set(image, options);

@@ -35,6 +35,7 @@ mod screen;
 #[cfg_attr(target_arch = "wasm32", path = "no_serving.rs")]
 mod serving;
 pub mod settings;
+mod slow;
 mod space;
 mod thumbnails;
 mod window;

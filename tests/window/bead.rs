@@ -98,3 +98,30 @@ fn arrows_are_the_forces_on_the_plane() {
     key(&mut screen, Key::F3);
     assert_eq!(screen.state().editor().parts.arrows.newest(), None);
 }
+
+#[test]
+fn the_force_map_comes_coarse_then_whole_and_is_kept() {
+    let mut screen = open_on_trap();
+    screen.state_mut().editor_mut().view.quantity = Quantity::Force;
+    let mut shown = Vec::new();
+    let start = Instant::now();
+    while shown.is_empty() || screen.state().is_busy() {
+        screen.step();
+        let map = screen.state().shown().map.as_ref().unwrap();
+        shown.push((map.quantity, map.width));
+        assert!(start.elapsed() < PATIENCE);
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    shown.dedup();
+    let &[(Quantity::Rms, whole), (Quantity::Force, coarse), (Quantity::Force, last)] = &shown[..] else {
+        panic!("the pressure stays until a coarse map of the force is there: {shown:?}");
+    };
+    assert!(last == whole && coarse < whole / 3, "{shown:?}");
+    for (quantity, frames) in [(Quantity::Rms, 3), (Quantity::Force, 3)] {
+        screen.state_mut().editor_mut().view.quantity = quantity;
+        (0..frames).for_each(|_| screen.step());
+        let map = screen.state().shown().map.as_ref().unwrap();
+        assert_eq!((map.quantity, map.width), (quantity, whole), "nothing is made again");
+        assert!(!screen.state().is_busy());
+    }
+}

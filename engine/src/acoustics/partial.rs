@@ -49,6 +49,15 @@ impl PartialWaves {
         Self { order, wavenumber, values }
     }
 
+    /// The weights of those pressures in every coefficient up to an order, for a sphere of this radius times wavenumber.
+    pub(crate) fn weights(order: usize, size: f64) -> impl Iterator<Item = Vec<f64>> {
+        let bessel = bessel::spherical(order, size);
+        let of_harmonic = move |(harmonic, weights): (usize, &[f64])| {
+            weights.iter().map(|weight| weight / bessel[harmonic.isqrt()]).collect()
+        };
+        shell(order).rows().enumerate().map(of_harmonic)
+    }
+
     /// The points of that sphere.
     pub(crate) fn points(order: usize, (at, radius): (DVec3, f64)) -> Vec<DVec3> {
         shell(order).directions.iter().map(|direction| at + *direction * radius).collect()

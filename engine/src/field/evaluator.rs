@@ -51,17 +51,30 @@ pub fn in_f32(
     drive: &Drive,
     samples: &Samples,
 ) -> Result<Vec<Complex32>, GpuError> {
-    let is_in_reach = !samples.is_empty() && plan::f32_error(aperture, samples) <= plan::EXACT;
-    let sources = Sources::of_faces(aperture, drive, samples).filter(|_| is_in_reach);
-    let in_f32 = match (gpu, sources) {
-        (Some(gpu), Some(faces)) if faces.iter().all(Sources::has_no_sample_beside_rims) => {
-            Some(gpu.pressure(&faces)?)
+    if !samples.is_empty() && plan::f32_error(aperture, samples) <= plan::EXACT {
+        let field = unchecked(gpu, aperture, drive, samples)?;
+        if is_exact(aperture, drive, samples, &field) {
+            return Ok(field);
         }
-        (_, Some(_)) => Some(on_cpu(aperture, drive, samples, false)),
-        (_, None) => None,
-    };
-    let exact = in_f32.filter(|field| is_exact(aperture, drive, samples, field));
-    Ok(exact.unwrap_or_else(|| on_cpu(aperture, drive, samples, true)))
+    }
+    Ok(on_cpu(aperture, drive, samples, true))
+}
+
+/// The same without comparison with f64, for values that are compared later.
+///
+/// # Errors
+/// Errors of the GPU only.
+pub fn unchecked(
+    gpu: Option<&Gpu>,
+    aperture: &Aperture,
+    drive: &Drive,
+    samples: &Samples,
+) -> Result<Vec<Complex32>, GpuError> {
+    let faces = gpu.and_then(|_| Sources::of_faces(aperture, drive, samples));
+    match (gpu, faces.filter(|faces| faces.iter().all(Sources::has_no_sample_beside_rims))) {
+        (Some(gpu), Some(faces)) => gpu.pressure(&faces),
+        (_, _) => Ok(on_cpu(aperture, drive, samples, false)),
+    }
 }
 
 /// Whether pressures agree with f64 at some of the samples.

@@ -10,7 +10,7 @@ use std::ops::Range;
 
 use num_complex::Complex32;
 
-use crate::acoustics::couplings;
+use crate::acoustics::{PartialWaves, couplings};
 use crate::force::Sphere;
 use crate::simd::{Instructions, Kernel};
 
@@ -123,10 +123,10 @@ fn harmonics(order: usize) -> Vec<Polynomial> {
     all
 }
 
-/// Potential and force of a sphere, from derivatives of the sound.
+/// Potential and force of a bead, from derivatives of the sound or from the sound on a sphere about it.
 #[derive(Debug)]
 pub struct Formation {
-    /// Index of a derivative and its weight, per harmonic.
+    /// Index of a given value and its weight, per harmonic.
     waves: Vec<Vec<(usize, f32)>>,
     /// U_n of every harmonic.
     potential: Vec<f32>,
@@ -135,7 +135,7 @@ pub struct Formation {
 }
 
 impl Formation {
-    /// For sound of a wavenumber (rad/m).
+    /// From the derivatives in the order of [`derivatives`], for sound of a wavenumber (rad/m).
     pub fn new(sphere: &Sphere, wavenumber: f64) -> Self {
         let order = sphere.order();
         let derivatives = derivatives(order);
@@ -148,7 +148,19 @@ impl Formation {
             };
             derivatives.iter().enumerate().filter_map(weight).collect()
         };
-        let waves = harmonics(order).into_iter().map(of_harmonic).collect();
+        Self::with(sphere, harmonics(order).into_iter().map(of_harmonic).collect())
+    }
+
+    /// From the pressures at [`PartialWaves::points`].
+    pub fn on_spheres(sphere: &Sphere, wavenumber: f64) -> Self {
+        let weights = PartialWaves::weights(sphere.order(), wavenumber * sphere.shell());
+        let of_harmonic =
+            |weights: Vec<f64>| weights.into_iter().map(|weight| weight as f32).enumerate().collect();
+        Self::with(sphere, weights.map(of_harmonic).collect())
+    }
+
+    fn with(sphere: &Sphere, waves: Vec<Vec<(usize, f32)>>) -> Self {
+        let order = sphere.order();
         let force = couplings(order).each_ref().map(|axis| {
             let entry = |coupling| {
                 let entry = sphere.entry(coupling);
@@ -164,8 +176,8 @@ impl Formation {
 /// Adds a part of potential (J) and force (N) at a run of points to sums.
 pub struct Form<'a> {
     pub formation: &'a Formation,
-    /// Derivatives at all points, in the order of [`derivatives`].
-    pub derivatives: &'a [Vec<Complex32>],
+    /// What the formation begins with, at all points.
+    pub given: &'a [Vec<Complex32>],
     /// The run.
     pub points: Range<usize>,
     pub part: f32,
@@ -180,7 +192,7 @@ impl Kernel for Form<'_> {
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        let Self { formation, derivatives, points, part, potential, mut force } = self;
+        let Self { formation, given, points, part, potential, mut force } = self;
         let count = formation.waves.len();
         let mut waves = vec![[[0.0f32; LANES]; 2]; count];
         for start in (points.start..points.end).step_by(LANES) {
@@ -188,7 +200,7 @@ impl Kernel for Form<'_> {
             for (terms, wave) in formation.waves.iter().zip(&mut waves) {
                 let [mut re, mut im] = [[0.0f32; LANES]; 2];
                 for &(index, weight) in terms {
-                    for (lane, value) in derivatives[index][run.clone()].iter().enumerate() {
+                    for (lane, value) in given[index][run.clone()].iter().enumerate() {
                         re[lane] += weight * value.re;
                         im[lane] += weight * value.im;
                     }
@@ -225,7 +237,7 @@ mod tests {
     use num_complex::Complex64;
 
     use super::*;
-    use crate::acoustics::{Air, PartialWaves};
+    use crate::acoustics::Air;
     use crate::scene::{Bead, Medium};
     use crate::simd::Isa;
 
@@ -256,7 +268,7 @@ mod tests {
         let (mut potential, mut force) = ([0.0f32; 2], [[0.0f32; 2]; 3]);
         Isa::best().run(Form {
             formation: &Formation::new(&sphere, k),
-            derivatives: &values,
+            given: &values,
             points: 1..3,
             part: 1.0,
             potential: &mut potential,

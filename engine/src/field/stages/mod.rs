@@ -307,16 +307,15 @@ impl Stages {
         }
         if !request.quantity.declaration().has_formula() {
             map.key = None;
+            // A page cannot wait for its GPU.
+            let gpu = gpu.as_ref().map(OnGpu::gpu).filter(|_| !cfg!(target_arch = "wasm32"));
             map.value = match request.quantity.declaration().of_volume {
-                // A page cannot wait for its GPU.
-                true => of_volume.map(
-                    request,
-                    *exact,
-                    gpu.as_ref().map(OnGpu::gpu).filter(|_| !cfg!(target_arch = "wasm32")),
-                    &cpu.progress,
-                )?,
-                false => of_bead.map(request, *exact, &cpu.progress)?,
+                true => of_volume.map(request, *exact, gpu, &cpu.progress)?,
+                false => of_bead.map(request, *exact, gpu, &cpu.progress)?,
             };
+            if cpu.progress.is_cancelled() {
+                return Err(FieldError::Cancelled);
+            }
             map.key = Some(request.clone());
             return Ok(true);
         }

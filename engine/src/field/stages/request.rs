@@ -265,6 +265,9 @@ pub enum FieldError {
         "{0} frames on this plane exceed the memory for the motion of the skin: take fewer frames, or a smaller plane"
     )]
     TooManyFrames(usize),
+    #[doc(hidden)]
+    #[error("the map was cancelled")]
+    Cancelled,
     #[error(transparent)]
     Harmonic(#[from] NoHarmonic),
     #[error(transparent)]
