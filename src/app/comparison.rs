@@ -1,7 +1,5 @@
 //! The comparison map: another drive's or another plane's map, with stages of its own, and the difference.
 
-use std::f32::consts::{PI, TAU};
-
 use egui::Context;
 
 use crate::app::mapping::{Look, Mapping, image, in_egui};
@@ -11,6 +9,7 @@ use crate::field::{Colouring, Range, Request};
 use crate::picture::ColourMap;
 use crate::scene::{Method, Scene};
 use crate::studio::later::Later;
+use crate::studio::map;
 use crate::studio::performance::Performance;
 use crate::studio::posing::{posed, posed_in_motion};
 use crate::studio::solving;
@@ -43,6 +42,11 @@ pub fn common_range(editor: &Editor, shown: &Shown) -> Option<f64> {
 impl Comparison {
     pub fn new(mapping: Mapping) -> Self {
         Self { mapping, solving: Later::default(), subtracted: None }
+    }
+
+    /// The request of the second map.
+    pub fn request(&self) -> Option<&Request> {
+        self.mapping.request()
     }
 
     pub fn is_busy(&self) -> bool {
@@ -169,12 +173,7 @@ impl Comparison {
             return;
         }
         let (Some((_, left)), Some((_, right))) = (own.numbers(), self.mapping.numbers()) else { return };
-        let is_cyclic = key.0.quantity.declaration().range == Range::Cyclic;
-        let minus = |(a, b): (f32, f32)| {
-            let difference = a - b;
-            if is_cyclic { (difference + PI).rem_euclid(TAU) - PI } else { difference }
-        };
-        let values: Vec<_> = left.into_iter().zip(right).map(minus).collect();
+        let values = map::difference(key.0.quantity, &left, &right);
         let largest = values.iter().fold(0.0_f32, |most, value| most.max(value.abs()));
         let table = ColourMap::Diverging.on(is_light);
         let colouring = Colouring {

@@ -24,7 +24,7 @@ use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{self, Source};
 use crate::app::screen::Screen;
 use crate::app::space::Spacing;
-use crate::field::{Evaluator, Quantity, missed};
+use crate::field::{Evaluator, Quantity, Request, missed};
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::gauge::Gauge;
@@ -116,6 +116,11 @@ impl Workshop {
 
     pub fn compare_methods(&mut self, scene: &Scene) {
         self.wants_methods = Some(posed(scene));
+    }
+
+    /// The request of the second map of a comparison.
+    pub fn second_request(&self) -> Option<&Request> {
+        self.comparison.as_ref()?.request()
     }
 
     /// Whether background work is running, or GPU results are pending.

@@ -1,6 +1,7 @@
 //! `sonoglyph render --figure`: figures for papers, with their options.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::bail;
 
@@ -10,7 +11,7 @@ use crate::picture::figure::Paper;
 use crate::picture::numbers::npy;
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::Backend;
-use crate::studio::figure::{self, Wish};
+use crate::studio::figure::{self, MapOf, Panel, Subject, Wish};
 use crate::studio::output::{self, say, warn};
 use crate::studio::still::{Diagram, Look, Solved};
 use crate::studio::{liquid, map};
@@ -52,7 +53,7 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<(Quantity, Wish)>> {
             dpi: figure.dpi.unwrap_or(column.dpi),
         },
         title: figure.title.clone(),
-        is_shaded,
+        columns: None,
         colours: args.colours,
         is_light: figure.light,
         scale: if figure.db { Scale::Logarithmic } else { Scale::Linear },
@@ -80,26 +81,32 @@ pub fn write(
     let channel = look.channel;
     let request = Request { channel, ..Request::new(scene, look.drives(solved)?, quantity, (1, 1)) };
     let gpu_is_asked_for = look.backend == Backend::Gpu;
-    let drawn = figure::draw((scene, &solution.foci), &request, wish, stages, gpu_is_asked_for)?;
-    if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
+    let subject = match look.shaded {
+        true => Subject::Shaded(request),
+        false => Subject::Map { scene: Arc::new(scene.clone()), foci: solution.foci.clone(), request },
+    };
+    let panel = Panel { name: name.clone(), subject };
+    let figure::Drawn { figure, maps } = figure::draw(&[panel], wish, stages, gpu_is_asked_for)?;
+    let Some(MapOf { map, slope }) = maps.first() else { bail!("{name}: the figure has no map") };
+    if let Some(missed) = missed(map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
         warn(&format!("{name}: {missed}"));
     }
-    if let Some(beyond) = drawn.slope.and_then(liquid::beyond_linear_theory) {
+    if let Some(beyond) = slope.and_then(liquid::beyond_linear_theory) {
         warn(&format!("{name}: {beyond}"));
     }
-    let bytes = drawn.figure.write(format)?;
+    let bytes = figure.write(format)?;
     if let Some(data) = data {
-        let shape = [drawn.map.height as u64, drawn.map.width as u64];
-        output::write(data, &npy(&shape, &drawn.map.values)?)?;
+        let shape = [map.height as u64, map.width as u64];
+        output::write(data, &npy(&shape, &map.values)?)?;
     }
     output::write(output, &bytes)?;
-    let [width, height] = drawn.figure.size();
-    let (kind, points) = if wish.is_shaded { ("surface", "points") } else { ("map", "pixels") };
+    let [width, height] = figure.size();
+    let (kind, points) = if look.shaded { ("surface", "points") } else { ("map", "pixels") };
     say!(
         "{}: {width:.1} x {height:.1} mm, a {kind} of {} x {} {points}, {}",
         crate::echo::path(output),
-        drawn.map.width,
-        drawn.map.height,
-        map::summary(quantity, &drawn.map)
+        map.width,
+        map.height,
+        map::summary(quantity, map)
     )
 }
