@@ -157,6 +157,7 @@ pub struct Drawn {
 /// A map, and the steepest slope of a liquid's surface.
 #[derive(Debug)]
 pub struct MapOf {
+    pub quantity: Quantity,
     pub map: Map,
     pub slope: Option<f64>,
 }
@@ -320,7 +321,7 @@ fn mapped(request: &Request, stages: &mut Stages) -> Result<MapOf, FieldError> {
     let of_liquid = request.quantity.declaration().of_liquid;
     let pressed = of_liquid.then(|| stages.pressed(request)).transpose()?;
     let slope = pressed.and_then(|pressed| pressed.depression).map(|depression| depression.slope);
-    Ok(MapOf { map, slope })
+    Ok(MapOf { quantity: request.quantity, map, slope })
 }
 
 /// The picture of a map in colours up to `peak`, with its bar, contours and remark.

@@ -40,3 +40,25 @@ pub fn pressure(picture: Picture, map: &Map, colours: ColourMap, convention: Con
     let bar = figure::pressure_bar(colours, convention, peak);
     Pressure { picture, title: format!("Pressure up to {largest}{remark}"), bar }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::file;
+    use crate::studio::EXAMPLE;
+
+    #[test]
+    fn every_pressure_of_a_sheet_names_its_convention() {
+        let scene = file::parse(EXAMPLE, "hit.toml".as_ref()).unwrap();
+        let solution = solver::solve(&scene).unwrap();
+        for (convention, name) in [(Convention::Rms, "RMS"), (Convention::Peak, "peak")] {
+            let [_, figures] = words(&scene, &solution, "hit", convention).summary;
+            let mean = convention.pressure(solution.quality.mean_pressure);
+            assert!(
+                mean.ends_with(name) && figures.starts_with(&format!("mean {mean}, weakest ")),
+                "{figures}"
+            );
+            assert_eq!(figures.matches(name).count(), figures.matches("Pa").count(), "{figures}");
+        }
+    }
+}

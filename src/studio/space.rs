@@ -83,13 +83,22 @@ impl PartialEq for Prospect {
 }
 
 impl Prospect {
+    /// The field in the box.
+    pub fn volume(&self) -> Arc<Volume> {
+        let sampled = || Arc::new(Volume::new(&self.aperture, &self.heard, &self.block, Fineness::of(false)));
+        self.volume.clone().unwrap_or_else(sampled)
+    }
+
+    /// The objects of a picture that is so many pixels wide.
+    pub fn scenery(&self, width: usize) -> Scenery {
+        let look = Look { scale: width as f64 / self.points.x, ..self.look.clone() };
+        let sound = (&self.aperture, &self.drive);
+        scenery(&self.scene, sound, &self.foci, (&self.block, &self.clip), &look)
+    }
+
     /// The picture of this many pixels, and the field in it.
     pub fn draw(&self, size: (usize, usize)) -> (Picture, Arc<Volume>) {
-        let sampled = || Arc::new(Volume::new(&self.aperture, &self.heard, &self.block, Fineness::of(false)));
-        let volume = self.volume.clone().unwrap_or_else(sampled);
-        let look = Look { scale: size.0 as f64 / self.points.x, ..self.look.clone() };
-        let of = (&self.aperture, &self.drive);
-        let scenery = scenery(&self.scene, of, &self.foci, (&self.block, &self.clip), &look);
+        let (volume, scenery) = (self.volume(), self.scenery(size.0));
         let shot = Shot::new(&scenery, &volume, &self.camera, size);
         let rgba = march::picture(&shot, &volume, &scenery.table, true);
         (Picture { width: size.0, height: size.1, rgba }, volume)

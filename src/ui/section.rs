@@ -424,7 +424,7 @@ impl<'a> Plot<'a> {
             painter.text(
                 at + vec2(0.0, 5.0),
                 Align2::CENTER_TOP,
-                format!("{x:.decimals$}"),
+                axes::number(x, decimals),
                 font.clone(),
                 ink,
             );
@@ -439,7 +439,7 @@ impl<'a> Plot<'a> {
             painter.text(
                 at - vec2(6.0, 0.0),
                 Align2::RIGHT_CENTER,
-                format!("{value:.decimals$}"),
+                axes::number(value, decimals),
                 font.clone(),
                 ink,
             );
