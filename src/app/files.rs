@@ -15,7 +15,7 @@ use crate::app::{folders, settings};
 use crate::drive::Drive;
 use crate::field::{Colouring, Evaluator, Request, Stages};
 use crate::import::{self, Drawing};
-use crate::picture::{export, numbers};
+use crate::picture::{Picture, export, numbers};
 use crate::scene::{Array, Curve, Elements, Envelope, Scene, Wave, Wires, check};
 use crate::solver::frames;
 use crate::source;
@@ -62,6 +62,21 @@ fn ask_for_file(purpose: Purpose, _: &Document) -> impl Future<Output = Option<P
 /// Whether no file is overwritten: browsers choose unused names for downloads.
 fn becomes_download(purpose: Purpose) -> bool {
     ui::IN_PAGE && matches!(purpose, Purpose::Export(_))
+}
+
+/// Two pictures beside each other.
+fn joined(left: &Picture, right: &Picture) -> Picture {
+    /// Pixels.
+    const GAP: usize = 12;
+    let (width, height) = (left.width + GAP + right.width, left.height.max(right.height));
+    let mut rgba = vec![255; 4 * width * height];
+    for (picture, from) in [(left, 0), (right, left.width + GAP)] {
+        let rows = picture.rgba.chunks_exact(4 * picture.width.max(1));
+        for (row, pixels) in rgba.chunks_exact_mut(4 * width).zip(rows) {
+            row[4 * from..][..pixels.len()].copy_from_slice(pixels);
+        }
+    }
+    Picture { width, height, rgba }
 }
 
 /// The drawing in a file.
@@ -454,7 +469,10 @@ impl Window {
     fn view_png(&mut self) -> anyhow::Result<Vec<u8>> {
         let picture = match self.editor.space.is_on {
             true => self.workshop.spacing.picture(&self.editor, &self.shown),
-            false => self.workshop.mapping.picture(),
+            false => self.workshop.pictures().map(|(own, second)| match second {
+                Some(second) => joined(&own, &second),
+                None => own,
+            }),
         };
         Ok(export::png(&picture.context("no picture is shown")?)?)
     }

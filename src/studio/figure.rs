@@ -1,6 +1,7 @@
 //! Figures for papers: panels on a page, with maps in chosen colours, range and convention.
 //!
-//! All maps of a figure have one range of colours, and the last of each row the colour bar.
+//! All maps of a figure have one range of colours, and the last of each row the colour bar; all surfaces have one
+//! exaggeration of their depths.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -19,7 +20,7 @@ use crate::picture::figure::page::{self, Page, Plot};
 use crate::picture::figure::space::{self, Space};
 use crate::picture::figure::surface::{self, Measure, Surface};
 use crate::picture::figure::{Bar, Content, Figure, Format, Length, Paper};
-use crate::picture::relief::Relief;
+use crate::picture::relief::{self, Relief};
 use crate::picture::{ColourMap, Picture, sheet, veil};
 use crate::rounding::millimetres;
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
@@ -190,14 +191,22 @@ pub fn draw(
         let size = size.unwrap_or_default();
         made.push(or_by_cpu(stages, gpu_is_asked_for, |stages| panel.subject.make(size, stages))?);
     }
-    let peaks = made.iter().filter_map(|made| match made {
-        Made::Map(_, MapOf { map, .. }) => Some(f64::from(map.peak)),
-        Made::Difference(..) | Made::Shaded(..) | Made::Space(..) | Made::Plot => None,
-    });
-    let peak = peaks.fold(0.0, f64::max);
+    let of_all = |of: fn(&Made<'_>) -> f32| made.iter().map(of).fold(0.0, f32::max).into();
+    let largest = Largest {
+        value: of_all(|made| match made {
+            Made::Map(_, MapOf { map, .. }) => map.peak,
+            Made::Difference(..) | Made::Shaded(..) | Made::Space(..) | Made::Plot => 0.0,
+        }),
+        depth: of_all(|made| match made {
+            Made::Shaded(_, MapOf { map, .. }, _) => {
+                map.values.iter().fold(0.0, |most, depth| most.max(depth.abs()))
+            }
+            Made::Map(..) | Made::Difference(..) | Made::Space(..) | Made::Plot => 0.0,
+        }),
+    };
     let mut pictures = Vec::new();
     for (panel, made) in page.panels.iter_mut().zip(&made) {
-        let mut picture = made.picture(&mut panel.plot, peak, wish);
+        let mut picture = made.picture(&mut panel.plot, largest, wish);
         if let (Some(picture), Made::Map(request, MapOf { map, .. })) = (&mut picture, made) {
             dim(picture, request, (map, wish), stages, gpu_is_asked_for)?;
         }
@@ -227,18 +236,25 @@ enum Made<'a> {
     Plot,
 }
 
+/// The largest value of all maps, and the largest depth of all surfaces.
+#[derive(Clone, Copy)]
+struct Largest {
+    value: f64,
+    depth: f64,
+}
+
 impl Made<'_> {
-    /// The pixels of a plot; `peak` is the largest value of all maps. Completes the plot by what depends on values.
-    fn picture(&self, plot: &mut Plot, peak: f64, wish: &Wish) -> Option<Picture> {
+    /// The pixels of a plot. Completes the plot by what depends on values.
+    fn picture(&self, plot: &mut Plot, largest: Largest, wish: &Wish) -> Option<Picture> {
         match (self, plot) {
             (Self::Map(request, MapOf { map, .. }), Plot::Map(content)) => {
-                Some(coloured(content, (request.quantity, map, peak), wish))
+                Some(coloured(content, (request.quantity, map, largest.value), wish))
             }
             (Self::Difference(request, values, width), Plot::Map(content)) => {
                 Some(subtracted(content, request.quantity, (values, *width), wish))
             }
             (Self::Shaded(request, MapOf { map, .. }, size), Plot::Surface(surface)) => {
-                Some(shaded(surface, (request, map), *size, wish))
+                Some(shaded(surface, (request, map, largest.depth), *size, wish))
             }
             (Self::Space(prospect, size), Plot::Space(space)) => Some(viewed(space, prospect, *size, wish)),
             (
@@ -418,9 +434,16 @@ pub fn pressure_bar(colours: ColourMap, convention: Convention, peak: f64) -> Ba
 }
 
 /// The picture of a surface at an angle, with bars for lengths to the right and for depths.
-fn shaded(surface: &mut Surface, (request, map): (&Request, &Map), size: [usize; 2], wish: &Wish) -> Picture {
+fn shaded(
+    surface: &mut Surface,
+    (request, map, deepest): (&Request, &Map, f64),
+    size: [usize; 2],
+    wish: &Wish,
+) -> Picture {
     let (plane, place) = (&request.plane, surface::place(size));
-    let relief = Relief::new(&map.values, map.width, plane.size);
+    // Surfaces beside each other are drawn as many times as deep.
+    let exaggeration = relief::exaggeration(deepest, plane.size);
+    let relief = Relief { exaggeration, ..Relief::new(&map.values, map.width, plane.size) };
     // On the paper, of a metre.
     let to_the_right = place.scale(plane.size) * 25.4 / wish.paper.dpi;
     let down = relief.sinks(to_the_right);
