@@ -88,15 +88,15 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
 
 /// Refuses options of 3D pictures for other pictures, and other options for 3D pictures.
 pub fn refuse(args: &RenderArgs) -> anyhow::Result<()> {
+    if args.view == View::Space && (args.motion || args.waves) {
+        bail!("--view 3d is a still picture: leave out --motion and --waves");
+    }
     let is_space = args.view == View::Space && args.volume.volume.is_none();
     if is_space && args.quantity != Diagram::Map(Quantity::Rms) {
         bail!("--view 3d shows the RMS pressure: leave out --quantity");
     }
     if is_space && args.fps.is_some() {
         bail!("--view 3d is a picture: leave out --fps");
-    }
-    if args.view == View::Space && (args.motion || args.waves) {
-        bail!("--view 3d is a still picture: leave out --motion and --waves");
     }
     match args.space.given() {
         Some(name) if args.view != View::Space => bail!("{name} applies to 3D views: add --view 3d"),

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::render::args::{RenderArgs, look};
+use crate::cli::render::args::{RenderArgs, View, look};
 use crate::cli::render::figure::{wish, write as write_figure};
 use crate::cli::scene::read_scene;
 use crate::echo;
@@ -18,7 +18,7 @@ use crate::studio::still::{self, Diagram, Solved};
 use crate::studio::{evaluator, figure};
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
-    if args.volume.block.is_some() {
+    if args.volume.block.is_some() && args.view != View::Space {
         bail!("--box applies to volumes and 3D views: add --volume or --view 3d");
     }
     let is_page = args.figure.columns.is_some();
