@@ -1,16 +1,15 @@
 //! The comparison map: another drive's or another plane's map, with stages of its own, and the difference.
 
-use std::f32::consts::{PI, TAU};
-
 use egui::Context;
 
 use crate::app::mapping::{Look, Mapping, NEAREST, image, in_egui};
 use crate::app::posing::{Source, sound};
 use crate::drive::Drive;
 use crate::field::{Colouring, Range, Request};
-use crate::picture::ColourMap;
+use crate::picture::{ColourMap, Picture};
 use crate::scene::{Method, Scene};
 use crate::studio::later::Later;
+use crate::studio::map;
 use crate::studio::performance::Performance;
 use crate::studio::posing::{posed, posed_in_motion};
 use crate::studio::solving;
@@ -25,8 +24,8 @@ pub struct Comparison {
     mapping: Mapping,
     /// The performance of a scene, at rest or in motion.
     solving: Later<(Scene, bool), Result<Performance, String>>,
-    /// The requests of the displayed difference, and whether it is on a light ground.
-    subtracted: Option<(Request, Request, bool)>,
+    /// The requests of the displayed difference, whether it is on a light ground, and its picture.
+    subtracted: Option<((Request, Request, bool), Picture)>,
 }
 
 /// The largest value of both maps, if they share a colour range.
@@ -43,6 +42,19 @@ pub fn common_range(editor: &Editor, shown: &Shown) -> Option<f64> {
 impl Comparison {
     pub fn new(mapping: Mapping) -> Self {
         Self { mapping, solving: Later::default(), subtracted: None }
+    }
+
+    /// The request of the second map.
+    pub fn request(&self) -> Option<&Request> {
+        self.mapping.request()
+    }
+
+    /// The picture on the screen.
+    pub fn picture(&mut self) -> Option<Picture> {
+        match &self.subtracted {
+            Some((_, difference)) => Some(difference.clone()),
+            None => self.mapping.picture(),
+        }
     }
 
     pub fn is_busy(&self) -> bool {
@@ -165,16 +177,11 @@ impl Comparison {
             return;
         }
         let key = (left, right, is_light);
-        if self.subtracted.as_ref() == Some(&key) {
+        if self.subtracted.as_ref().is_some_and(|(own, _)| *own == key) {
             return;
         }
         let (Some((_, left)), Some((_, right))) = (own.numbers(), self.mapping.numbers()) else { return };
-        let is_cyclic = key.0.quantity.declaration().range == Range::Cyclic;
-        let minus = |(a, b): (f32, f32)| {
-            let difference = a - b;
-            if is_cyclic { (difference + PI).rem_euclid(TAU) - PI } else { difference }
-        };
-        let values: Vec<_> = left.into_iter().zip(right).map(minus).collect();
+        let values = map::difference(key.0.quantity, &left, &right);
         let largest = values.iter().fold(0.0_f32, |most, value| most.max(value.abs()));
         let table = ColourMap::Diverging.on(is_light);
         let colouring = Colouring {
@@ -185,11 +192,12 @@ impl Comparison {
         let mut colours = Vec::new();
         colouring.colours(&values, largest, &mut colours);
         let (width, height) = key.0.size;
+        let picture = Picture::from_field_order(width, height, colours.as_flattened());
         let before = beside.difference.take().map(|difference| difference.texture);
         let texture = in_egui(before, image([width, height], &colours), NEAREST, ctx);
         let (window, rect) = (map.window, map.rect);
         let (largest, quantity) = (largest.into(), key.0.quantity);
         beside.difference = Some(Difference { texture, largest, quantity, window, rect });
-        self.subtracted = Some(key);
+        self.subtracted = Some((key, picture));
     }
 }

@@ -10,6 +10,7 @@ use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
 use egui::Context;
 
 use crate::import::Drawing;
+use crate::picture::Picture;
 use crate::scene::{Array, Curve, DriveFile, Wave};
 use crate::studio::later;
 use crate::ui::{Folder, Purpose};
@@ -132,6 +133,10 @@ pub enum Outcome {
     Driven(Result<Box<DriveFile>, String>),
     /// The motion was exported, if it was not called off.
     Filmed(PathBuf, anyhow::Result<Option<()>>),
+    /// A figure or a sheet was written.
+    Printed(PathBuf, anyhow::Result<()>),
+    /// A figure for the clipboard.
+    Copied(anyhow::Result<Picture>),
 }
 
 /// A motion being exported.

@@ -1,14 +1,11 @@
-//! The figure of the current view: preview, file, and pixels on the clipboard.
-
-use std::sync::Arc;
+//! The inputs of a figure of what is shown, and its preview.
 
 use eframe::egui::ColorImage;
 
-use crate::field::{Evaluator, Request, Stages};
+use crate::field::{Evaluator, Stages};
 use crate::picture::Picture;
 use crate::picture::figure::{Figure, Paper};
-use crate::scene::{Focus, Scene};
-use crate::studio::figure::{self, Wish};
+use crate::studio::figure::{self, Panel, Wish};
 use crate::studio::later::Later;
 
 /// Pixels of a preview's width.
@@ -17,9 +14,7 @@ const PREVIEW: f64 = 900.0;
 /// The inputs of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Recipe {
-    pub(super) scene: Arc<Scene>,
-    pub(super) foci: Vec<Focus>,
-    pub(super) request: Request,
+    pub(super) panels: Vec<Panel>,
     pub(super) wish: Wish,
 }
 
@@ -42,8 +37,7 @@ impl Previews {
 impl Recipe {
     pub(super) fn figure(&self) -> anyhow::Result<Figure> {
         let mut stages = Stages::new(Evaluator::Cpu);
-        let subject = (&*self.scene, &self.foci[..]);
-        Ok(figure::draw(subject, &self.request, &self.wish, &mut stages, false)?.figure)
+        Ok(figure::draw(&self.panels, &self.wish, &mut stages, false)?.figure)
     }
 
     /// In so few pixels that a screen shows them.

@@ -4,33 +4,29 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::{Context, anyhow};
-use eframe::egui::{self, TextureOptions};
+use eframe::egui;
 
 #[cfg(target_arch = "wasm32")]
 use crate::app::browser;
 use crate::app::errand::{Errand, Film, Outcome, Progress, State};
-use crate::app::figure::{Previews, Recipe, image};
+use crate::app::figure::image;
 use crate::app::window::Window;
 use crate::app::{folders, settings};
 use crate::drive::Drive;
-use crate::field::{Colouring, Evaluator, Quantity, Request, Stages};
+use crate::field::{Colouring, Evaluator, Request, Stages};
 use crate::import::{self, Drawing};
-use crate::picture::figure::Format;
-use crate::picture::{export, numbers, sheet};
+use crate::picture::{Picture, export, numbers};
 use crate::scene::{Array, Curve, Elements, Envelope, Scene, Wave, Wires, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
 use crate::studio::opening::stem;
 use crate::studio::paintings::Placed;
-use crate::studio::{elements, figure, link, liquid, map, opening, output, thresholds, waveform};
+use crate::studio::{elements, figure, link, liquid, opening, output, thresholds, waveform};
 use crate::ui::document::Document;
-use crate::ui::part::wake;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
-use crate::ui::{self, Command, Dialog, Export, Preview, Purpose};
-
-const SHEET_WIDTH: usize = 1600;
+use crate::ui::{self, Command, Dialog, Export, Purpose};
 
 /// Opens the file dialog of the desktop or browser.
 #[cfg(not(target_arch = "wasm32"))]
@@ -68,6 +64,21 @@ fn becomes_download(purpose: Purpose) -> bool {
     ui::IN_PAGE && matches!(purpose, Purpose::Export(_))
 }
 
+/// Two pictures beside each other.
+fn joined(left: &Picture, right: &Picture) -> Picture {
+    /// Pixels.
+    const GAP: usize = 12;
+    let (width, height) = (left.width + GAP + right.width, left.height.max(right.height));
+    let mut rgba = vec![255; 4 * width * height];
+    for (picture, from) in [(left, 0), (right, left.width + GAP)] {
+        let rows = picture.rgba.chunks_exact(4 * picture.width.max(1));
+        for (row, pixels) in rgba.chunks_exact_mut(4 * width).zip(rows) {
+            row[4 * from..][..pixels.len()].copy_from_slice(pixels);
+        }
+    }
+    Picture { width, height, rgba }
+}
+
 /// The drawing in a file.
 fn read_drawing(path: &Path) -> anyhow::Result<Drawing> {
     let bytes = source::read(path, import::MOST_BYTES as u64)
@@ -95,7 +106,7 @@ impl Window {
         }
     }
 
-    fn send(
+    pub(super) fn send(
         &mut self,
         ctx: &egui::Context,
         work: impl FnOnce(&Progress) -> Outcome + Send + 'static,
@@ -274,7 +285,7 @@ impl Window {
         for errand in std::mem::take(&mut self.errands) {
             match errand.state() {
                 State::UnderWay => self.errands.push(errand),
-                State::Done(outcome) => self.take(outcome, commands),
+                State::Done(outcome) => self.take(outcome, commands, ctx),
                 State::Failed => {
                     self.filming = None;
                     self.refuse("That failed", &anyhow!("this is a fault of the program"));
@@ -289,7 +300,7 @@ impl Window {
         self.shown.export = self.filming.as_ref().map(film);
     }
 
-    fn take(&mut self, outcome: Outcome, commands: &mut Vec<Command>) {
+    fn take(&mut self, outcome: Outcome, commands: &mut Vec<Command>, ctx: &egui::Context) {
         if let Outcome::Filmed(..) = outcome {
             self.filming = None;
         }
@@ -341,6 +352,13 @@ impl Window {
                 self.tell(&format!("Called off: {} is not written", path.display()), false);
             }
             Outcome::Filmed(_, Err(error)) => self.refuse("Nothing was exported", &error),
+            Outcome::Printed(path, Ok(())) => self.tell(&format!("Wrote {}", path.display()), false),
+            Outcome::Printed(_, Err(error)) => self.refuse("Nothing was exported", &error),
+            Outcome::Copied(Ok(picture)) => {
+                ctx.copy_image(image(&picture));
+                self.tell(&format!("Copied {} x {} pixels", picture.width, picture.height), false);
+            }
+            Outcome::Copied(Err(error)) => self.refuse("The figure cannot be copied", &error),
             Outcome::Read(_, Err(error)) => self.refuse("The drawing cannot be imported", &error),
         }
     }
@@ -383,10 +401,10 @@ impl Window {
             return self.refuse("Nothing was exported", &error);
         }
         let bytes = match export {
-            Export::Figure(format) => self.figure_bytes(format),
+            Export::Figure(format) => return self.print_figure(format, path, ctx),
+            Export::Sheet => return self.print_sheet(path, ctx),
             Export::Motion(_) => return self.film(path, ctx),
-            Export::Map => self.map_png(),
-            Export::Sheet => self.sheet_png(),
+            Export::Map => self.view_png(),
             Export::Numbers => self.numbers_npy(),
             Export::Drive => self.drive_csv(),
             Export::Profile => self.profile_csv(),
@@ -448,10 +466,13 @@ impl Window {
         self.filming = progress.map(|progress| Film { name, progress });
     }
 
-    fn map_png(&mut self) -> anyhow::Result<Vec<u8>> {
+    fn view_png(&mut self) -> anyhow::Result<Vec<u8>> {
         let picture = match self.editor.space.is_on {
-            true => self.workshop.spacing.picture(),
-            false => self.workshop.mapping.picture(),
+            true => self.workshop.spacing.picture(&self.editor, &self.shown),
+            false => self.workshop.pictures().map(|(own, second)| match second {
+                Some(second) => joined(&own, &second),
+                None => own,
+            }),
         };
         Ok(export::png(&picture.context("no picture is shown")?)?)
     }
@@ -503,78 +524,5 @@ impl Window {
     fn profile_csv(&self) -> anyhow::Result<Vec<u8>> {
         let profile = Profile::of(&self.editor, &self.shown);
         Ok(profile.context("there is no line profile: show one on a map")?.csv().into_bytes())
-    }
-
-    /// The sheet of the scene at rest, on the scene plane.
-    fn sheet_png(&self) -> anyhow::Result<Vec<u8>> {
-        let solution = self.shown.solution.as_ref().context("nothing is played")?;
-        let scene = self.editor.scene();
-        let page = (SHEET_WIDTH, sheet::height(SHEET_WIDTH));
-        let (width, height) = sheet::map_size(&scene.plane, page.0, page.1);
-        let colours = self.editor.view.colours;
-        let request = Request::new(scene, solution.drives(), Quantity::Rms, (width, height));
-        let drawn = map::draw(&request, colours, &mut Stages::new(Evaluator::Cpu), false)?;
-        let name = self.editor.document.name();
-        let remark = map::remark(Quantity::Rms, &drawn.map);
-        let legend = sheet::Legend { colours, peak: drawn.map.peak.into(), remark };
-        let page = sheet::sheet(scene, solution, &name, &drawn.picture, &legend, page)?;
-        Ok(export::png(&page)?)
-    }
-}
-
-impl Window {
-    fn recipe(&self) -> anyhow::Result<Recipe> {
-        let request = self.workshop.mapping.request().context("there is no map")?;
-        let solution = self.shown.solution.as_ref();
-        Ok(Recipe {
-            scene: Arc::new(self.editor.scene().clone()),
-            foci: solution.map_or_else(Vec::new, |solution| solution.foci.clone()),
-            // The figure has its own size in pixels.
-            request: Request { size: (1, 1), ..request.clone() },
-            wish: self.editor.figure.wish(&self.editor.view),
-        })
-    }
-
-    /// Updates the preview while it is displayed.
-    pub(super) fn preview_figure(&mut self, ctx: &egui::Context) {
-        if self.editor.dialog != Some(Dialog::Figure) {
-            if self.shown.figure.is_some() {
-                (self.previews, self.shown.figure) = (Previews::default(), None);
-            }
-            return;
-        }
-        let recipe = match self.recipe() {
-            Ok(recipe) => recipe,
-            Err(error) => return self.shown.figure = Some(Err(format!("{error:#}"))),
-        };
-        let Previews { later, shown } = &mut self.previews;
-        later.collect();
-        later.ask(&recipe, wake(ctx), |recipe| recipe.preview().map_err(|error| format!("{error:#}")));
-        let Some(made) = later.get(&recipe) else { return };
-        if shown.as_ref() == Some(&recipe) {
-            return;
-        }
-        self.shown.figure = Some(made.clone().map(|(picture, size)| {
-            let texture = ctx.load_texture("figure", image(&picture), TextureOptions::LINEAR);
-            Preview { texture, size }
-        }));
-        *shown = Some(recipe);
-        ctx.request_repaint();
-    }
-
-    pub(super) fn figure_bytes(&self, format: Format) -> anyhow::Result<Vec<u8>> {
-        Ok(self.recipe()?.figure()?.write(format)?)
-    }
-
-    pub(super) fn copy_figure(&mut self, ctx: &egui::Context) {
-        let picture = self.recipe().and_then(|recipe| Ok(recipe.figure()?.picture()?));
-        match picture {
-            Ok(picture) => {
-                let words = format!("Copied {} x {} pixels", picture.width, picture.height);
-                ctx.copy_image(image(&picture));
-                self.tell(&words, false);
-            }
-            Err(error) => self.refuse("The figure cannot be copied", &error),
-        }
     }
 }

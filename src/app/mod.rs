@@ -29,6 +29,7 @@ mod mapping;
 #[cfg(target_arch = "wasm32")]
 pub mod page;
 mod posing;
+mod printing;
 pub mod recovery;
 #[cfg_attr(target_arch = "wasm32", path = "no_screen.rs")]
 mod screen;

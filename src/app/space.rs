@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use egui::{ColorImage, Context, TextureId, TextureOptions};
+use glam::DVec2;
 use web_time::Instant;
 
 use crate::acoustics::Aperture;
@@ -18,7 +19,7 @@ use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
 use crate::field::{Gpu, GpuError};
 use crate::picture::Picture;
 use crate::studio::later::Later;
-use crate::studio::space;
+use crate::studio::space::{self, Prospect};
 use crate::ui::part::wake;
 use crate::ui::space::{SpaceShown, Stage};
 use crate::ui::{Editor, Shown, Texture};
@@ -93,14 +94,29 @@ impl Spacing {
     }
 
     /// The picture on the screen, as fine as it gets.
-    pub fn picture(&self) -> Option<Picture> {
+    pub fn picture(&self, editor: &Editor, shown: &Shown) -> Option<Picture> {
         let (wanted, _) = self.drawn.as_ref()?;
-        let volume = match &self.fine {
-            Some((of, volume)) if *of == wanted.sounding => Arc::clone(volume),
-            Some(_) | None => wanted.sounding.volume(false),
-        };
-        let (width, height) = wanted.size;
-        Some(Picture { width, height, rgba: wanted.draw(&volume, true) })
+        Some(self.prospect(editor, shown, editor.view.is_light)?.draw(wanted.size).0)
+    }
+
+    /// The displayed view, for a picture of any size on this ground.
+    pub fn prospect(&self, editor: &Editor, shown: &Shown, is_light: bool) -> Option<Prospect> {
+        let (Wanted { sounding, scenery, camera, .. }, _) = self.drawn.as_ref()?;
+        let (sound, size) = (shown.sound.as_ref()?, shown.space.as_ref()?.stage.rect.size());
+        let fine = self.fine.as_ref().filter(|(of, _)| of == sounding);
+        Some(Prospect {
+            scene: Arc::new(editor.scene().clone()),
+            aperture: sounding.aperture.clone(),
+            drive: sound.drive().clone(),
+            heard: sounding.drives.clone(),
+            foci: sound.foci.clone(),
+            block: sounding.block,
+            clip: scenery.clip,
+            camera: *camera,
+            look: space::Look { is_light, ..editor.space.look(&editor.view, 1.0) },
+            points: DVec2::new(size.x.into(), size.y.into()),
+            volume: fine.map(|(_, volume)| Arc::clone(volume)),
+        })
     }
 
     /// Releases everything while the 3D view is closed.

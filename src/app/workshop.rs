@@ -24,10 +24,11 @@ use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{self, Source};
 use crate::app::screen::Screen;
 use crate::app::space::Spacing;
-use crate::field::{Evaluator, Quantity, missed};
+use crate::field::{Evaluator, Quantity, Request, missed};
 
 #[cfg(not(target_arch = "wasm32"))]
 use crate::gauge::Gauge;
+use crate::picture::Picture;
 use crate::scene::{Scene, check, motion};
 use crate::studio::later::Later;
 use crate::studio::performance::Performance;
@@ -116,6 +117,17 @@ impl Workshop {
 
     pub fn compare_methods(&mut self, scene: &Scene) {
         self.wants_methods = Some(posed(scene));
+    }
+
+    /// The map on the screen without overlays, and the second map or the difference of a comparison.
+    pub fn pictures(&mut self) -> Option<(Picture, Option<Picture>)> {
+        let second = self.comparison.as_mut().and_then(Comparison::picture);
+        Some((self.mapping.picture()?, second))
+    }
+
+    /// The request of the second map of a comparison.
+    pub fn second_request(&self) -> Option<&Request> {
+        self.comparison.as_ref()?.request()
     }
 
     /// Whether background work is running, or GPU results are pending.

@@ -1,18 +1,13 @@
 //! The sheet: targets, phase and amplitude per element, and the pressure map with axes, as in the paper's figures.
 
-use std::f64::consts::PI;
-
 use glam::{DVec2, DVec3};
 
-use crate::acoustics::Aperture;
-use crate::field::phase_index;
-use crate::picture::figure::layout::{Frame, TITLE, clipped};
-use crate::picture::figure::mark::{Anchor, BLACK, Ink, Mark};
-use crate::picture::figure::{Axis, Bar, Content, Figure};
-use crate::picture::{ColourMap, Picture, PictureError};
-use crate::rounding::{pascals, percent_at_least};
+use crate::picture::figure::elements::Elements;
+use crate::picture::figure::layout::{Axis, Bar, Content, Frame, TITLE, clipped};
+use crate::picture::figure::mark::{Anchor, BLACK, Figure, Ink, Mark};
+use crate::picture::{Picture, PictureError};
 use crate::scene::{Focus, Plane, Sampling, Scene, chart, outline};
-use crate::solver::{self, Problem, Solution};
+use crate::solver::Solution;
 
 /// Width and height of a sheet, mm; its pixels are as many as are asked for.
 const PAGE: [f64; 2] = [200.0, 195.0];
@@ -35,8 +30,6 @@ const DOT: f64 = 1.0;
 const FAINT: Ink = [205, 205, 210];
 /// Colour of targets.
 const WANTED: Ink = [196, 43, 60];
-const EMPTY: Ink = [244, 244, 246];
-const SILENT: Ink = [214, 214, 218];
 
 /// Height of a sheet of this width.
 pub fn height(width: usize) -> usize {
@@ -53,33 +46,37 @@ pub fn map_size(plane: &Plane, width: usize, height: usize) -> (usize, usize) {
     frame(density(PAGE, (width, height)), (1, 1), plane.size).map.into()
 }
 
-/// The legend of the map on a sheet.
+/// The title of a page, and two lines of figures below it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Legend {
-    pub colours: ColourMap,
-    /// Pa RMS, of the last colour.
-    pub peak: f64,
-    /// Remark on what the colours do not show.
-    pub remark: Option<String>,
+pub struct Words {
+    pub title: String,
+    pub summary: [String; 2],
 }
 
-/// Draws the whole sheet; `map` is the RMS pressure, of the size [`map_size`].
+/// The map of a sheet, of the size [`map_size`].
+#[derive(Clone, Debug)]
+pub struct Pressure {
+    pub picture: Picture,
+    pub title: String,
+    pub bar: Bar,
+}
+
+/// Draws the whole sheet.
 ///
 /// # Errors
 /// A target without an outline, or too many pixels.
 pub fn sheet(
     scene: &Scene,
     solution: &Solution,
-    title: &str,
-    map: &Picture,
-    legend: &Legend,
+    words: &Words,
+    map: Pressure,
     size: (usize, usize),
 ) -> Result<Picture, PictureError> {
-    let mut page = Page::new((scene, solution), density(PAGE, size), title);
+    let mut page = Page::new((scene, solution), density(PAGE, size), words);
     page.targets((0, 0))?;
     page.phases((1, 0));
     page.amplitudes((0, 1));
-    page.map((1, 1), map, legend);
+    page.map((1, 1), map);
     page.picture(size)
 }
 
@@ -90,17 +87,25 @@ pub fn sheet(
 pub fn drive(
     scene: &Scene,
     solution: &Solution,
-    title: &str,
+    words: &Words,
     size: (usize, usize),
 ) -> Result<Picture, PictureError> {
-    let mut page = Page::new((scene, solution), density(DRIVE_PAGE, size), title);
+    let mut page = Page::new((scene, solution), density(DRIVE_PAGE, size), words);
     page.phases((0, 0));
     page.amplitudes((1, 0));
     page.picture(size)
 }
 
+/// Title of a solution's amplitudes.
+pub fn amplitude_title(solution: &Solution) -> &'static str {
+    match solution.method {
+        Some(_) => "Amplitude per element, before it is made uniform",
+        None => "Amplitude per element",
+    }
+}
+
 /// Numbers of focal points, and of samples of strokes and areas, as text.
-fn amount(foci: &[Focus]) -> String {
+pub fn amount(foci: &[Focus]) -> String {
     let of = |is_one: &dyn Fn(&Focus) -> bool| foci.iter().filter(|focus| is_one(focus)).count();
     let separate = of(&Focus::is_separate);
     let areas = of(&Focus::is_of_area);
@@ -111,26 +116,6 @@ fn amount(foci: &[Focus]) -> String {
     ];
     let said = counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
     said.collect::<Vec<_>>().join(", ")
-}
-
-/// Method and foci, and the figures of the solution.
-fn summary(scene: &Scene, solution: &Solution) -> [String; 2] {
-    let quality = &solution.quality;
-    let title = solution.method.map_or("drive of a file", |method| method.title());
-    if solution.foci.is_empty() {
-        return [title.to_owned(), String::new()];
-    }
-    let aperture = Aperture::new(scene);
-    let bound = solver::bound(&Problem::new(&aperture, solution.foci.clone()));
-    let figures = format!(
-        "mean {}, weakest {}, std/mean {:.1} %     η {:.1} %     at least {} of the upper bound",
-        pascals(quality.mean_pressure),
-        pascals(quality.min_pressure),
-        100.0 * quality.spread,
-        100.0 * quality.efficiency,
-        percent_at_least(solution.certified(bound), 0),
-    );
-    [format!("{title}, {}", amount(&solution.foci)), figures]
 }
 
 /// Pixels in a millimetre of a page.
@@ -155,12 +140,10 @@ struct Page<'a> {
 }
 
 impl<'a> Page<'a> {
-    fn new((scene, solution): (&'a Scene, &'a Solution), density: f64, title: &str) -> Self {
+    fn new((scene, solution): (&'a Scene, &'a Solution), density: f64, words: &Words) -> Self {
         let text = |y, height, text: &str| Mark::text([COLUMNS[0], y], height, Anchor::Start, BLACK, text);
-        let mut marks = vec![text(HEADING.1, HEADING.0, title)];
-        marks.extend(
-            SUMMARY.1.iter().zip(summary(scene, solution)).map(|(&y, line)| text(y, SUMMARY.0, &line)),
-        );
+        let mut marks = vec![text(HEADING.1, HEADING.0, &words.title)];
+        marks.extend(SUMMARY.1.iter().zip(&words.summary).map(|(&y, line)| text(y, SUMMARY.0, line)));
         Self { scene, solution, density, marks }
     }
 
@@ -169,11 +152,10 @@ impl<'a> Page<'a> {
         Figure { pixels: [width, height], density, title: String::new(), marks }.picture()
     }
 
-    /// A map with axes below a title.
-    fn panel(&mut self, frame: &Frame, title: &str, axes: &[Axis; 2], bar: Option<Bar>, map: Picture) {
+    /// The title above a plot.
+    fn title(&mut self, frame: &Frame, title: &str) {
         let [left, top] = frame.corner();
         self.marks.push(Mark::text([left, top - ABOVE], TITLE, Anchor::Start, BLACK, title));
-        self.marks.extend(Content { axes: axes.clone(), bar, ..Content::default() }.marks(frame, map));
     }
 
     fn targets(&mut self, cell: (usize, usize)) -> Result<(), PictureError> {
@@ -182,7 +164,8 @@ impl<'a> Page<'a> {
         let (frame, axes) = (frame(self.density, cell, plane.size), axes(plane));
         let amount = Some(amount(&solution.foci)).filter(|amount| !amount.is_empty());
         let title = format!("Targets ({})", amount.as_deref().unwrap_or("none"));
-        self.panel(&frame, &title, &axes, None, plain(&frame, [255; 3]));
+        self.title(&frame, &title);
+        self.marks.extend(Content { axes: axes.clone(), ..Content::default() }.marks(&frame, plain(&frame)));
         let place = |point| on_plane(plane, point).map(|DVec2 { x, y }| frame.place(&axes, [x, y]));
         let room @ [left, top, right, bottom] = frame.room();
         for target in scene.targets.iter().filter(|target| target.is_in(0)) {
@@ -208,67 +191,41 @@ impl<'a> Page<'a> {
     }
 
     fn phases(&mut self, cell: (usize, usize)) {
-        let table = ColourMap::Cyclic.table();
-        let phases = &self.solution.drive.phases;
-        let colour = |n: usize| table[phase_index(phases[n])];
-        let numbers = [(-PI, "−π"), (-PI / 2.0, "−π/2"), (0.0, "0"), (PI / 2.0, "π/2"), (PI, "π")];
-        let numbers = numbers.map(|(value, text)| (value, text.to_owned())).to_vec();
-        let bar = Bar { table, ends: [-PI, PI], label: "phase / rad".to_owned(), numbers: Some(numbers) };
-        self.elements(cell, "Phase per element", bar, colour);
+        let drive = &self.solution.drive;
+        self.elements(
+            cell,
+            "Phase per element",
+            &Elements::phases(self.scene, &drive.phases, &drive.amplitudes),
+        );
     }
 
     /// The method's own amplitudes; the played ones are uniform, at the cost expressed by the efficiency.
     fn amplitudes(&mut self, cell: (usize, usize)) {
-        let table = ColourMap::Viridis.table();
-        let amplitudes = &self.solution.excitation;
-        let colour = |n: usize| table[(amplitudes[n] * 255.0).round() as usize];
-        let bar = Bar { table, ends: [0.0, 1.0], label: "amplitude".to_owned(), numbers: None };
-        let title = match self.solution.method {
-            Some(_) => "Amplitude per element, before it is made uniform",
-            None => "Amplitude per element",
-        };
-        self.elements(cell, title, bar, colour);
+        let (of, played) = (&self.solution.excitation, &self.solution.drive.amplitudes);
+        let title = amplitude_title(self.solution);
+        self.elements(cell, title, &Elements::amplitudes(self.scene, of, played));
     }
 
-    /// The array seen from the front, every driven element a disk of its colour.
-    fn elements(&mut self, cell: (usize, usize), title: &str, bar: Bar, colour: impl Fn(usize) -> [u8; 4]) {
-        let (scene, solution) = (self.scene, self.solution);
-        let chart = chart::Chart::new(scene);
-        let frame = frame(self.density, cell, chart.size);
-        let axis =
-            |size: f64, label: &str| Axis { ends: [-500.0 * size, 500.0 * size], label: label.to_owned() };
-        let axes = [axis(chart.size.x, "x / mm"), axis(chart.size.y, "y / mm")];
-        self.panel(&frame, title, &axes, Some(bar), plain(&frame, EMPTY));
-        let radius = scene.array.element_radius.min(chart.cell * 0.5) * frame.size()[0] / chart.size.x;
-        self.marks.extend(chart.places.iter().enumerate().map(|(n, &place)| {
-            let DVec2 { x, y } = (place - chart.size / 2.0) * 1e3;
-            let [r, g, b, _] = colour(n);
-            let ink = if solution.drive.amplitudes[n] > 0.0 { [r, g, b] } else { SILENT };
-            Mark::Disc { centre: frame.place(&axes, [x, y]), radius, ink }
-        }));
+    fn elements(&mut self, cell: (usize, usize), title: &str, elements: &Elements) {
+        let frame = frame(self.density, cell, chart::Chart::new(self.scene).size);
+        self.title(&frame, title);
+        self.marks.extend(elements.marks(&frame));
     }
 
-    fn map(&mut self, cell: (usize, usize), map: &Picture, legend: &Legend) {
+    fn map(&mut self, cell: (usize, usize), map: Pressure) {
         let plane = &self.scene.plane;
         let frame = frame(self.density, cell, plane.size);
-        let Legend { colours, peak, remark } = legend;
-        let remark = remark.as_ref().map_or_else(String::new, |remark| format!(", {remark}"));
-        let title = format!("RMS pressure up to {}{remark}", pascals(*peak));
-        let (unit, divisor) = if *peak >= 1000.0 { ("kPa", 1000.0) } else { ("Pa", 1.0) };
-        let bar = Bar {
-            table: colours.table(),
-            ends: [0.0, (peak / divisor).max(1e-9)],
-            label: format!("RMS pressure / {unit}"),
-            numbers: None,
-        };
-        self.panel(&frame, &title, &axes(plane), Some(bar), map.clone());
+        let Pressure { picture, title, bar } = map;
+        self.title(&frame, &title);
+        let content = Content { axes: axes(plane), bar: Some(bar), ..Content::default() };
+        self.marks.extend(content.marks(&frame, picture));
     }
 }
 
-/// A map of one colour.
-fn plain(frame: &Frame, [r, g, b]: Ink) -> Picture {
+/// A white map.
+fn plain(frame: &Frame) -> Picture {
     let [width, height] = frame.map;
-    Picture { width, height, rgba: [r, g, b, 255].repeat(width * height) }
+    Picture { width, height, rgba: vec![255; 4 * width * height] }
 }
 
 /// The axes of a map of the plane.

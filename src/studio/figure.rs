@@ -1,23 +1,32 @@
-//! Figures for papers: a quantity on a plane with axes, in chosen colours, range and convention.
+//! Figures for papers: panels on a page, with maps in chosen colours, range and convention.
+//!
+//! All maps of a figure have one range of colours, and the last of each row the colour bar; all surfaces have one
+//! exaggeration of their depths.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::{Context, bail};
 use glam::{DVec2, DVec3};
 
 use crate::echo;
+use crate::field::volume::scenery::Body;
 use crate::field::{
     Colouring, FLOOR, FieldError, MOST_PIXELS, Map, Quantity, Range, Request, Scale, Stages, contour,
 };
 use crate::memory;
+use crate::picture::figure::axes::round_step;
+use crate::picture::figure::page::{self, Page, Plot};
+use crate::picture::figure::space::{self, Space};
 use crate::picture::figure::surface::{self, Measure, Surface};
-use crate::picture::figure::{Bar, Content, Figure, Format, Paper, round_step};
-use crate::picture::relief::Relief;
+use crate::picture::figure::{Bar, Content, Figure, Format, Length, Paper};
+use crate::picture::relief::{self, Relief};
 use crate::picture::{ColourMap, Picture, sheet, veil};
 use crate::rounding::millimetres;
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::or_by_cpu;
+use crate::studio::space::Prospect;
 use crate::studio::{liquid, map, width};
 
 /// mm, and dots per inch, that a figure may have.
@@ -36,9 +45,9 @@ const LEAST_DEPTH: f64 = 2.5;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wish {
     pub paper: Paper,
+    /// Columns of the page; `None`: as many as suit the panels.
+    pub columns: Option<usize>,
     pub title: Option<String>,
-    /// A liquid's surface as light falls on it: colours, range, contours and targets are those of maps.
-    pub is_shaded: bool,
     pub colours: ColourMap,
     /// Colours for a light ground.
     pub is_light: bool,
@@ -68,8 +77,8 @@ impl Default for Wish {
     fn default() -> Self {
         Self {
             paper: Paper::default(),
+            columns: None,
             title: None,
-            is_shaded: false,
             colours: ColourMap::default(),
             is_light: false,
             scale: Scale::Linear,
@@ -113,65 +122,205 @@ pub fn refuse_ending(path: &Path, endings: &[&str]) -> anyhow::Result<()> {
     bail!("{}: this is written as .{}", echo::path(path), endings.join(" or ."))
 }
 
-/// A figure, and the map in it.
+/// A panel of a figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// Its title beside others, after its letter.
+    pub name: String,
+    pub subject: Subject,
+}
+
+/// The content of a panel.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Subject {
+    /// A quantity on a plane, with targets of the scene and the foci of its drives.
+    Map {
+        scene: Arc<Scene>,
+        foci: Vec<Focus>,
+        request: Request,
+    },
+    /// The first map minus the second.
+    Difference([Request; 2]),
+    /// A liquid's surface as light falls on it.
+    Shaded(Request),
+    Space(Box<Prospect>),
+    /// A plot that needs no field.
+    Plot(Plot),
+}
+
+/// A figure, and the maps in it, a map per panel that has one.
 #[derive(Debug)]
 pub struct Drawn {
     pub figure: Figure,
+    pub maps: Vec<MapOf>,
+}
+
+/// A map, and the steepest slope of a liquid's surface.
+#[derive(Debug)]
+pub struct MapOf {
+    pub quantity: Quantity,
     pub map: Map,
-    /// The steepest slope of a liquid's surface.
     pub slope: Option<f64>,
 }
 
-/// Draws the request, of the size of the figure's map; `foci` are those of its drives.
+/// Draws the panels on one page.
 ///
 /// # Errors
 /// Choices invalid for the quantity, too many pixels, or a field that cannot be computed.
 pub fn draw(
-    (scene, foci): (&Scene, &[Focus]),
-    request: &Request,
+    panels: &[Panel],
     wish: &Wish,
     stages: &mut Stages,
     gpu_is_asked_for: bool,
 ) -> anyhow::Result<Drawn> {
-    let quantity = request.quantity;
-    check(quantity, wish)?;
-    if wish.is_shaded {
-        return shaded(request, wish, stages, gpu_is_asked_for);
+    let columns = wish.columns.unwrap_or_else(|| page::columns(panels.len())).max(1);
+    let mut blank = Vec::new();
+    for (index, Panel { name, subject }) in panels.iter().enumerate() {
+        let title = (panels.len() > 1).then(|| format!("({}) {name}", letters(index)));
+        // One bar beside the maps of a row.
+        let end = panels.len().min(index - index % columns + columns);
+        let mut rest = panels[index + 1..end].iter();
+        let is_last = !rest.any(|panel| matches!(panel.subject, Subject::Map { .. }));
+        blank.push(page::Panel { title, plot: subject.blank(wish, is_last)? });
     }
-    let mut content = content((scene, foci), request, wish)?;
-    check_size(content.page_pixels(wish.paper))?;
-    let [width, height] = content.map_pixels(wish.paper);
-    let request = Request { size: (width, height), ..request.clone() };
-    let (map, slope) = or_by_cpu(stages, gpu_is_asked_for, |stages| mapped(&request, stages))?;
-    let law = Law::new(quantity, wish, f64::from(map.peak));
-    let table = table(quantity, wish);
-    let has_phases = quantity.declaration().range == Range::Cyclic;
-    let colour = |&value: &f32| {
-        // Silence has no phase.
-        let value = if has_phases && map.peak == 0.0 { 0.0 } else { value };
-        table[law.place(f64::from(value))]
+    let title = wish.title.clone().filter(|title| !title.trim().is_empty());
+    let mut page = Page { paper: wish.paper, title, columns, panels: blank };
+    check_size(page.pixels())?;
+    let mut made = Vec::new();
+    for (panel, size) in panels.iter().zip(page.plots()) {
+        let size = size.unwrap_or_default();
+        made.push(or_by_cpu(stages, gpu_is_asked_for, |stages| panel.subject.make(size, stages))?);
+    }
+    let of_all = |of: fn(&Made<'_>) -> f32| made.iter().map(of).fold(0.0, f32::max).into();
+    let largest = Largest {
+        value: of_all(|made| match made {
+            Made::Map(_, MapOf { map, .. }) => map.peak,
+            Made::Difference(..) | Made::Shaded(..) | Made::Space(..) | Made::Plot => 0.0,
+        }),
+        depth: of_all(|made| match made {
+            Made::Shaded(_, MapOf { map, .. }, _) => {
+                map.values.iter().fold(0.0, |most, depth| most.max(depth.abs()))
+            }
+            Made::Map(..) | Made::Difference(..) | Made::Space(..) | Made::Plot => 0.0,
+        }),
     };
-    let colours: Vec<u8> = map.values.iter().flat_map(colour).collect();
-    let mut picture = Picture::from_field_order(width, height, &colours);
-    if wish.fades && has_phases {
-        let request = Request { quantity: Quantity::Rms, ..request };
-        let colouring = Colouring::new(Quantity::Rms, veil(wish.is_light));
-        let veil = or_by_cpu(stages, gpu_is_asked_for, |stages| {
-            stages.colours(&request, &colouring).map(<[_]>::to_vec)
-        })?;
-        picture.veil(&Picture::from_field_order(width, height, veil.as_flattened()));
+    let mut pictures = Vec::new();
+    for (panel, made) in page.panels.iter_mut().zip(&made) {
+        let mut picture = made.picture(&mut panel.plot, largest, wish);
+        if let (Some(picture), Made::Map(request, MapOf { map, .. })) = (&mut picture, made) {
+            dim(picture, request, (map, wish), stages, gpu_is_asked_for)?;
+        }
+        pictures.push(picture);
     }
-    if let Some(bar) = &mut content.bar {
-        *bar = law.bar(table);
-    }
-    content.remark = map::remark(quantity, &map).filter(|_| wish.full.is_none() && wish.range.is_none());
-    if map.peak > 0.0 {
-        for level in &wish.contours {
-            let level = map::contour(quantity, *level, map.peak.into());
-            content.contours.extend(contour::lines(&map.values, width, level as f32, |&value| value));
+    let maps = made.into_iter().filter_map(|made| match made {
+        Made::Map(_, map) | Made::Shaded(_, map, _) => Some(map),
+        Made::Difference(..) | Made::Space(..) | Made::Plot => None,
+    });
+    Ok(Drawn { maps: maps.collect(), figure: page.figure(pictures) })
+}
+
+/// The letters of a panel: a to z, then aa.
+fn letters(index: usize) -> String {
+    let letter = char::from(b'a' + (index % 26) as u8).to_string();
+    if index < 26 { letter } else { letters(index / 26 - 1) + &letter }
+}
+
+/// The values of a panel.
+enum Made<'a> {
+    Map(&'a Request, MapOf),
+    /// Values, and how many are in a row.
+    Difference(&'a Request, Vec<f32>, usize),
+    /// For a picture of so many pixels.
+    Shaded(&'a Request, MapOf, [usize; 2]),
+    Space(&'a Prospect, [usize; 2]),
+    Plot,
+}
+
+/// The largest value of all maps, and the largest depth of all surfaces.
+#[derive(Clone, Copy)]
+struct Largest {
+    value: f64,
+    depth: f64,
+}
+
+impl Made<'_> {
+    /// The pixels of a plot. Completes the plot by what depends on values.
+    fn picture(&self, plot: &mut Plot, largest: Largest, wish: &Wish) -> Option<Picture> {
+        match (self, plot) {
+            (Self::Map(request, MapOf { map, .. }), Plot::Map(content)) => {
+                Some(coloured(content, (request.quantity, map, largest.value), wish))
+            }
+            (Self::Difference(request, values, width), Plot::Map(content)) => {
+                Some(subtracted(content, request.quantity, (values, *width), wish))
+            }
+            (Self::Shaded(request, MapOf { map, .. }, size), Plot::Surface(surface)) => {
+                Some(shaded(surface, (request, map, largest.depth), *size, wish))
+            }
+            (Self::Space(prospect, size), Plot::Space(space)) => Some(viewed(space, prospect, *size, wish)),
+            (
+                Self::Map(..) | Self::Difference(..) | Self::Shaded(..) | Self::Space(..) | Self::Plot,
+                Plot::Map(_)
+                | Plot::Surface(_)
+                | Plot::Space(_)
+                | Plot::Elements(_)
+                | Plot::Curve(_)
+                | Plot::Table(_),
+            ) => None,
         }
     }
-    Ok(Drawn { figure: content.figure(wish.paper, picture), map, slope })
+}
+
+impl Subject {
+    /// The plot without what depends on values.
+    fn blank(&self, wish: &Wish, has_bar: bool) -> anyhow::Result<Plot> {
+        Ok(match self {
+            Self::Map { scene, foci, request } => {
+                check(request.quantity, wish)?;
+                let wish = &Wish { has_colour_bar: wish.has_colour_bar && has_bar, ..wish.clone() };
+                Plot::Map(content((scene, foci), request, wish)?)
+            }
+            Self::Difference([request, _]) => {
+                let law = Law::of_difference(request.quantity, wish, 1.0);
+                let bar = wish.has_colour_bar.then(|| law.bar(ColourMap::Diverging.on(wish.is_light)));
+                let (axes, is_light) = (sheet::axes(&request.plane), wish.is_light);
+                Plot::Map(Content { axes, bar, is_light, ..Content::default() })
+            }
+            Self::Shaded(request) => {
+                let words = request.quantity.declaration().words;
+                if !request.quantity.declaration().is_surface() {
+                    bail!("a surface is shaded: show the depression, not {words}");
+                }
+                Plot::Surface(Surface { size: request.plane.size, ..Surface::default() })
+            }
+            Self::Space(prospect) => {
+                let bar = wish.has_colour_bar.then(|| pressure_bar(wish.colours, wish.convention, 1.0));
+                let shape = prospect.points.y / prospect.points.x;
+                Plot::Space(Space { shape, bar, is_light: wish.is_light, ..Space::default() })
+            }
+            Self::Plot(plot) => plot.clone(),
+        })
+    }
+
+    /// The values for a plot of so many pixels.
+    fn make(&self, [width, height]: [usize; 2], stages: &mut Stages) -> Result<Made<'_>, FieldError> {
+        let sized = |request: &Request| Request { size: (width, height), ..request.clone() };
+        Ok(match self {
+            Self::Map { request, .. } => Made::Map(request, mapped(&sized(request), stages)?),
+            Self::Difference([left, right]) => {
+                let left_values = stages.map(&sized(left))?.values.clone();
+                let right = stages.map(&sized(right))?;
+                let values = map::difference(left.quantity, &left_values, &right.values);
+                Made::Difference(left, values, width)
+            }
+            Self::Shaded(request) => {
+                let size = liquid::points(&request.plane);
+                let map = mapped(&Request { size, ..request.clone() }, stages)?;
+                Made::Shaded(request, map, [width, height])
+            }
+            Self::Space(prospect) => Made::Space(prospect, [width, height]),
+            Self::Plot(_) => Made::Plot,
+        })
+    }
 }
 
 fn check_size([width, height]: [usize; 2]) -> anyhow::Result<()> {
@@ -183,29 +332,120 @@ fn check_size([width, height]: [usize; 2]) -> anyhow::Result<()> {
 }
 
 /// The map, and for a liquid the steepest slope.
-fn mapped(request: &Request, stages: &mut Stages) -> Result<(Map, Option<f64>), FieldError> {
+fn mapped(request: &Request, stages: &mut Stages) -> Result<MapOf, FieldError> {
     let map = stages.map(request)?.clone();
     let of_liquid = request.quantity.declaration().of_liquid;
     let pressed = of_liquid.then(|| stages.pressed(request)).transpose()?;
-    Ok((map, pressed.and_then(|pressed| pressed.depression).map(|depression| depression.slope)))
+    let slope = pressed.and_then(|pressed| pressed.depression).map(|depression| depression.slope);
+    Ok(MapOf { quantity: request.quantity, map, slope })
 }
 
-/// The surface at an angle, with bars for lengths to the right and for depths.
-fn shaded(
+/// The picture of a map in colours up to `peak`, with its bar, contours and remark.
+fn coloured(content: &mut Content, (quantity, map, peak): (Quantity, &Map, f64), wish: &Wish) -> Picture {
+    let range = quantity.declaration().range;
+    let law = Law::new((quantity, range), wish, peak);
+    let table = table(quantity, wish);
+    let colour = |&value: &f32| {
+        // Silence has no phase.
+        let value = if range == Range::Cyclic && map.peak == 0.0 { 0.0 } else { value };
+        table[law.place(f64::from(value))]
+    };
+    let colours: Vec<u8> = map.values.iter().flat_map(colour).collect();
+    if let Some(bar) = &mut content.bar {
+        *bar = law.bar(table);
+    }
+    content.remark = map::remark(quantity, map).filter(|_| wish.full.is_none() && wish.range.is_none());
+    if map.peak > 0.0 {
+        for level in &wish.contours {
+            let level = map::contour(quantity, *level, map.peak.into());
+            content.contours.extend(contour::lines(&map.values, map.width, level as f32, |&value| value));
+        }
+    }
+    Picture::from_field_order(map.width, map.height, &colours)
+}
+
+/// Dims phases by their amplitude, if wanted.
+fn dim(
+    picture: &mut Picture,
     request: &Request,
-    wish: &Wish,
+    (map, wish): (&Map, &Wish),
     stages: &mut Stages,
     gpu_is_asked_for: bool,
-) -> anyhow::Result<Drawn> {
-    let (plane, paper) = (&request.plane, wish.paper);
-    let place = surface::place(paper, plane.size);
-    check_size([place.width, place.height])?;
-    let request = Request { size: liquid::points(plane), ..request.clone() };
-    let (map, slope) = or_by_cpu(stages, gpu_is_asked_for, |stages| mapped(&request, stages))?;
-    let relief = Relief::new(&map.values, map.width, plane.size);
-    let picture = relief.draw(&place);
+) -> Result<(), FieldError> {
+    if !wish.fades || request.quantity.declaration().range != Range::Cyclic {
+        return Ok(());
+    }
+    let size = (map.width, map.height);
+    let request = Request { quantity: Quantity::Rms, size, ..request.clone() };
+    let colouring = Colouring::new(Quantity::Rms, veil(wish.is_light));
+    let veil = or_by_cpu(stages, gpu_is_asked_for, |stages| {
+        stages.colours(&request, &colouring).map(<[_]>::to_vec)
+    })?;
+    picture.veil(&Picture::from_field_order(size.0, size.1, veil.as_flattened()));
+    Ok(())
+}
+
+/// The picture of a difference, with its bar.
+fn subtracted(
+    content: &mut Content,
+    quantity: Quantity,
+    (values, width): (&[f32], usize),
+    wish: &Wish,
+) -> Picture {
+    let largest = values.iter().fold(0.0_f32, |most, value| most.max(value.abs()));
+    let law = Law::of_difference(quantity, wish, largest.into());
+    let table = ColourMap::Diverging.on(wish.is_light);
+    let colours: Vec<u8> = values.iter().flat_map(|&value| table[law.place(value.into())]).collect();
+    if let Some(bar) = &mut content.bar {
+        *bar = law.bar(table);
+    }
+    Picture::from_field_order(width, values.len() / width.max(1), &colours)
+}
+
+/// The picture of a 3D view, with its labels and its bar.
+fn viewed(space: &mut Space, prospect: &Prospect, [width, height]: [usize; 2], wish: &Wish) -> Picture {
+    let (picture, volume) = prospect.draw((width, height));
+    let scale = space::label_scale(wish.paper.dpi / 25.4);
+    let labels = prospect.labels((width, height), scale).into_iter();
+    space.labels = labels.map(|label| (label.at, label.text)).collect();
+    let peak = f64::from(volume.peak);
+    let pressure = |rms: f64| wish.convention.pressure(rms / Convention::Rms.of_peak());
+    let part = match prospect.look.body {
+        Body::Surface(part) => Some(f64::from(part)),
+        Body::Projection | Body::Hidden => None,
+    };
+    if let Some(bar) = &mut space.bar {
+        *bar = pressure_bar(wish.colours, wish.convention, peak);
+        bar.table = prospect.look.colours.on(prospect.look.is_light);
+        bar.mark = part.map(|part| part * bar.ends[1]);
+    }
+    if let Some(part) = part.filter(|_| peak > 0.0) {
+        let level = -Quantity::Rms.decibels(part);
+        space.remark = format!("Surface at −{level:.1} dB: {}", pressure(part * peak));
+    }
+    picture
+}
+
+/// The colour bar of an RMS pressure up to a value (Pa RMS), stated in a convention.
+pub fn pressure_bar(colours: ColourMap, convention: Convention, peak: f64) -> Bar {
+    let wish = Wish { colours, convention, ..Wish::default() };
+    let law = Law::new((Quantity::Rms, Range::Amount), &wish, peak);
+    law.bar(colours.table())
+}
+
+/// The picture of a surface at an angle, with bars for lengths to the right and for depths.
+fn shaded(
+    surface: &mut Surface,
+    (request, map, deepest): (&Request, &Map, f64),
+    size: [usize; 2],
+    wish: &Wish,
+) -> Picture {
+    let (plane, place) = (&request.plane, surface::place(size));
+    // Surfaces beside each other are drawn as many times as deep.
+    let exaggeration = relief::exaggeration(deepest, plane.size);
+    let relief = Relief { exaggeration, ..Relief::new(&map.values, map.width, plane.size) };
     // On the paper, of a metre.
-    let to_the_right = place.scale(plane.size) * 25.4 / paper.dpi;
+    let to_the_right = place.scale(plane.size) * 25.4 / wish.paper.dpi;
     let down = relief.sinks(to_the_right);
     let measure = |metres: f64, mm: f64, words: &str| {
         let (factor, unit) = request.quantity.declaration().unit.scaled(metres);
@@ -215,26 +455,14 @@ fn shaded(
         }
     };
     let drawn = format!(" deep, drawn {} ×", relief.exaggeration);
-    let content = Surface {
-        title: title(wish),
-        scale: wish.has_scale_bar.then(|| measure(round_step(plane.size.x / 8.0), to_the_right, "")),
-        depth: wish.has_colour_bar.then(|| measure(round_step(LEAST_DEPTH / down), down, &drawn)),
-    };
-    let figure = content.figure(paper, picture);
-    Ok(Drawn { figure, map, slope })
-}
-
-/// One that is not blank.
-fn title(wish: &Wish) -> Option<String> {
-    wish.title.clone().filter(|title| !title.trim().is_empty())
+    surface.scale = wish.has_scale_bar.then(|| measure(round_step(plane.size.x / 8.0), to_the_right, ""));
+    surface.depth = wish.has_colour_bar.then(|| measure(round_step(LEAST_DEPTH / down), down, &drawn));
+    relief.draw(&place)
 }
 
 fn check(quantity: Quantity, wish: &Wish) -> anyhow::Result<()> {
     let declaration = quantity.declaration();
     let words = declaration.words;
-    if wish.is_shaded && !declaration.is_surface() {
-        bail!("a surface is shaded: show the depression, not {words}");
-    }
     if wish.scale == Scale::Logarithmic && declaration.range != Range::Amount {
         bail!("--db is a scale of amounts, and {words} has a sign or a direction");
     }
@@ -273,9 +501,9 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
         let separate = foci.iter().filter(|focus| focus.is_separate());
         rings = separate.filter_map(|focus| place(focus.position)).collect();
     }
-    let bar = || Law::new(request.quantity, wish, 1.0).bar(table(request.quantity, wish));
+    let range = request.quantity.declaration().range;
+    let bar = || Law::new((request.quantity, range), wish, 1.0).bar(table(request.quantity, wish));
     Ok(Content {
-        title: title(wish),
         axes: sheet::axes(plane),
         bar: wish.has_colour_bar.then(bar),
         has_scale_bar: wish.has_scale_bar,
@@ -289,7 +517,7 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
 }
 
 /// The -6 dB widths of separate foci on the plane, mm on the axes.
-fn lengths(foci: &[Focus], request: &Request) -> Vec<([[f64; 2]; 2], String)> {
+fn lengths(foci: &[Focus], request: &Request) -> Vec<Length> {
     let Request { plane, aperture, drives, .. } = request;
     let Some((x, y)) = plane.axes() else { return Vec::new() };
     let place = |point| sheet::on_plane(plane, point).map(|DVec2 { x, y }| [x, y]);
@@ -308,6 +536,7 @@ fn lengths(foci: &[Focus], request: &Request) -> Vec<([[f64; 2]; 2], String)> {
 /// The mapping of values to colours, and its labels on the colour bar.
 struct Law {
     quantity: Quantity,
+    range: Range,
     convention: Convention,
     /// From a value to the number on the bar: dB, or a factor.
     scale: Scale,
@@ -320,7 +549,13 @@ struct Law {
 }
 
 impl Law {
-    fn new(quantity: Quantity, wish: &Wish, peak: f64) -> Self {
+    /// Of differences up to this one, about zero.
+    fn of_difference(quantity: Quantity, wish: &Wish, largest: f64) -> Self {
+        let wish = Wish { scale: Scale::Linear, range: None, full: None, low: None, ..wish.clone() };
+        Self::new((quantity, Range::Signed), &wish, largest)
+    }
+
+    fn new((quantity, range): (Quantity, Range), wish: &Wish, peak: f64) -> Self {
         let declaration = quantity.declaration();
         // RMS pressures are stated in either convention; all others have one.
         let stated = if quantity == Quantity::Rms {
@@ -335,7 +570,7 @@ impl Law {
             .map_or(full * stated, |[low, high]| low.abs().max(high.abs()));
         let (factor, unit) = declaration.unit.scaled(largest);
         let low = wish.low.map(|low| low * stated).filter(|low| *low < largest);
-        let ends = match (declaration.range, wish.scale) {
+        let ends = match (range, wish.scale) {
             (Range::Cyclic, _) => [-180.0, 180.0],
             (Range::Amount, Scale::Logarithmic) => wish.range.unwrap_or([quantity.decibels(wish.floor), 0.0]),
             (Range::Amount, Scale::Linear) => {
@@ -345,8 +580,17 @@ impl Law {
                 wish.range.unwrap_or([low.unwrap_or(-largest), largest]).map(|end| end * factor)
             }
         };
-        let scale = if declaration.range == Range::Amount { wish.scale } else { Scale::Linear };
-        Self { quantity, convention: wish.convention, scale, factor: factor * stated, unit, full, ends }
+        let scale = if range == Range::Amount { wish.scale } else { Scale::Linear };
+        Self {
+            quantity,
+            range,
+            convention: wish.convention,
+            scale,
+            factor: factor * stated,
+            unit,
+            full,
+            ends,
+        }
     }
 
     /// The index of a value in a table of colours.
@@ -356,7 +600,7 @@ impl Law {
             Scale::Logarithmic => self.quantity.decibels(value / self.full),
         };
         let part = (number - self.ends[0]) / (self.ends[1] - self.ends[0]);
-        match self.quantity.declaration().range {
+        match self.range {
             // Every colour covers an equal part of the circle.
             Range::Cyclic => (part.rem_euclid(1.0) * 256.0) as usize % 256,
             Range::Amount | Range::Signed => (part.clamp(0.0, 1.0) * 255.0).round() as usize,
@@ -370,6 +614,7 @@ impl Law {
             (Quantity::Rms, Convention::Peak) => "Peak pressure".to_owned(),
             _ => capital(declaration.words),
         };
+        let words = if declaration.range == self.range { words } else { format!("Difference in {words}") };
         let label = match self.scale {
             Scale::Linear => format!("{words} / {}", self.unit),
             Scale::Logarithmic => {
@@ -377,14 +622,14 @@ impl Law {
                 format!("{words} / dB re {}", self.quantity.with_unit(self.full * stated))
             }
         };
-        let is_turn = declaration.range == Range::Cyclic;
+        let is_turn = self.range == Range::Cyclic;
         let quarter = |quarter: i32| {
             let degrees = 90 * quarter;
             let sign = if degrees < 0 { "−" } else { "" };
             (f64::from(degrees), format!("{sign}{}", degrees.abs()))
         };
         let numbers = is_turn.then(|| (-2..=2).map(quarter).collect());
-        Bar { table, ends: self.ends, label, numbers }
+        Bar { table, ends: self.ends, label, numbers, mark: None }
     }
 }
 
@@ -401,7 +646,7 @@ mod tests {
     fn a_pressure_is_stated_in_the_convention_that_is_chosen() {
         let of = |convention, scale| {
             let wish = Wish { convention, scale, ..Wish::default() };
-            let law = Law::new(Quantity::Rms, &wish, 100.0);
+            let law = Law::new((Quantity::Rms, Range::Amount), &wish, 100.0);
             (law.bar(ColourMap::Grey.table()).label, law.ends, law.place(50.0))
         };
         let (label, ends, place) = of(Convention::Rms, Scale::Linear);
@@ -418,13 +663,13 @@ mod tests {
     #[test]
     fn a_range_has_the_first_and_the_last_colour_at_its_ends() {
         let wish = Wish { range: Some([20.0, 60.0]), ..Wish::default() };
-        let law = Law::new(Quantity::Rms, &wish, 100.0);
+        let law = Law::new((Quantity::Rms, Range::Amount), &wish, 100.0);
         assert_eq!([10.0, 20.0, 40.0, 60.0, 99.0].map(|value| law.place(value)), [0, 0, 128, 255, 255]);
         let wish = Wish { low: Some(20.0), full: Some(60.0), ..Wish::default() };
-        let law = Law::new(Quantity::Rms, &wish, 100.0);
+        let law = Law::new((Quantity::Rms, Range::Amount), &wish, 100.0);
         assert_eq!([10.0, 20.0, 40.0, 60.0, 99.0].map(|value| law.place(value)), [0, 0, 128, 255, 255]);
         let wish = Wish { floor: 1e-2, scale: Scale::Logarithmic, ..Wish::default() };
-        let law = Law::new(Quantity::Rms, &wish, 100.0);
+        let law = Law::new((Quantity::Rms, Range::Amount), &wish, 100.0);
         assert_eq!([0.1, 1.0, 10.0, 100.0].map(|value| law.place(value)), [0, 0, 128, 255]);
     }
 }

@@ -1,8 +1,10 @@
 //! One map: a quantity on a plane by the chosen evaluator, with its colours.
 
+use std::f32::consts::{PI, TAU};
+
 use web_time::Instant;
 
-use crate::field::{By, Colouring, FieldError, Map, Norm, Pressed, Quantity, Request, Stages};
+use crate::field::{By, Colouring, FieldError, Map, Norm, Pressed, Quantity, Range, Request, Stages};
 use crate::picture::{ColourMap, Picture};
 use crate::rounding::milliseconds;
 use crate::simd::Isa;
@@ -80,6 +82,16 @@ pub fn remark(quantity: Quantity, map: &Map) -> Option<String> {
         return Some(format!("silent: {words} below its rounding, {:.0e} {unit}", map.rounding));
     }
     map.has_larger().then(|| LARGER.to_owned())
+}
+
+/// Values minus values; phases differ by at most half a turn.
+pub fn difference(quantity: Quantity, left: &[f32], right: &[f32]) -> Vec<f32> {
+    let is_cyclic = quantity.declaration().range == Range::Cyclic;
+    let minus = |(a, b): (&f32, &f32)| {
+        let difference = a - b;
+        if is_cyclic { (difference + PI).rem_euclid(TAU) - PI } else { difference }
+    };
+    left.iter().zip(right).map(minus).collect()
 }
 
 /// The range of a map's values, as text, with its remark.

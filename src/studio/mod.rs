@@ -31,6 +31,7 @@ pub mod primaries;
 pub mod probe;
 pub mod reach;
 pub mod response;
+pub mod sheet;
 pub mod solving;
 pub mod space;
 pub mod spread;

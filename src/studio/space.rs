@@ -1,15 +1,16 @@
 //! A scene in 3D: its objects, camera and labels.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec3, Vec4};
 
 use crate::acoustics::{Aperture, Face};
 use crate::drive::Drive;
 use crate::field::volume::camera::Projection;
-use crate::field::volume::scenery::{Body, Item};
-use crate::field::volume::{Block, Scenery};
-use crate::picture::ColourMap;
+use crate::field::volume::scenery::{Body, Item, Shot};
+use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
+use crate::picture::{ColourMap, Picture};
 use crate::rounding::millimetres;
 use crate::scene::{Focus, Scene, outline};
 
@@ -45,6 +46,68 @@ impl Default for Look {
             is_light: false,
             scale: 1.0,
         }
+    }
+}
+
+/// A 3D view of a sound, to be drawn at any size.
+#[derive(Clone, Debug)]
+pub struct Prospect {
+    pub scene: Arc<Scene>,
+    pub aperture: Aperture,
+    /// The drive that colours the elements.
+    pub drive: Drive,
+    /// The drives in turn whose field is drawn.
+    pub heard: Vec<Drive>,
+    pub foci: Vec<Focus>,
+    pub block: Block,
+    pub clip: Block,
+    pub camera: Camera,
+    pub look: Look,
+    /// Points of the screen, width and height.
+    pub points: DVec2,
+    /// The field in the box, if it is there already: it follows from the rest.
+    pub volume: Option<Arc<Volume>>,
+}
+
+impl PartialEq for Prospect {
+    fn eq(&self, other: &Self) -> bool {
+        let inputs = |it: &Self| (it.block, it.clip, it.camera, it.points);
+        inputs(self) == inputs(other)
+            && self.look == other.look
+            && self.scene == other.scene
+            && self.aperture == other.aperture
+            && self.drive == other.drive
+            && self.heard == other.heard
+            && self.foci == other.foci
+    }
+}
+
+impl Prospect {
+    /// The field in the box.
+    pub fn volume(&self) -> Arc<Volume> {
+        let sampled = || Arc::new(Volume::new(&self.aperture, &self.heard, &self.block, Fineness::of(false)));
+        self.volume.clone().unwrap_or_else(sampled)
+    }
+
+    /// The objects of a picture that is so many pixels wide.
+    pub fn scenery(&self, width: usize) -> Scenery {
+        let look = Look { scale: width as f64 / self.points.x, ..self.look.clone() };
+        let sound = (&self.aperture, &self.drive);
+        scenery(&self.scene, sound, &self.foci, (&self.block, &self.clip), &look)
+    }
+
+    /// The picture of this many pixels, and the field in it.
+    pub fn draw(&self, size: (usize, usize)) -> (Picture, Arc<Volume>) {
+        let (volume, scenery) = (self.volume(), self.scenery(size.0));
+        let shot = Shot::new(&scenery, &volume, &self.camera, size);
+        let rgba = march::picture(&shot, &volume, &scenery.table, true);
+        (Picture { width: size.0, height: size.1, rgba }, volume)
+    }
+
+    /// The labels of the box on a picture of this many pixels.
+    pub fn labels(&self, size: (usize, usize), scale: f64) -> Vec<Label> {
+        let projection = self.camera.projection(DVec2::new(size.0 as f64, size.1 as f64));
+        if self.look.has_box { labels(&self.block, &projection, scale) } else { Vec::new() }
     }
 }
 

@@ -14,11 +14,13 @@ use crate::picture::{ColourMap, Picture, export, numbers, relief, sheet};
 use crate::rounding::milliseconds;
 use crate::scene::{Channel, Scene, file, motion};
 use crate::solver::{self, Solution};
+use crate::studio::convention::Convention;
 use crate::studio::evaluator::{self, Backend};
 use crate::studio::map;
 use crate::studio::motion::{SOLVING, follow};
 use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say, warn};
+use crate::studio::sheet::{pressure, words};
 use crate::studio::{EXAMPLE, liquid, opening};
 
 /// Default file name of a sheet.
@@ -275,16 +277,15 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
         warn(&format!("{name}: {missed}"));
     }
-    let peak = f64::from(drawn.map.peak);
     let what = match &drawn.pressed {
         None => format!(", {}", map::summary(quantity, &drawn.map)),
         Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, (quantity, &drawn.map))),
     };
     let picture = match look.diagram {
         Diagram::Sheet => {
-            let remark = map::remark(quantity, &drawn.map);
-            let legend = sheet::Legend { colours: look.colours, peak, remark };
-            sheet::sheet(scene, solution, name, &drawn.picture, &legend, page)?
+            let words = words(scene, solution, name, Convention::Rms);
+            let map = pressure(drawn.picture, &drawn.map, look.colours, Convention::Rms);
+            sheet::sheet(scene, solution, &words, map, page)?
         }
         Diagram::Map(_) if quantity.declaration().of_liquid => {
             liquid::picture(name, scene, &drawn, look.is_shaded().then_some((width, page)))
@@ -315,7 +316,7 @@ fn drive(solved: &Solved, look: &Look, page: (usize, usize), how: String) -> any
         (_, boards) => vec![2, boards.max(1) as u64, scene.array.elements() as u64],
     };
     Ok(Rendered {
-        picture: sheet::drive(scene, solution, name, page)?,
+        picture: sheet::drive(scene, solution, &words(scene, solution, name, Convention::Rms), page)?,
         numbers: look.numbers.then(|| (shape, values.collect())),
         what: String::new(),
         how,

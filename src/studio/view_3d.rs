@@ -9,17 +9,17 @@ use glam::DVec2;
 use crate::field::gpu::SpacePainting;
 use crate::field::volume::camera::Standard;
 use crate::field::volume::scenery::{Body, Shot};
-use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
+use crate::field::volume::{Block, Camera, Scenery, Volume, march};
 use crate::field::{Evaluator, Quantity, Request};
 use crate::memory;
 use crate::picture::Picture;
+use crate::picture::figure::axes::steps;
 use crate::picture::space::{Bar, Words};
 use crate::rounding::milliseconds;
 use crate::studio::evaluator::Backend;
 use crate::studio::map;
 use crate::studio::output::note;
-use crate::studio::space::block_of;
-use crate::studio::space::{self, Look};
+use crate::studio::space::{self, Look, Prospect, block_of};
 use crate::studio::still::{self, Diagram, Size, Solved};
 
 /// Default size of a picture in pixels, and its limit.
@@ -77,6 +77,33 @@ pub struct Drawn {
     pub how: String,
 }
 
+/// The view of a scene in space, of the aspect ratio of its picture.
+///
+/// # Errors
+/// Too many pixels, or a moment outside the motion.
+pub fn prospect(solved: &Solved, look: &still::Look, wish: &Wish) -> anyhow::Result<Prospect> {
+    let Solved { scene, solution, .. } = solved;
+    let (width, height) = wish.pixels()?;
+    let drives = still::Look { diagram: Diagram::Map(Quantity::Rms), ..look.clone() }.drives(solved)?;
+    let Request { aperture, drives, .. } = Request::new(scene, drives, Quantity::Rms, (1, 1));
+    let block = wish.block.unwrap_or_else(|| block_of(scene, &aperture, &solution.foci));
+    let whole = space::whole(&block, &aperture);
+    let scale = (height as f64 / HEIGHT).clamp(0.5, 8.0);
+    Ok(Prospect {
+        scene: Arc::new(scene.clone()),
+        drive: drives[0].clone(),
+        heard: drives.to_vec(),
+        foci: solution.foci.clone(),
+        clip: block,
+        camera: Camera::of(&whole, wish.direction, width as f64 / height as f64, wish.is_perspective),
+        look: wish.look.clone(),
+        points: DVec2::new(width as f64, height as f64) / scale,
+        volume: None,
+        block,
+        aperture,
+    })
+}
+
 /// Draws a scene in space. A failing GPU is replaced by the CPU with a warning, unless requested by name.
 ///
 /// # Errors
@@ -87,22 +114,14 @@ pub fn draw(
     wish: &Wish,
     evaluator: &Evaluator,
 ) -> anyhow::Result<Drawn> {
-    let Solved { name, scene, solution } = solved;
     let (width, height) = wish.pixels()?;
-    let drives = still::Look { diagram: Diagram::Map(Quantity::Rms), ..look.clone() }.drives(solved)?;
-    let request = Request::new(scene, drives, Quantity::Rms, (1, 1));
-    let block = wish.block.unwrap_or_else(|| block_of(scene, &request.aperture, &solution.foci));
-    let scale = (height as f64 / HEIGHT).clamp(0.5, 8.0);
     let is_gpu_asked_for = look.backend == Backend::Gpu;
-    let look = Look { scale, ..wish.look.clone() };
+    let prospect = prospect(solved, look, wish)?;
     let start = Instant::now();
-    let volume = Arc::new(Volume::new(&request.aperture, &request.drives, &block, Fineness::of(false)));
+    let volume = prospect.volume();
     let sampled = start.elapsed();
-    let sound = (&request.aperture, &request.drives[0]);
-    let scenery = space::scenery(scene, sound, &solution.foci, (&block, &block), &look);
-    let whole = space::whole(&block, &request.aperture);
-    let camera = Camera::of(&whole, wish.direction, width as f64 / height as f64, wish.is_perspective);
-    let shot = Shot::new(&scenery, &volume, &camera, (width, height));
+    let scenery = prospect.scenery(width);
+    let shot = Shot::new(&scenery, &volume, &prospect.camera, (width, height));
     let start = Instant::now();
     let (rgba, who) = picture((&shot, &scenery), &volume, evaluator, is_gpu_asked_for)?;
     let how = format!(
@@ -112,13 +131,14 @@ pub fn draw(
         milliseconds(start.elapsed().as_secs_f64(), 1)
     );
     let mut picture = Picture { width, height, rgba };
+    let look = &prospect.look;
     let what = describe(look.body, &volume);
-    let projection = camera.projection(DVec2::new(width as f64, height as f64));
-    let labels = if look.has_box { space::labels(&block, &projection, scale) } else { Vec::new() };
+    let scale = width as f64 / prospect.points.x;
+    let labels = prospect.labels((width, height), scale).into_iter();
     let words = Words {
-        lines: vec![name.clone(), what.clone()],
-        labels: labels.into_iter().map(|label| (label.at, label.text)).collect(),
-        bar: (volume.peak > 0.0).then(|| bar(&look, volume.peak.into())),
+        lines: vec![solved.name.clone(), what.clone()],
+        labels: labels.map(|label| (label.at, label.text)).collect(),
+        bar: (volume.peak > 0.0).then(|| bar(look, volume.peak.into())),
         is_light: look.is_light,
         scale,
     };
@@ -168,13 +188,11 @@ pub fn describe(body: Body, volume: &Volume) -> String {
 /// The colours of slices and projections.
 fn bar(look: &Look, peak: f64) -> Bar {
     let (factor, unit) = Quantity::Rms.declaration().unit.scaled(peak);
-    let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|part: f64| {
-        let value = part * peak * factor;
-        (part, if factor < 1.0 { format!("{value:.2}") } else { format!("{value:.0}") })
-    });
+    let largest = peak * factor;
+    let ticks = steps(0.0, largest, 5.0).into_iter().map(|(value, text)| (value / largest, text)).collect();
     let mark = match look.body {
         Body::Surface(part) => Some(part.into()),
         Body::Hidden | Body::Projection => None,
     };
-    Bar { table: look.colours.on(look.is_light), ticks: ticks.to_vec(), mark, title: format!("{unit} RMS") }
+    Bar { table: look.colours.on(look.is_light), ticks, mark, title: format!("{unit} RMS") }
 }

@@ -12,7 +12,8 @@ use crate::ui::command::{Command, Export, Purpose};
 use crate::ui::tool;
 use crate::ui::tool::Tool;
 use crate::ui::{
-    IN_PAGE, clipboard, dialog::state::Dialog, editor::Editor, group, layout::Panel, shown::Shown, way,
+    IN_PAGE, clipboard, dialog::state::Dialog, editor::Editor, figure, group, layout::Panel, shown::Shown,
+    way,
 };
 
 /// Factor per step of the window's scale, and its limits.
@@ -156,10 +157,10 @@ impl Action {
             Self::Ungroup => "Ungroup",
             Self::Snap => "Snap to the grid",
             Self::Export(Export::Figure(_)) => "Figure…",
-            Self::Export(Export::Map) => "Map as PNG…",
+            Self::Export(Export::Map) => "View as PNG…",
             Self::Export(Export::Sheet) => "Sheet as PNG…",
-            Self::Export(Export::Numbers) => "Map's numbers as NPY…",
-            Self::Export(Export::Drive) => "Drive as CSV…",
+            Self::Export(Export::Numbers) => "Map data (NPY)…",
+            Self::Export(Export::Drive) => "Phases and amplitudes (CSV)…",
             Self::Export(Export::Profile) => "Line profile as CSV…",
             Self::Export(Export::Elements) => "Elements as CSV…",
             Self::Export(Export::Motion(_)) => "Motion…",
@@ -331,7 +332,7 @@ impl Action {
             (
                 ((matches!(self, Self::Export(Export::Motion(_))) && !has_waves) || self == Self::PlayMotion)
                     && !motion::moves(editor.scene()),
-                "Nothing moves: choose a path in the Motion panel",
+                "Nothing moves. Choose a path in the Motion panel first",
             ),
             (
                 is_one_of(&[Self::Export(Export::Numbers), Self::Export(Export::Profile), Self::Profile])
@@ -374,7 +375,8 @@ impl Action {
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
             Self::Export(Export::Figure(_)) => {
-                editor.figure.follow(&editor.view);
+                let pieces = figure::displayed(editor, shown);
+                editor.figure.follow(&editor.view, &editor.document.scene, pieces);
                 editor.dialog = Some(Dialog::Figure);
             }
             Self::Export(Export::Motion(_)) => editor.dialog = Some(Dialog::Film),

@@ -255,12 +255,12 @@ pub fn axes(view: &View, ui: &Ui, lens: &Lens) {
     for x in ticks::between(low.x, high.x, step) {
         let at = pos2(lens.screen(DVec2::new(x * 1e-3, 0.0)).x, rect.bottom());
         painter.line_segment([at, at + vec2(0.0, 5.0)], stroke);
-        painter.text(at + vec2(0.0, 6.0), Align2::CENTER_TOP, format!("{x:.decimals$}"), font.clone(), ink);
+        painter.text(at + vec2(0.0, 6.0), Align2::CENTER_TOP, axes::number(x, decimals), font.clone(), ink);
     }
     for y in ticks::between(low.y, high.y, step) {
         let at = pos2(rect.left(), lens.screen(DVec2::new(0.0, y * 1e-3)).y);
         painter.line_segment([at, at - vec2(5.0, 0.0)], stroke);
-        painter.text(at - vec2(8.0, 0.0), Align2::RIGHT_CENTER, format!("{y:.decimals$}"), font.clone(), ink);
+        painter.text(at - vec2(8.0, 0.0), Align2::RIGHT_CENTER, axes::number(y, decimals), font.clone(), ink);
     }
     let (across, up) = view.cut.axes();
     painter.text(pos2(rect.center().x, rect.bottom() + 22.0), Align2::CENTER_TOP, across, font.clone(), ink);

@@ -82,9 +82,9 @@ impl Command {
 /// Export formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Export {
-    /// The map with axes, with the options of [`crate::ui::Editor::figure`].
+    /// Panels of what is shown, with the options of [`crate::ui::Editor::figure`].
     Figure(Format),
-    /// The map as displayed.
+    /// The map or the 3D view as displayed.
     Map,
     /// Targets, drive and map on one page.
     Sheet,
@@ -148,10 +148,10 @@ impl Purpose {
             Self::Waveform => "Open a waveform of the modulation (WAV)",
             Self::Thresholds => "Take thresholds (CSV with frequency in Hz and displacement in m, peak)",
             Self::Export(Export::Figure(_)) => "Export the figure",
-            Self::Export(Export::Map) => "Export the map as PNG",
+            Self::Export(Export::Map) => "Export the view as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
-            Self::Export(Export::Numbers) => "Export the map's numbers as NPY",
-            Self::Export(Export::Drive) => "Export the drive as CSV",
+            Self::Export(Export::Numbers) => "Export the map data as NPY",
+            Self::Export(Export::Drive) => "Export phases and amplitudes as CSV",
             Self::Export(Export::Elements) => "Export the elements as CSV",
             Self::Export(Export::Profile) => "Export the line profile as CSV",
             Self::Export(Export::Motion(_)) => "Export the motion",

@@ -9,7 +9,7 @@ use egui::{
 
 use crate::field::{Quantity, Range, Scale, figures};
 use crate::picture::ColourMap;
-use crate::picture::figure::axes::round_step;
+use crate::picture::figure::axes::{self, round_step};
 use crate::scene::UNCERTAINTY;
 use crate::studio::convention::Convention;
 use crate::studio::map::{OVER_THRESHOLD, contour};
@@ -167,10 +167,10 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
             .on_hover_text("Phases are dark at low pressure, where they mean little");
         ui.end_row();
     }
-    label(ui, "Ground");
+    label(ui, "Background");
     let mut is_light = view.is_light;
     let tip = "Silence is white, as in print; on by default in the light theme";
-    if ui.checkbox(&mut is_light, "Light").on_hover_text(tip).accessible_name("Light ground").changed() {
+    if ui.checkbox(&mut is_light, "White").on_hover_text(tip).accessible_name("White background").changed() {
         let of_theme = !ui.visuals().dark_mode;
         view.ground = (is_light != of_theme).then_some(is_light);
     }
@@ -303,14 +303,14 @@ impl Law {
     fn ticks(self, quantity: Quantity, full: f64) -> Vec<(f64, String)> {
         match self {
             Self::Turn => [-180.0, -90.0, 0.0, 90.0, 180.0]
-                .map(|degrees| (degrees / 360.0 + 0.5, format!("{degrees:.0}")))
+                .map(|degrees| (degrees / 360.0 + 0.5, axes::number(degrees, 0)))
                 .to_vec(),
             Self::Decibels(floor) => {
                 let least = quantity.decibels(floor);
                 let step = round_step(-least / STEPS);
                 let levels = (0..).map(|i| -step * f64::from(i)).take_while(|level| *level > least - 1e-6);
                 let decimals = ticks::decimals(step);
-                levels.map(|level| (1.0 - level / least, format!("{:.decimals$}", level + 0.0))).collect()
+                levels.map(|level| (1.0 - level / least, axes::number(level, decimals))).collect()
             }
             Self::Linear(low) => amounts(low * full, full),
         }
@@ -325,8 +325,8 @@ fn amounts(low: f64, full: f64) -> Vec<(f64, String)> {
     let decimals = ticks::decimals(step).min(6);
     let within = ticks::between(low, full, step).map(|value| ((value - low) / (full - low), value));
     let within = within.filter(|(part, _)| (NEAR..1.0 - NEAR).contains(part));
-    let mut ticks = vec![(0.0, figures(low))];
-    ticks.extend(within.map(|(part, value)| (part, format!("{:.decimals$}", value + 0.0))));
+    let mut ticks = vec![(0.0, figures(low).replace('-', "−"))];
+    ticks.extend(within.map(|(part, value)| (part, axes::number(value, decimals))));
     ticks.push((1.0, figures(full)));
     ticks
 }
@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn decibels_stand_where_their_colours_are() {
-        for (quantity, floor) in [(Quantity::Rms, "-60"), (Quantity::Depression, "-30")] {
+        for (quantity, floor) in [(Quantity::Rms, "−60"), (Quantity::Depression, "−30")] {
             let law = Law::Decibels(1e-3);
             let ticks = law.ticks(quantity, 7.0);
             assert_eq!(ticks.last().unwrap(), &(0.0, floor.to_owned()));

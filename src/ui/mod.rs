@@ -21,6 +21,7 @@ mod edit;
 mod editor;
 mod element_map;
 mod expression;
+pub mod figure;
 mod fitted;
 mod frame;
 pub mod gallery;
@@ -62,7 +63,7 @@ mod view_bar;
 mod way;
 
 pub use command::{Command, ELEMENTS, Export, IMPORTED, Purpose};
-pub use dialog::{Asking, Dialog, Entry, FigureForm, FilmForm, Folder, Import, Preview};
+pub use dialog::{Asking, Dialog, Entry, FigureForm, FilmForm, Folder, Import, Piece, Preview};
 pub use editor::Editor;
 pub use frame::show;
 pub use layout::Layout;

@@ -7,7 +7,9 @@ use egui::{
 use glam::{DVec2, DVec3};
 
 use crate::field::{Quantity, Range};
+use crate::picture::figure::Axis;
 use crate::picture::figure::axes;
+use crate::picture::figure::curve::Curve;
 use crate::studio::convention::Convention;
 use crate::studio::width::Widths;
 use crate::ui::command::{Export, Purpose};
@@ -159,6 +161,27 @@ fn name(quantity: Quantity, convention: Convention) -> &'static str {
     if quantity.declaration().is_root { convention.into_str() } else { "" }
 }
 
+/// The curve of a figure, with its title.
+pub fn curve(editor: &Editor, shown: &Shown) -> Option<(String, Curve)> {
+    let (profile, map) = (Profile::of(editor, shown)?, shown.map.as_ref()?);
+    let plot = Plot::new(editor, shown, map, &profile, Rect::NOTHING);
+    let name = match editor.view.line {
+        ProfileLine::Across(v) => along(editor.view.cut, v).replace('-', "−"),
+        ProfileLine::Between(_) => "Line profile".to_owned(),
+    };
+    Some((name, plot.curve()))
+}
+
+/// The title of a line across the view.
+fn along(cut: Cut, v: f64) -> String {
+    let (_, up) = cut.axes();
+    if up.starts_with("across") {
+        return format!("Line profile {} mm across the plane", measure::mm(v));
+    }
+    let axis = up.split(' ').next().unwrap_or_default();
+    format!("Line profile along {axis} = {} mm", measure::mm(v))
+}
+
 /// Draws the profile and its figures.
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let profile = Profile::of(editor, shown);
@@ -189,16 +212,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 
 /// The measured values, and commands on them.
 fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut Ui) {
-    let (_, up) = editor.view.cut.axes();
     match editor.view.line {
         ProfileLine::Across(v) => {
-            let axis = up.split(' ').next().unwrap_or_default();
-            let text = if up.starts_with("across") {
-                format!("Line profile {} mm across the plane", measure::mm(v))
-            } else {
-                format!("Line profile along {axis} = {} mm", measure::mm(v))
-            };
-            ui.label(text)
+            ui.label(along(editor.view.cut, v))
                 .on_hover_text("Shift and the pointer move the line; the Measure tool draws another");
         }
         ProfileLine::Between(ends) => {
@@ -324,6 +340,40 @@ impl<'a> Plot<'a> {
         Self { editor, sound: shown.sound.as_ref(), map, profile, rect, places, values, factor, unit }
     }
 
+    /// The name of the axis to the right.
+    fn name(&self) -> &'static str {
+        match self.editor.view.line {
+            ProfileLine::Across(_) => self.editor.view.cut.axes().0,
+            ProfileLine::Between(_) => "along the line / mm",
+        }
+    }
+
+    /// The same for a figure.
+    fn curve(&self) -> Curve {
+        let profile = self.profile;
+        let point = |place: f64, value: f64| [place * 1e3, value * self.factor];
+        let values = |of: &dyn Fn(usize) -> f64| -> Vec<_> {
+            (0..profile.values.len()).map(|i| point(profile.place(i), of(i))).collect()
+        };
+        let (unit, words) = (&self.unit, profile.quantity.declaration().title.to_owned());
+        let label = if unit.is_empty() { words } else { format!("{words} / {unit}") };
+        let width = profile.lobe().and_then(|lobe| {
+            let level = 0.5f64.powf(20.0 / profile.quantity.declaration().decibels);
+            let ends = lobe.half?.map(|at| point(profile.start + at, lobe.value * level));
+            Some((ends, format!("{} mm", measure::mm(ends[1][0] * 1e-3 - ends[0][0] * 1e-3))))
+        });
+        Curve {
+            axes: [
+                Axis { ends: self.places.map(|place| place * 1e3), label: self.name().to_owned() },
+                Axis { ends: self.values, label },
+            ],
+            points: values(&|i| profile.values[i]),
+            limits: profile.band.as_ref().map(|band| [0, 1].map(|edge| values(&|i| band[i][edge]))),
+            places: self.foci().map(|place| place * 1e3).collect(),
+            width,
+        }
+    }
+
     fn x(&self, place: f64) -> f32 {
         let [low, high] = self.places;
         self.rect.left() + self.rect.width() * ((place - low) / (high - low)) as f32
@@ -345,7 +395,10 @@ impl<'a> Plot<'a> {
             let threshold = Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.6));
             inside.hline(self.rect.x_range(), self.y(0.0), threshold);
         }
-        self.foci(&inside);
+        for place in self.foci() {
+            let stroke = Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.4));
+            inside.vline(self.x(place), self.rect.y_range(), stroke);
+        }
         self.band(&inside);
         let point = |(i, &value): (usize, &f64)| pos2(self.x(self.profile.place(i)), self.y(value));
         let curve = self.profile.values.iter().enumerate().map(point).collect();
@@ -371,7 +424,7 @@ impl<'a> Plot<'a> {
             painter.text(
                 at + vec2(0.0, 5.0),
                 Align2::CENTER_TOP,
-                format!("{x:.decimals$}"),
+                axes::number(x, decimals),
                 font.clone(),
                 ink,
             );
@@ -386,16 +439,13 @@ impl<'a> Plot<'a> {
             painter.text(
                 at - vec2(6.0, 0.0),
                 Align2::RIGHT_CENTER,
-                format!("{value:.decimals$}"),
+                axes::number(value, decimals),
                 font.clone(),
                 ink,
             );
         }
         painter.rect_stroke(rect, 0.0, edge, StrokeKind::Outside);
-        let name = match self.editor.view.line {
-            ProfileLine::Across(_) => self.editor.view.cut.axes().0,
-            ProfileLine::Between(_) => "along the line / mm",
-        };
+        let name = self.name();
         let below = pos2(rect.center().x, rect.bottom() + 19.0);
         painter.text(below, Align2::CENTER_TOP, name, font.clone(), ink);
         painter.text(rect.right_top() + vec2(8.0, 0.0), Align2::LEFT_TOP, &self.unit, font, ink);
@@ -428,18 +478,18 @@ impl<'a> Plot<'a> {
         painter.hline(before..=after, self.y(lobe.value * level), Stroke::new(1.0, theme::CHOSEN));
     }
 
-    fn foci(&self, painter: &Painter) {
+    /// Positions of separate foci near the line on the axis to the right, m.
+    fn foci(&self) -> impl Iterator<Item = f64> {
         let ends = self.profile.ends;
         let along = (ends[1] - ends[0]).normalize_or_zero();
         let separate =
             self.sound.into_iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_separate());
-        for focus in separate {
+        separate.filter_map(move |focus| {
             let from = self.map.axes.flat(focus.position) - ends[0];
-            if from.perp_dot(along).abs() < 1e-3 && self.map.axes.height(focus.position).abs() < 2e-3 {
-                let x = self.x(self.profile.start + from.dot(along));
-                painter.vline(x, self.rect.y_range(), Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.4)));
-            }
-        }
+            let is_near =
+                from.perp_dot(along).abs() < 1e-3 && self.map.axes.height(focus.position).abs() < 2e-3;
+            is_near.then(|| self.profile.start + from.dot(along))
+        })
     }
 
     /// Position and value under the pointer.

@@ -192,6 +192,37 @@ fn a_shaded_surface_has_scale_bars_instead_of_axes() {
 }
 
 #[test]
+fn scenes_and_views_are_panels_of_one_page() {
+    let folder = folder();
+    std::fs::write(folder.path().join("b.toml"), SCENE.replace("0.01, 0.02", "-0.03, 0.0")).unwrap();
+    let draw = |name: &str, more: &[&str]| {
+        let args = [&["render", "-o", name, "--figure", "--backend", "cpu"], more].concat();
+        let (status, _, error) = run(folder.path(), &args);
+        assert_eq!((status, error.as_str()), (Some(0), ""), "{args:?}");
+        std::fs::read(folder.path().join(name)).unwrap()
+    };
+    let svg = draw("page.svg", &["a.toml", "b.toml", "--columns", "2", "--width-mm", "174"]);
+    let (_, words) = map_and_words_of_svg(&svg);
+    assert!(words.contains(&"(a) a".to_owned()) && words.contains(&"(b) b".to_owned()), "{words:?}");
+    let bars = words.iter().filter(|word| word.starts_with("RMS pressure / ")).count();
+    assert_eq!(bars, 1, "both maps share a colour bar: {words:?}");
+    let (_, words) = map_and_words_of_svg(&draw("drive.svg", &["a.toml", "--quantity", "drive"]));
+    assert!(["phase / rad", "amplitude"].iter().all(|label| words.iter().any(|word| word == label)));
+    let view = ["a.toml", "--view", "3d", "--dpi", "100", "--camera", "front"];
+    let (picture, words) = map_and_words_of_svg(&draw("view.svg", &view));
+    assert!(words.iter().any(|word| word == "z / mm") && picture == map_of_pdf(&draw("view.pdf", &view)));
+    for (more, part) in [
+        (&["--view", "3d", "--contours=-6"][..], "--contours applies to flat maps: leave out --view 3d"),
+        (&["--quantity", "drive", "--db"], "--db applies to flat maps: leave out --quantity drive"),
+        (&["--columns", "0"], "1..=12"),
+    ] {
+        let args = [&["render", "a.toml", "-o", "x.pdf", "--figure"], more].concat();
+        let (status, _, error) = run(folder.path(), &args);
+        assert!(status == Some(2) && error.contains(part), "{args:?}: {error}");
+    }
+}
+
+#[test]
 fn impossible_figures_are_refused_in_one_line() {
     let folder = folder();
     let render = |more: &[&'static str]| [&["render", "a.toml", "-o"], more].concat();
@@ -205,7 +236,7 @@ fn impossible_figures_are_refused_in_one_line() {
         (render(&["x.pdf", "--figure", "--range", "3"]), "two numbers"),
         (render(&["x.pdf", "--figure", "--contours", "6"]), "below 0"),
         (render(&["x.pdf", "--figure", "--quantity", "phase", "--db"]), "--db"),
-        (render(&["x.pdf", "--figure", "--quantity", "sheet"]), "pages with axes of their own"),
+        (render(&["x.pdf", "--figure", "--quantity", "sheet"]), "`sheet` is a page with axes of its own"),
         (render(&["x.png", "--dpi", "200"]), "--figure"),
         (render(&["x.png", "--figure", "--width-mm", "1000", "--dpi", "2400"]), "fewer dots per inch"),
         (vec!["rendr", "a.toml"], "rendr: no such command or file; did you mean `render`?"),

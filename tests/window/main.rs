@@ -438,10 +438,10 @@ fn exports_are_written() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
     for (name, item) in [
-        ("map.png", "Map as PNG…"),
+        ("map.png", "View as PNG…"),
         ("sheet.png", "Sheet as PNG…"),
-        ("map.npy", "Map's numbers as NPY…"),
-        ("drive.csv", "Drive as CSV…"),
+        ("map.npy", "Map data (NPY)…"),
+        ("drive.csv", "Phases and amplitudes (CSV)…"),
     ] {
         screen.get_by_label("Export").click();
         rest(&mut screen);

@@ -114,7 +114,7 @@ fn saving_adds_the_ending_and_asks_before_overwriting() {
     assert_eq!(screen.state().editor().dialog, None);
     screen.get_by_label("Export").click();
     rest(&mut screen);
-    screen.get_by_label("Drive as CSV…").click();
+    screen.get_by_label("Phases and amplitudes (CSV)…").click();
     rest(&mut screen);
     let drive = folder.path().join("mine.csv");
     std::fs::write(&drive, "precious").unwrap();

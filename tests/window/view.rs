@@ -146,7 +146,7 @@ fn one_convention_holds_for_the_whole_window() {
 fn picture(screen: &mut Screen) -> Vec<[u8; 4]> {
     let folder = tempfile::tempdir().unwrap();
     click(screen, "Export");
-    click(screen, "Map as PNG…");
+    click(screen, "View as PNG…");
     let path = folder.path().join("map.png");
     let Some(Dialog::Path { purpose, .. }) = screen.state().editor().dialog.clone() else {
         panic!("no question")
@@ -202,7 +202,7 @@ fn the_brightness_of_a_phase_follows_its_amplitude_on_both_grounds() {
     choose(&mut screen, "Follows amplitude");
     assert!(map(&screen).veil.is_some());
     let dark = picture(&mut screen);
-    choose(&mut screen, "Light ground");
+    choose(&mut screen, "White background");
     let light = picture(&mut screen);
     for (i, value) in values.iter().enumerate() {
         let part = value / largest;
@@ -230,10 +230,10 @@ fn the_ground_of_a_map_follows_the_theme_unless_chosen() {
     screen.ctx.set_theme(egui::Theme::Light);
     rest(&mut screen);
     assert!(faintest(&mut screen)[0] > 240);
-    choose(&mut screen, "Light ground");
+    choose(&mut screen, "White background");
     assert_eq!(screen.state().editor().view.ground, Some(false));
     assert!(faintest(&mut screen)[0] < 20);
-    choose(&mut screen, "Light ground");
+    choose(&mut screen, "White background");
     assert_eq!(screen.state().editor().view.ground, None, "it follows the theme again");
 }
 

@@ -20,6 +20,8 @@ use crate::studio::still::{Diagram, LARGEST_SIDE, Look, Moment, Size};
 
 /// dB relative to the peak, of an isosurface.
 const LEVELS: [f64; 2] = [-60.0, -0.1];
+/// Columns of a page, at most.
+const COLUMNS: i64 = 12;
 /// m; centres beyond are in a wrong unit.
 const FARTHEST: f64 = 100.0;
 
@@ -119,6 +121,9 @@ pub struct FigureArgs {
     /// Width of the figure in mm [default: 85, one column]
     #[arg(long, value_name = "W", requires = "figure", value_parser = between(WIDTHS, "mm"))]
     pub width_mm: Option<f64>,
+    /// All scenes as panels of one page with this many columns; maps share one range of colours
+    #[arg(long, value_name = "N", requires = "figure", value_parser = clap::value_parser!(u16).range(1..=COLUMNS))]
+    pub columns: Option<u16>,
     /// Dots per inch of the map, and of a PNG [default: 300]
     #[arg(long, value_name = "D", requires = "figure", value_parser = between(DENSITIES, "dots per inch"))]
     pub dpi: Option<f64>,

@@ -1,25 +1,29 @@
 //! `sonoglyph render --figure`: figures for papers, with their options.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use anyhow::bail;
 
 use crate::cli::render::args::{RenderArgs, View};
-use crate::field::{Quantity, Request, Scale, Stages, missed};
+use crate::field::{Request, Scale, Stages, missed};
 use crate::picture::figure::Paper;
+use crate::picture::figure::elements::Elements;
+use crate::picture::figure::page::Plot;
 use crate::picture::numbers::npy;
+use crate::picture::sheet::amplitude_title;
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::Backend;
-use crate::studio::figure::{self, Wish};
+use crate::studio::figure::{self, MapOf, Panel, Subject, Wish};
 use crate::studio::output::{self, say, warn};
 use crate::studio::still::{Diagram, Look, Solved};
-use crate::studio::{liquid, map};
+use crate::studio::{liquid, map, view_3d};
 
 /// The options, if --figure is given.
 ///
 /// # Errors
 /// Options that exclude each other, or a quantity without a figure.
-pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<(Quantity, Wish)>> {
+pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<Wish>> {
     let figure = &args.figure;
     if !figure.figure {
         if figure.light {
@@ -27,23 +31,29 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<(Quantity, Wish)>> {
         }
         return Ok(None);
     }
-    let Diagram::Map(quantity) = args.quantity else {
-        bail!("--figure draws a quantity on a plane: `drive` and `sheet` are pages with axes of their own");
+    let is_surface = matches!(args.quantity, Diagram::Map(quantity) if quantity.declaration().is_surface());
+    let other = match (args.quantity, args.view) {
+        (Diagram::Sheet, _) => bail!("--figure draws panels, and `sheet` is a page with axes of its own"),
+        (_, View::Shaded) if !is_surface => {
+            bail!("--view shaded draws a liquid's surface: add --quantity depression")
+        }
+        (Diagram::Map(_), View::Flat) => None,
+        (Diagram::Map(_) | Diagram::Drive, View::Shaded) => Some("leave out --view shaded"),
+        (Diagram::Map(_) | Diagram::Drive, View::Space) => Some("leave out --view 3d"),
+        (Diagram::Drive, View::Flat) => Some("leave out --quantity drive"),
     };
-    let is_shaded = args.view == View::Shaded;
-    if is_shaded && !quantity.declaration().is_surface() {
-        bail!("--view shaded draws a liquid's surface: add --quantity depression");
-    }
     let of_maps = [
         (figure.db, "--db"),
         (figure.range.is_some(), "--range"),
         (!figure.contours.is_empty(), "--contours"),
         (figure.targets, "--targets"),
         (figure.widths, "--widths"),
-        (figure.light, "--light"),
+        (figure.light && args.view != View::Space, "--light"),
+        (figure.scale_bar && args.view != View::Shaded, "--scale-bar"),
+        (args.data.is_some() && args.view != View::Shaded, "--data"),
     ];
-    if let Some((_, option)) = of_maps.iter().find(|(is_given, _)| is_shaded && *is_given) {
-        bail!("{option} applies to flat maps: leave out --view shaded");
+    if let (Some(instead), Some((_, option))) = (other, of_maps.iter().find(|(is_given, _)| *is_given)) {
+        bail!("{option} applies to flat maps: {instead}");
     }
     let column = Paper::default();
     let wish = Wish {
@@ -52,7 +62,7 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<(Quantity, Wish)>> {
             dpi: figure.dpi.unwrap_or(column.dpi),
         },
         title: figure.title.clone(),
-        is_shaded,
+        columns: figure.columns.map(usize::from),
         colours: args.colours,
         is_light: figure.light,
         scale: if figure.db { Scale::Logarithmic } else { Scale::Linear },
@@ -65,41 +75,77 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<(Quantity, Wish)>> {
         has_widths: figure.widths,
         ..Wish::default()
     };
-    Ok(Some((quantity, wish)))
+    Ok(Some(wish))
 }
 
+/// Writes the figure of some scenes on one page.
+///
+/// # Errors
+/// Figures that cannot be drawn, or files that cannot be written.
 pub fn write(
-    solved: &Solved,
+    scenes: &[Solved],
     stages: &mut Stages,
-    (look, quantity, wish): (&Look, Quantity, &Wish),
+    (args, look, wish): (&RenderArgs, &Look, &Wish),
     output: &Path,
-    data: Option<&Path>,
 ) -> anyhow::Result<()> {
-    let Solved { name, scene, solution } = solved;
     let format = figure::format(output)?;
-    let channel = look.channel;
-    let request = Request { channel, ..Request::new(scene, look.drives(solved)?, quantity, (1, 1)) };
+    let mut panels = Vec::new();
+    for solved in scenes {
+        panels.extend(self::panels(solved, args, look)?);
+    }
     let gpu_is_asked_for = look.backend == Backend::Gpu;
-    let drawn = figure::draw((scene, &solution.foci), &request, wish, stages, gpu_is_asked_for)?;
-    if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
-        warn(&format!("{name}: {missed}"));
+    let figure::Drawn { figure, maps } = figure::draw(&panels, wish, stages, gpu_is_asked_for)?;
+    for (Solved { name, scene, .. }, MapOf { map, slope, quantity }) in scenes.iter().zip(&maps) {
+        if let Some(missed) = missed(map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
+            warn(&format!("{name}: {missed}"));
+        }
+        if let Some(beyond) = slope.and_then(liquid::beyond_linear_theory) {
+            warn(&format!("{name}: {beyond}"));
+        }
     }
-    if let Some(beyond) = drawn.slope.and_then(liquid::beyond_linear_theory) {
-        warn(&format!("{name}: {beyond}"));
-    }
-    let bytes = drawn.figure.write(format)?;
-    if let Some(data) = data {
-        let shape = [drawn.map.height as u64, drawn.map.width as u64];
-        output::write(data, &npy(&shape, &drawn.map.values)?)?;
+    let bytes = figure.write(format)?;
+    if let (Some(data), Some(MapOf { map, .. })) = (&args.data, maps.first()) {
+        let shape = [map.height as u64, map.width as u64];
+        output::write(data, &npy(&shape, &map.values)?)?;
     }
     output::write(output, &bytes)?;
-    let [width, height] = drawn.figure.size();
-    let (kind, points) = if wish.is_shaded { ("surface", "points") } else { ("map", "pixels") };
-    say!(
-        "{}: {width:.1} x {height:.1} mm, a {kind} of {} x {} {points}, {}",
-        crate::echo::path(output),
-        drawn.map.width,
-        drawn.map.height,
-        map::summary(quantity, &drawn.map)
-    )
+    let [width, height] = figure.size();
+    let page = format!("{}: {width:.1} x {height:.1} mm", crate::echo::path(output));
+    let [MapOf { map, quantity, .. }] = &maps[..] else {
+        return say!("{page}, {} panels", panels.len());
+    };
+    let (kind, points) = if look.shaded { ("surface", "points") } else { ("map", "pixels") };
+    say!("{page}, a {kind} of {} x {} {points}, {}", map.width, map.height, map::summary(*quantity, map))
+}
+
+/// The panels of a scene.
+fn panels(solved: &Solved, args: &RenderArgs, look: &Look) -> anyhow::Result<Vec<Panel>> {
+    let Solved { name, scene, solution } = solved;
+    let panel = |subject| Panel { name: name.clone(), subject };
+    let quantity = match args.quantity {
+        Diagram::Map(quantity) => quantity,
+        Diagram::Drive => {
+            let drive = &solution.drive;
+            let elements = |elements| Subject::Plot(Plot::Elements(elements));
+            let phases = elements(Elements::phases(scene, &drive.phases, &drive.amplitudes));
+            let own = elements(Elements::amplitudes(scene, &solution.excitation, &drive.amplitudes));
+            let titles = ["phase per element", amplitude_title(solution)];
+            return Ok([phases, own]
+                .into_iter()
+                .zip(titles)
+                .map(|(subject, title)| Panel { name: format!("{name}: {title}"), subject })
+                .collect());
+        }
+        Diagram::Sheet => bail!("--figure draws panels, and `sheet` is a page with axes of its own"),
+    };
+    if args.view == View::Space {
+        let prospect = view_3d::prospect(solved, look, &args.space.wish(args))?;
+        return Ok(vec![panel(Subject::Space(Box::new(prospect)))]);
+    }
+    let channel = look.channel;
+    let request = Request { channel, ..Request::new(scene, look.drives(solved)?, quantity, (1, 1)) };
+    Ok(vec![panel(match look.shaded {
+        true => Subject::Shaded(request),
+        false => Subject::Map { scene: Arc::new(scene.clone()), foci: solution.foci.clone(), request },
+    })])
 }

@@ -18,7 +18,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     match (args.motion || args.waves, args.volume.volume, args.view) {
         (true, _, _) => animate::run(args),
         (false, Some(counts), _) => volume::run(args, counts),
-        (false, None, View::Space) => space::run(args),
-        (false, None, View::Flat | View::Shaded) => still::run(args),
+        (false, None, View::Space) if !args.figure.figure => space::run(args),
+        (false, None, View::Flat | View::Shaded | View::Space) => still::run(args),
     }
 }

@@ -28,7 +28,8 @@ impl SpaceArgs {
         all.into_iter().find(|(is_given, _)| *is_given).map(|(_, name)| name)
     }
 
-    fn wish(&self, args: &RenderArgs) -> Wish {
+    /// The view of these arguments.
+    pub fn wish(&self, args: &RenderArgs) -> Wish {
         let mut look = Look { colours: args.colours, is_light: args.figure.light, ..Look::default() };
         if self.projection {
             look.body = Body::Projection;
@@ -51,11 +52,8 @@ impl SpaceArgs {
 }
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
-    if args.quantity != Diagram::Map(Quantity::Rms) {
-        bail!("--view 3d shows the RMS pressure: leave out --quantity");
-    }
-    if args.figure.figure || args.data.is_some() || args.fps.is_some() {
-        bail!("--view 3d is a picture: leave out --figure, --data and --fps; --volume writes the numbers");
+    if args.data.is_some() {
+        bail!("--view 3d is a picture: leave out --data; --volume writes the numbers");
     }
     let outputs = still::outputs(&args.scenes, &args.output)?;
     let wish = args.space.wish(args);
@@ -88,10 +86,17 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Refuses options of 3D pictures for other pictures, and animations of 3D pictures.
+/// Refuses options of 3D pictures for other pictures, and other options for 3D pictures.
 pub fn refuse(args: &RenderArgs) -> anyhow::Result<()> {
     if args.view == View::Space && (args.motion || args.waves) {
         bail!("--view 3d is a still picture: leave out --motion and --waves");
+    }
+    let is_space = args.view == View::Space && args.volume.volume.is_none();
+    if is_space && args.quantity != Diagram::Map(Quantity::Rms) {
+        bail!("--view 3d shows the RMS pressure: leave out --quantity");
+    }
+    if is_space && args.fps.is_some() {
+        bail!("--view 3d is a picture: leave out --fps");
     }
     match args.space.given() {
         Some(name) if args.view != View::Space => bail!("{name} applies to 3D views: add --view 3d"),

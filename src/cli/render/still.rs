@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, anyhow, bail};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::render::args::{RenderArgs, look};
+use crate::cli::render::args::{RenderArgs, View, look};
 use crate::cli::render::figure::{wish, write as write_figure};
 use crate::cli::scene::read_scene;
 use crate::echo;
@@ -18,10 +18,11 @@ use crate::studio::still::{self, Diagram, Solved};
 use crate::studio::{evaluator, figure};
 
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
-    if args.volume.block.is_some() {
+    if args.volume.block.is_some() && args.view != View::Space {
         bail!("--box applies to volumes and 3D views: add --volume or --view 3d");
     }
-    let outputs = outputs(&args.scenes, &args.output)?;
+    let is_page = args.figure.columns.is_some();
+    let outputs = if is_page { vec![args.output.clone()] } else { outputs(&args.scenes, &args.output)? };
     if args.data.is_some() && args.scenes.len() > 1 {
         bail!("--data takes the numbers of one scene, and {} are given", args.scenes.len());
     }
@@ -59,17 +60,19 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     });
 
     let bar = bar(scenes.len());
+    if let Some(wish) = &wish {
+        let pages = scenes.chunks(if is_page { scenes.len() } else { 1 });
+        for (page, output) in pages.zip(&outputs) {
+            let name = page.iter().map(|solved| solved.name.as_str()).collect::<Vec<_>>().join(", ");
+            bar.set_message(echo::value(&name));
+            bar.suspend(|| write_figure(page, &mut stages, (args, &look, wish), output).context(name))?;
+            bar.inc(page.len() as u64);
+        }
+        bar.finish_and_clear();
+        return Ok(());
+    }
     for (solved, output) in scenes.iter().zip(&outputs) {
         bar.set_message(echo::value(&solved.name));
-        if let Some((quantity, wish)) = &wish {
-            let figure = (&look, *quantity, wish);
-            bar.suspend(|| {
-                write_figure(solved, &mut stages, figure, output, args.data.as_deref())
-                    .with_context(|| solved.name.clone())
-            })?;
-            bar.inc(1);
-            continue;
-        }
         let start = Instant::now();
         let rendered = still::render(solved, &mut stages, &look).with_context(|| solved.name.clone())?;
         rendered.write(output, args.data.as_deref())?;

@@ -19,7 +19,7 @@ pub fn steps(low: f64, high: f64, most: f64) -> Vec<(f64, String)> {
 }
 
 /// A number with a minus sign, and without one before zero.
-fn number(value: f64, decimals: usize) -> String {
+pub fn number(value: f64, decimals: usize) -> String {
     let text = format!("{:.decimals$}", value.abs());
     let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
     if value < 0.0 && !is_zero { format!("−{text}") } else { text }

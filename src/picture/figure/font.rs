@@ -28,6 +28,11 @@ pub fn width(text: &str, height: f64) -> f64 {
     height * text.chars().map(|character| glyph(character).1).sum::<f64>()
 }
 
+/// The height of a text, at most this one, with which it is no wider than its room.
+pub fn fitted(text: &str, height: f64, room: f64) -> f64 {
+    height * (room / width(text, height).max(1e-9)).min(1.0)
+}
+
 /// Hands the outline of a glyph out, in ems upwards from its origin on the baseline.
 pub fn outline(glyph: GlyphId, builder: &mut dyn OutlineBuilder) {
     let _is_empty = FACE.outline_glyph(glyph, builder).is_none();

@@ -1,23 +1,23 @@
-//! Layout of the parts of a figure.
+//! Plots with axes and a colour bar, and the map among them.
 
 use strum::{EnumString, IntoStaticStr, VariantArray};
 
 use crate::field::contour::Line;
 use crate::picture::Picture;
 use crate::picture::figure::axes::{round_step, steps};
+use crate::picture::figure::font;
 use crate::picture::figure::mark::{Anchor, BLACK, Ink, Mark};
-use crate::picture::figure::{Figure, font};
 
 /// Heights of letters, mm: 9, 8 and 7 points.
 pub const TITLE: f64 = 3.175;
-const LABEL: f64 = 2.82;
+pub const LABEL: f64 = 2.82;
 pub const NUMBER: f64 = 2.47;
 /// mm
 pub const MARGIN: f64 = 1.0;
 pub const GAP: f64 = 1.0;
 const TICK: f64 = 0.9;
-const HAIRLINE: f64 = 0.18;
-const STROKE: f64 = 0.3;
+pub const HAIRLINE: f64 = 0.18;
+pub const STROKE: f64 = 0.3;
 /// Line width (mm) of bars that show a length.
 pub const RULE: f64 = 0.6;
 const BAR_WIDTH: f64 = 3.0;
@@ -30,10 +30,6 @@ const SPACING: f64 = 10.0;
 const BAR_SPACING: f64 = 8.0;
 /// Space for numbers beside a colour bar, fixed so that figures of one size align.
 const NUMBERS: &str = "0000";
-/// Limit of a map's height relative to the figure's width.
-pub const TALLEST: f64 = 2.0;
-/// The least width of a map, mm.
-const LEAST: f64 = 10.0;
 
 /// The kinds of file that a figure is written as, by their endings.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray)]
@@ -78,12 +74,13 @@ pub struct Bar {
     pub label: String,
     /// Explicit tick values instead of round ones.
     pub numbers: Option<Vec<(f64, String)>>,
+    /// A value that a line across the bar marks.
+    pub mark: Option<f64>,
 }
 
-/// The content of a figure except the map's pixels.
-#[derive(Clone, Debug, Default)]
+/// The content of a map except its pixels.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Content {
-    pub title: Option<String>,
     /// Axes to the right and upwards.
     pub axes: [Axis; 2],
     pub bar: Option<Bar>,
@@ -98,12 +95,46 @@ pub struct Content {
     /// Focal points, mm on the axes.
     pub foci: Vec<[f64; 2]>,
     /// Measured lengths: end points in mm on the axes, and text.
-    pub lengths: Vec<([[f64; 2]; 2], String)>,
+    pub lengths: Vec<Length>,
     /// Whether ink must contrast with a light map.
     pub is_light: bool,
 }
 
-/// Position of a map in pixels of the PNG.
+/// A measured length: its ends on the axes, and its text.
+pub type Length = ([[f64; 2]; 2], String);
+
+/// Space around a plot for its axes and its bar, mm.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::picture) struct Room {
+    pub left: f64,
+    pub right: f64,
+    pub above: f64,
+    pub below: f64,
+}
+
+impl Room {
+    /// Around a plot with axes.
+    pub(in crate::picture) fn of_axes([_, y]: &[Axis; 2], bar: Option<&Bar>) -> Self {
+        // The numbers of the vertical axes depend on the height, which depends on their width; too many candidates
+        // are harmless.
+        let numbers = steps(y.ends[0], y.ends[1], 10.0);
+        let widest = numbers.iter().map(|(_, text)| font::width(text, NUMBER)).fold(0.0, f64::max);
+        let right = bar.map_or(font::width("100", NUMBER) / 2.0, |_| Self::of_bar());
+        Self {
+            left: LABEL + GAP + widest + GAP + TICK,
+            right,
+            above: NUMBER / 2.0,
+            below: TICK + GAP + NUMBER + GAP + LABEL,
+        }
+    }
+
+    /// The width of a colour bar with its numbers and label.
+    pub(in crate::picture) fn of_bar() -> f64 {
+        BAR_GAP + BAR_WIDTH + TICK + GAP + font::width(NUMBERS, NUMBER) + GAP + LABEL
+    }
+}
+
+/// Position of a plot in pixels of the PNG.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::picture) struct Frame {
     /// Pixels in a millimetre.
@@ -141,68 +172,21 @@ impl Frame {
 }
 
 impl Content {
-    /// Position of the map, and pixels of the page.
-    fn frame(&self, paper: Paper) -> (Frame, [usize; 2]) {
-        let density = paper.dpi / 25.4;
-        let [x, y] = &self.axes;
-        let span = |axis: &Axis| (axis.ends[1] - axis.ends[0]).max(1e-9);
-        let widest = |numbers: &[(f64, String)]| {
-            numbers.iter().map(|(_, text)| font::width(text, NUMBER)).fold(0.0, f64::max)
-        };
-        // The numbers of the vertical axes depend on the height, which depends on their width; too many candidates
-        // are harmless.
-        let left = MARGIN + LABEL + GAP + widest(&steps(y.ends[0], y.ends[1], 10.0)) + GAP + TICK;
-        let right = match &self.bar {
-            None => MARGIN + font::width("100", NUMBER) / 2.0,
-            Some(_) => BAR_GAP + BAR_WIDTH + TICK + GAP + font::width(NUMBERS, NUMBER) + GAP + LABEL + MARGIN,
-        };
-        let top = MARGIN + self.title.as_ref().map_or(NUMBER / 2.0, |_| TITLE + 1.5 * GAP);
-        let bottom = TICK + GAP + NUMBER + GAP + LABEL + MARGIN;
-        let room = (paper.width - left - right).max(LEAST);
-        let shape = span(y) / span(x);
-        let width = room.min(TALLEST * paper.width / shape);
-        let in_pixels = |mm: f64| ((mm * density).round() as usize).max(1);
-        let map = [in_pixels(width), in_pixels(width * shape)];
-        // A map narrower than its space is centred.
-        let corner = [in_pixels(left + (room - width) / 2.0), in_pixels(top)];
-        let page = [in_pixels(paper.width.max(left + room + right)), corner[1] + map[1] + in_pixels(bottom)];
-        (Frame { density, corner, map }, page)
+    /// Height over width.
+    pub(in crate::picture) fn shape(&self) -> f64 {
+        let [x, y] = [0, 1].map(|axis: usize| self.axes[axis].ends).map(|[low, high]| (high - low).max(1e-9));
+        y / x
     }
 
-    /// Pixels of the map, width and height: compute it for that many.
-    pub fn map_pixels(&self, paper: Paper) -> [usize; 2] {
-        self.frame(paper).0.map
-    }
-
-    /// Pixels of the PNG, width and height.
-    pub fn page_pixels(&self, paper: Paper) -> [usize; 2] {
-        self.frame(paper).1
-    }
-
-    /// The figure of a map that has [`Self::map_pixels`].
-    pub fn figure(&self, paper: Paper, map: Picture) -> Figure {
-        let (frame, pixels) = self.frame(paper);
-        let mut marks = self.marks(&frame, map);
-        if let Some(title) = &self.title {
-            let at = [frame.corner()[0], MARGIN + TITLE * 0.85];
-            marks.push(Mark::text(at, TITLE, Anchor::Start, BLACK, title));
-        }
-        Figure { pixels, density: frame.density, title: self.title.clone().unwrap_or_default(), marks }
-    }
-
-    /// The map with its axes and its bar, without the title.
+    /// The map with its axes and its bar.
     pub(in crate::picture) fn marks(&self, frame: &Frame, map: Picture) -> Vec<Mark> {
-        let mut marks = Marks { list: Vec::new(), frame, content: self };
-        let (corner, size) = (frame.corner(), frame.size());
-        marks.list.push(Mark::Pixels { corner, size, picture: map });
-        marks.drawn_on_the_map();
-        marks.list.push(Mark::frame(corner, size, HAIRLINE, BLACK));
-        marks.horizontal(corner, size);
-        marks.vertical(corner, size);
-        if let Some(bar) = &self.bar {
-            marks.bar(bar, corner, size);
-        }
-        marks.list
+        let mut pen = Pen::new(frame);
+        pen.pixels(map);
+        pen.drawn_on_the_map(self);
+        pen.frame(BLACK);
+        pen.axes(&self.axes);
+        self.bar.iter().for_each(|bar| pen.bar(bar));
+        pen.list
     }
 }
 
@@ -214,23 +198,43 @@ impl Bar {
     }
 }
 
-struct Marks<'a> {
-    list: Vec<Mark>,
+/// The marks of a plot.
+pub(in crate::picture) struct Pen<'a> {
+    pub list: Vec<Mark>,
     frame: &'a Frame,
-    content: &'a Content,
 }
 
-impl Marks<'_> {
-    fn line(&mut self, points: &[[f64; 2]], width: f64, ink: Ink) {
+impl<'a> Pen<'a> {
+    pub(in crate::picture) fn new(frame: &'a Frame) -> Self {
+        Self { list: Vec::new(), frame }
+    }
+
+    /// The pixels of the plot.
+    pub(in crate::picture) fn pixels(&mut self, picture: Picture) {
+        let (corner, size) = (self.frame.corner(), self.frame.size());
+        self.list.push(Mark::Pixels { corner, size, picture });
+    }
+
+    /// The line around the plot.
+    pub(in crate::picture) fn frame(&mut self, ink: Ink) {
+        self.list.push(Mark::frame(self.frame.corner(), self.frame.size(), HAIRLINE, ink));
+    }
+
+    pub(in crate::picture) fn line(&mut self, points: &[[f64; 2]], width: f64, ink: Ink) {
         self.list.push(Mark::line(points, width, ink));
     }
 
-    fn number(&mut self, at: [f64; 2], anchor: Anchor, ink: Ink, text: &str) {
+    pub(in crate::picture) fn number(&mut self, at: [f64; 2], anchor: Anchor, ink: Ink, text: &str) {
         self.list.push(Mark::text(at, NUMBER, anchor, ink, text));
     }
 
-    fn horizontal(&mut self, [left, top]: [f64; 2], [width, height]: [f64; 2]) {
-        let axis = &self.content.axes[0];
+    pub(in crate::picture) fn axes(&mut self, [x, y]: &[Axis; 2]) {
+        self.horizontal(x);
+        self.vertical(y);
+    }
+
+    fn horizontal(&mut self, axis: &Axis) {
+        let ([left, top], [width, height]) = (self.frame.corner(), self.frame.size());
         let [low, high] = axis.ends;
         let bottom = top + height;
         for (value, text) in steps(low, high, (width / SPACING).max(2.0)) {
@@ -242,8 +246,8 @@ impl Marks<'_> {
         self.list.push(Mark::text([left + width / 2.0, below], LABEL, Anchor::Middle, BLACK, &axis.label));
     }
 
-    fn vertical(&mut self, [left, top]: [f64; 2], [_, height]: [f64; 2]) {
-        let axis = &self.content.axes[1];
+    fn vertical(&mut self, axis: &Axis) {
+        let ([left, top], [_, height]) = (self.frame.corner(), self.frame.size());
         let [low, high] = axis.ends;
         let mut widest = 0.0f64;
         for (value, text) in steps(low, high, (height / SPACING).max(2.0)) {
@@ -257,10 +261,13 @@ impl Marks<'_> {
         self.list.push(Mark::turned_text(at, LABEL, BLACK, &axis.label));
     }
 
-    fn bar(&mut self, bar: &Bar, [map_left, top]: [f64; 2], [map_width, height]: [f64; 2]) {
+    /// The colour bar at the right of the plot.
+    pub(in crate::picture) fn bar(&mut self, bar: &Bar) {
+        let ([plot_left, top], [plot_width, height]) = (self.frame.corner(), self.frame.size());
         let density = self.frame.density;
         let on_grid = |mm: f64| (mm * density).round() / density;
-        let (left, width) = (on_grid(map_left + map_width + BAR_GAP), on_grid(BAR_WIDTH).max(1.0 / density));
+        let (left, width) =
+            (on_grid(plot_left + plot_width + BAR_GAP), on_grid(BAR_WIDTH).max(1.0 / density));
         let rows = self.frame.map[1];
         let columns = (width * density).round() as usize;
         let colour = |row: usize| bar.table[(rows - 1 - row) * 255 / (rows - 1).max(1)];
@@ -269,21 +276,24 @@ impl Marks<'_> {
         self.list.push(Mark::Pixels { corner: [left, top], size: [width, height], picture });
         self.list.push(Mark::frame([left, top], [width, height], HAIRLINE, BLACK));
         let ([low, high], right) = (bar.ends, left + width);
+        let y = |value: f64| top + height * (high - value) / (high - low);
         let mut widest = 0.0f64;
         for (value, text) in bar.ticks(height) {
-            let y = top + height * (high - value) / (high - low);
+            let y = y(value);
             self.line(&[[right, y], [right + TICK, y]], HAIRLINE, BLACK);
             let at = [right + TICK + GAP, y + NUMBER * CAPITAL / 2.0];
             self.number(at, Anchor::Start, BLACK, &text);
             widest = widest.max(font::width(&text, NUMBER));
+        }
+        if let Some(value) = bar.mark {
+            self.line(&[[left - TICK, y(value)], [right + TICK, y(value)]], STROKE, BLACK);
         }
         let at = [right + TICK + GAP + widest + GAP + LABEL * 0.75, top + height / 2.0];
         self.list.push(Mark::turned_text(at, LABEL, BLACK, &bar.label));
     }
 
     /// Contours, targets and scale bar: ink on the map.
-    fn drawn_on_the_map(&mut self) {
-        let content = self.content;
+    fn drawn_on_the_map(&mut self, content: &Content) {
         let ink = if content.is_light { BLACK } else { [255; 3] };
         let density = self.frame.density;
         let ([left, top], [width, height]) = (self.frame.corner(), self.frame.size());
@@ -331,11 +341,9 @@ impl Marks<'_> {
             self.number(at, anchor, ink, &text);
         }
     }
-}
 
-impl Marks<'_> {
     /// A measured length: a line between two ticks, and its number beyond the end at the right or above.
-    fn length(&mut self, ends: [[f64; 2]; 2], text: &str, ink: Ink, room: [f64; 4]) {
+    pub(in crate::picture) fn length(&mut self, ends: [[f64; 2]; 2], text: &str, ink: Ink, room: [f64; 4]) {
         let [from, to] = ends;
         let along = [to[0] - from[0], to[1] - from[1]];
         let size = along[0].hypot(along[1]).max(1e-9);

@@ -23,7 +23,7 @@ use crate::ui::{editor::Editor, keys, shown::Shown};
 use answer::{answer, hear_enter};
 
 pub use import::Import;
-pub use options::{FigureForm, FilmForm, Preview};
+pub use options::{FigureForm, FilmForm, Piece, Preview};
 pub use state::{Asking, Dialog, Entry, Folder};
 
 /// Draws the dialog that is open, if one is.

@@ -1,9 +1,11 @@
 //! The options of exported figures and films.
 
 use egui::TextureHandle;
+use glam::{DVec2, DVec3};
+use strum::{IntoStaticStr, VariantArray};
 
 use crate::picture::figure::{Format, Paper};
-use crate::scene::{Scene, motion};
+use crate::scene::{Plane, Scene, motion};
 use crate::studio::animate::Kind;
 use crate::studio::figure::Wish;
 use crate::studio::map;
@@ -11,24 +13,92 @@ use crate::studio::swell::Schedule;
 use crate::ui::map::Map;
 use crate::ui::view::View;
 
-/// The options of a figure; map, colours, range and contours are those of the view.
+/// Width of a figure of several panels, mm: both columns of a journal.
+const DOUBLE: f64 = 174.0;
+/// mm, sides of the part of a plane that a figure shows.
+pub(super) const SPANS: [f64; 2] = [1.0, 10_000.0];
+
+/// What a panel of a figure shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
+pub enum Piece {
+    Map,
+    /// Of a comparison.
+    #[strum(serialize = "Second map")]
+    Second,
+    Difference,
+    #[strum(serialize = "Shaded relief")]
+    Relief,
+    #[strum(serialize = "3D view")]
+    Space,
+    #[strum(serialize = "Line profile")]
+    Profile,
+    #[strum(serialize = "Phases")]
+    Phases,
+    #[strum(serialize = "Amplitudes")]
+    Amplitudes,
+    #[strum(serialize = "Methods table")]
+    Methods,
+}
+
+impl Piece {
+    /// Whether it is a plane in colours, with contours and targets.
+    pub(super) fn is_map(self) -> bool {
+        matches!(self, Self::Map | Self::Second | Self::Difference)
+    }
+
+    /// Whether a part of the plane is chosen for it.
+    pub(super) fn is_of_plane(self) -> bool {
+        self.is_map() || self == Self::Relief
+    }
+}
+
+/// The part of the displayed plane that a figure shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, IntoStaticStr, VariantArray)]
+#[strum(const_into_str)]
+pub enum Extent {
+    /// As on the screen.
+    #[default]
+    View,
+    /// Of the size of the scene plane, about its centre.
+    #[strum(serialize = "Scene plane")]
+    ScenePlane,
+    /// Of a typed size, about the centre of the scene plane.
+    #[strum(serialize = "Width x height")]
+    Typed,
+}
+
+/// The options of a figure; planes, colours, range and contours are those of the view.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigureForm {
-    pub(super) paper: Paper,
+    pub pieces: Vec<Piece>,
+    /// mm; `None`: a column, or both for several panels.
+    pub(super) width: Option<f64>,
+    pub(super) dpi: f64,
+    /// `None`: as many as suit the panels.
+    pub(super) columns: Option<usize>,
+    pub(super) extent: Extent,
+    /// Width and height of [`Extent::Typed`], mm.
+    pub(super) span: [f64; 2],
     pub(super) title: String,
     pub(super) colour_bar: bool,
     pub(super) scale_bar: bool,
     pub(super) contours: bool,
     pub(super) targets: bool,
     pub(super) widths: bool,
-    pub(super) is_light: bool,
+    pub is_light: bool,
     pub(super) format: Format,
 }
 
 impl Default for FigureForm {
     fn default() -> Self {
         Self {
-            paper: Paper::default(),
+            pieces: Vec::new(),
+            width: None,
+            dpi: Paper::default().dpi,
+            columns: None,
+            extent: Extent::default(),
+            span: [100.0; 2],
             title: String::new(),
             colour_bar: true,
             scale_bar: false,
@@ -42,24 +112,44 @@ impl Default for FigureForm {
 }
 
 impl FigureForm {
-    /// Colours for the ground of the view.
-    pub fn follow(&mut self, view: &View) {
-        self.is_light = view.is_light;
+    /// The pieces on the screen, in colours for the ground of the view.
+    pub fn follow(&mut self, view: &View, scene: &Scene, pieces: Vec<Piece>) {
+        (self.is_light, self.pieces) = (view.is_light, pieces);
+        if self.extent != Extent::Typed {
+            self.span = (scene.plane.size * 1e3).to_array();
+        }
+    }
+
+    /// mm
+    pub(super) fn width(&self) -> f64 {
+        let usual = if self.pieces.len() > 1 { DOUBLE } else { Paper::default().width };
+        self.width.unwrap_or(usual)
+    }
+
+    /// The chosen part of a plane on the screen.
+    pub fn plane(&self, shown: &Plane, scene: &Scene) -> Plane {
+        let size = match self.extent {
+            Extent::View => return shown.clone(),
+            Extent::ScenePlane => scene.plane.size,
+            Extent::Typed => DVec2::from_array(self.span) * 1e-3,
+        };
+        let (x, y) = shown.axes().unwrap_or((DVec3::X, DVec3::Y));
+        let offset = scene.plane.centre - shown.centre;
+        Plane { centre: shown.centre + x * x.dot(offset) + y * y.dot(offset), size, ..shown.clone() }
     }
 
     /// The figure of a view.
     pub fn wish(&self, view: &View) -> Wish {
         let declaration = view.quantity.declaration();
-        let is_shaded = view.is_shaded();
         let contours: &[f64] = match declaration.is_level() {
             true => &map::OVER_THRESHOLD,
-            false if declaration.has_mean && !is_shaded => std::slice::from_ref(&view.contour_level),
+            false if declaration.has_mean => std::slice::from_ref(&view.contour_level),
             false => &[],
         };
         Wish {
-            paper: self.paper,
+            paper: Paper { width: self.width(), dpi: self.dpi },
+            columns: self.columns,
             title: Some(self.title.clone()),
-            is_shaded,
             colours: view.colours,
             is_light: self.is_light,
             scale: view.colouring().scale(),
@@ -72,8 +162,8 @@ impl FigureForm {
             convention: view.convention,
             has_colour_bar: self.colour_bar,
             has_scale_bar: self.scale_bar,
-            has_targets: self.targets && !is_shaded,
-            has_widths: self.widths && !is_shaded,
+            has_targets: self.targets,
+            has_widths: self.widths,
         }
     }
 }

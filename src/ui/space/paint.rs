@@ -3,7 +3,8 @@
 use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Ui, pos2, vec2};
 use glam::DVec3;
 
-use crate::field::{Quantity, figures};
+use crate::field::Quantity;
+use crate::picture::figure::axes;
 use crate::studio::space as labels;
 use crate::ui::space::act::chosen;
 use crate::ui::space::handle::{self, ARROW, AXES};
@@ -170,7 +171,7 @@ fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &St
 
 /// The colour bar, with the level of the isosurface.
 fn bar(editor: &Editor, picture: &SpaceShown, ui: &Ui, stage: &Stage) {
-    const TICKS: usize = 5;
+    const TICKS: f64 = 6.0;
     let painter = ui.painter();
     let ink = ui.visuals().text_color();
     let left = stage.rect.right() + 14.0;
@@ -193,11 +194,10 @@ fn bar(editor: &Editor, picture: &SpaceShown, ui: &Ui, stage: &Stage) {
     painter.add(mesh);
     let edge = Stroke::new(1.0, ui.visuals().weak_text_color());
     painter.rect_stroke(rect, 0.0, edge, StrokeKind::Outside);
-    for i in 0..=TICKS {
-        let part = i as f64 / TICKS as f64;
-        let at = pos2(rect.right(), y(part as f32));
+    let largest = (full * factor).max(f64::MIN_POSITIVE);
+    for (value, label) in axes::steps(0.0, largest, TICKS) {
+        let at = pos2(rect.right(), y((value / largest) as f32));
         painter.line_segment([at, at + vec2(4.0, 0.0)], edge);
-        let label = if i == 0 { "0".to_owned() } else { figures(full * part * factor) };
         painter.text(at + vec2(7.0, 0.0), Align2::LEFT_CENTER, label, font.clone(), ink);
     }
     if editor.space.seen == Seen::Surface {

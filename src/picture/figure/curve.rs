@@ -1,0 +1,57 @@
+//! The plot of values along a line.
+
+use crate::picture::figure::layout::{Axis, Frame, HAIRLINE, Length, Pen, Room, STROKE, clipped};
+use crate::picture::figure::mark::{BLACK, Ink, Mark};
+
+/// Height over width.
+pub(in crate::picture) const SHAPE: f64 = 0.6;
+const CURVE: Ink = [0, 114, 178];
+const BAND: Ink = [150, 195, 222];
+const FAINT: Ink = [150, 150, 156];
+
+/// A curve with its axes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Curve {
+    pub axes: [Axis; 2],
+    /// On the axes.
+    pub points: Vec<[f64; 2]>,
+    /// Lower and upper limits of what the points scatter by, if known.
+    pub limits: Option<[Vec<[f64; 2]>; 2]>,
+    /// Places on the axis to the right that a line marks.
+    pub places: Vec<f64>,
+    /// The width of a lobe.
+    pub width: Option<Length>,
+}
+
+impl Curve {
+    pub(in crate::picture) fn room(&self) -> Room {
+        Room::of_axes(&self.axes, None)
+    }
+
+    pub(in crate::picture) fn marks(&self, frame: &Frame) -> Vec<Mark> {
+        let mut pen = Pen::new(frame);
+        let room @ [_, top, _, bottom] = frame.room();
+        let mut lines = |points: &[[f64; 2]], width: f64, ink: Ink| {
+            for piece in clipped(points, room) {
+                pen.line(&piece, width, ink);
+            }
+        };
+        for &place in &self.places {
+            let [x, _] = frame.place(&self.axes, [place, 0.0]);
+            lines(&[[x, top], [x, bottom]], HAIRLINE, FAINT);
+        }
+        let placed = |points: &[[f64; 2]]| -> Vec<_> {
+            points.iter().map(|&point| frame.place(&self.axes, point)).collect()
+        };
+        for limit in self.limits.iter().flatten() {
+            lines(&placed(limit), HAIRLINE, BAND);
+        }
+        lines(&placed(&self.points), STROKE, CURVE);
+        if let Some((ends, text)) = &self.width {
+            pen.length(ends.map(|end| frame.place(&self.axes, end)), text, BLACK, room);
+        }
+        pen.frame(BLACK);
+        pen.axes(&self.axes);
+        pen.list
+    }
+}
