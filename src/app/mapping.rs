@@ -24,11 +24,12 @@ use crate::field::{
 };
 use crate::gauge::Gauge;
 use crate::picture::Picture;
-use crate::picture::relief::{Place, Relief};
+use crate::picture::relief::{self, Place, Relief};
 use crate::scene::Scene;
 use crate::studio::later::Later;
 use crate::studio::map;
 use crate::ui::part::wake;
+use crate::ui::parts::waves::{self, Surface};
 use crate::ui::theme;
 use crate::ui::view::{Axes, Cut, Lens, View};
 use crate::ui::{Map, Sound, Texture};
@@ -39,10 +40,6 @@ const MOST_PIXELS: usize = 1 << 23;
 const MOST_FRAMES: usize = 4;
 /// Pixels from one point of a shaded surface to the next.
 const SHADED_STEP: usize = 2;
-/// Margins around a shaded surface, relative to the picture's height.
-const SHADED_SIDE: f64 = 0.04;
-const SHADED_TOP: f64 = 0.09;
-const SHADED_BOTTOM: f64 = 0.12;
 
 /// The inputs of a displayed picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,7 +49,8 @@ struct Wanted {
     colouring: Colouring,
     /// Pixels of the picture.
     picture: (usize, usize),
-    is_shaded: bool,
+    /// How a shaded surface is looked at.
+    relief: Option<relief::Look>,
     /// Levels of contour lines, as [`map::contour`] has them.
     contours: Vec<f64>,
 }
@@ -96,6 +94,8 @@ pub struct Look<'a> {
     /// The value of the last colour, unless chosen in the view.
     pub full: Option<f64>,
     pub lens: &'a Lens,
+    /// A moving surface of the liquid, instead of the one at rest.
+    pub surface: Option<&'a Surface>,
     /// Shows the pressure that dims the view's quantity, instead of the quantity.
     pub is_veil: bool,
 }
@@ -273,7 +273,7 @@ impl Mapping {
         let made = if is_drawn {
             self.awaited = None;
             self.complete(map, &mut done)
-        } else if is_of_skin_in_motion(&wanted.request) && !self.stages.has(&wanted.request) {
+        } else if has_many_frames(&wanted.request) && !self.stages.has(&wanted.request) {
             self.await_skin(wanted, frame, map, &mut done, ctx)
         } else if self.stages.gpu().is_some() && self.screen.is_none() {
             self.await_values(wanted, frame, map, &mut done, ctx)
@@ -324,11 +324,20 @@ impl Mapping {
             size,
             ..self.requested(scene, &look.drives, quantity)
         };
-        let full = look.full.or(view.full).map(|full| full as f32);
-        let low = view.low.filter(|_| view.full.is_some()).map(|low| low as f32);
+        let (request, range) = match look.surface {
+            Some(surface) => (waves::at(&request, surface.depth.clone()), Some(surface.range)),
+            None => (request, None),
+        };
+        let full = look.full.or(view.full).or(range.map(|[_, high]| high)).map(|full| full as f32);
+        let low = view.low.filter(|_| view.full.is_some()).or(range.map(|[low, _]| low));
+        let low = low.map(|low| low as f32);
         let colouring = veil.unwrap_or_else(|| Colouring { full, low, ..view.colouring() });
         let contours = view.contour_levels().to_vec();
-        Some(Wanted { request, colouring, picture, is_shaded, contours })
+        let deepest = range.map(|[low, high]| high.max(-low));
+        let automatic = deepest.map(|deepest| relief::exaggeration(deepest, request.plane.size));
+        let exaggeration = view.relief.exaggeration.or(automatic);
+        let relief = is_shaded.then_some(relief::Look { exaggeration, ..view.relief });
+        Some(Wanted { request, colouring, picture, relief, contours })
     }
 
     /// The request of a scene's map, of any size.
@@ -355,7 +364,7 @@ impl Mapping {
     fn is_there(&mut self, request: &Request, ctx: &Context) -> Result<bool, FieldError> {
         self.slow.collect();
         if !request.quantity.declaration().of_volume {
-            if !is_of_skin_in_motion(request) {
+            if !has_many_frames(request) {
                 self.slow.keep(None);
             }
             return Ok(true);
@@ -395,7 +404,7 @@ impl Mapping {
     ) -> Result<(), FieldError> {
         let before = self.awaited.take().filter(|before| {
             self.slow.get(&before.wanted.request).is_some()
-                || (self.slow.is_running() && is_of_skin_in_motion(&before.wanted.request))
+                || (self.slow.is_running() && has_many_frames(&before.wanted.request))
         });
         let first = before.unwrap_or_else(|| Box::new(Awaited { wanted, frame, asked: Instant::now() }));
         let Some(values) = self.slow.get(&first.wanted.request).cloned() else {
@@ -449,19 +458,24 @@ impl Mapping {
     ) -> Result<(), FieldError> {
         let (width, height) = wanted.picture;
         let request = &wanted.request;
-        let mut relief = None;
+        let mut drawn = None;
         let mut exaggeration = None;
         let before = map.take();
         let (known, old) = before.map_or(((0.0, 0.0, String::new()), None), |map| {
             ((map.largest, map.error, map.how), Some(map.texture))
         });
-        let texture = if wanted.is_shaded {
+        let texture = if let Some(look) = wanted.relief {
             let values = &self.stages.map(request)?.values;
-            let surface = Relief::new(values, request.size.0, request.plane.size);
-            exaggeration = Some(surface.exaggeration);
-            let picture = surface.draw(&place(width, height));
+            let mut surface = Relief::new(values, request.size.0, request.plane.size);
+            (surface.sight, surface.exaggeration) =
+                (look.sight, look.exaggeration.unwrap_or(surface.exaggeration));
+            let ground = theme::ground(false);
+            let place = Place::on_screen(width, height, [ground.r(), ground.g(), ground.b()]);
+            let per_metre = surface.sinks_in(&place) / f64::from(ctx.pixels_per_point());
+            exaggeration = Some((surface.exaggeration, per_metre));
+            let picture = surface.draw(&place);
             let image = from_top(&picture);
-            relief = Some(picture);
+            drawn = Some(picture);
             in_egui(old, image, ctx)
         } else {
             let Self { stages, screen, registered, .. } = self;
@@ -493,11 +507,12 @@ impl Mapping {
             width: request.size.0,
             height: request.size.1,
             contours: Vec::new(),
-            exaggeration,
+            exaggeration: exaggeration.map(|(times, _)| times),
+            per_depth: exaggeration.map_or(0.0, |(_, per_metre)| per_metre),
             numbers: None,
         });
         let lacks_contours = !wanted.contours.is_empty();
-        self.drawn = Some(Drawn { wanted, picture: relief, lacks_figures: true, lacks_contours });
+        self.drawn = Some(Drawn { wanted, picture: drawn, lacks_figures: true, lacks_contours });
         self.complete(map, done)?;
         done.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
         Ok(())
@@ -582,22 +597,9 @@ impl Mapping {
     }
 }
 
-/// Whether a map of the skin has so many frames that it takes longer than a frame of the window.
-fn is_of_skin_in_motion(request: &Request) -> bool {
-    request.quantity.declaration().of_skin && request.drives.len() > MOST_FRAMES
-}
-
-/// Position of a shaded surface on the canvas.
-fn place(width: usize, height: usize) -> Place {
-    let (high, ground) = (height as f64, theme::ground(false));
-    Place {
-        width,
-        height,
-        side: SHADED_SIDE * high,
-        top: SHADED_TOP * high,
-        bottom: SHADED_BOTTOM * high,
-        ground: [ground.r(), ground.g(), ground.b()],
-    }
+/// Whether a map is of so many frames that it takes longer than a frame of the window.
+fn has_many_frames(request: &Request) -> bool {
+    request.quantity.declaration().has_mean && request.drives.len() > MOST_FRAMES
 }
 
 /// A picture with its lowest row first, as maps are.

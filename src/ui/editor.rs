@@ -55,6 +55,8 @@ pub struct Editor {
     pub hints: bool,
     /// Time (s) of the last Escape while a board sounds.
     pub(super) escaped: Option<f64>,
+    /// Whether the space bar is down and nothing was dragged with it: its release plays or pauses.
+    pub(super) is_space_down: bool,
     /// Whether the loudness warning was answered in this run.
     pub was_warned: bool,
     /// Figure options of this run.
@@ -81,6 +83,7 @@ impl Editor {
     pub fn new(document: Document) -> Self {
         Self {
             view: View::of(&document.scene),
+            playback: Playback::opening(&document.scene),
             fitted: None,
             space: SpaceView::default(),
             compare: None,
@@ -94,6 +97,7 @@ impl Editor {
                 is_folded: false,
                 is_drawn_out: false,
                 presents: false,
+                has_timeline: false,
             },
             grid: 0.005,
             snaps: false,
@@ -108,11 +112,11 @@ impl Editor {
             asking: Asking::default(),
             hints: false,
             escaped: None,
+            is_space_down: false,
             was_warned: false,
             figure: FigureForm::default(),
             film: FilmForm::default(),
             after_saving: None,
-            playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
             parts: Parts::default(),
             pointed: None,
@@ -131,7 +135,7 @@ impl Editor {
         self.space.camera = None;
         self.document = document;
         self.forget_places();
-        self.playback = Playback::default();
+        self.playback = Playback::opening(self.scene());
     }
 
     /// Takes a scene changed by other programs.

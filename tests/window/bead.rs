@@ -51,7 +51,7 @@ fn a_point_becomes_a_trap_for_light_beads_but_not_for_heavy_ones() {
     assert_eq!((found.hold.at, found.hold.outcome), (AT, Outcome::Holds));
     assert_eq!(found.hold, levitation(&screen).hold(AT));
     assert!(found.hold.sag().abs() < 1e-4 && found.load > 0.0);
-    assert!(screen.query_by_label_contains("It holds: rests").is_some());
+    assert!(screen.query_by_label_contains("Stable trap: sag").is_some());
     for (axis, curve) in found.curves.iter().enumerate() {
         let middle = curve[curve.len() / 2];
         assert!(
@@ -72,7 +72,7 @@ fn a_point_becomes_a_trap_for_light_beads_but_not_for_heavy_ones() {
     screen.state_mut().editor_mut().document.scene.array.strength = 0.1;
     rest(&mut screen);
     assert!(!levitated(&screen).hold.holds());
-    assert!(screen.query_by_label_contains("It does not hold: ").is_some());
+    assert!(screen.query_by_label_contains("No trap: ").is_some());
 
     screen.get_by_label("Force at a point").click();
     rest(&mut screen);

@@ -110,7 +110,7 @@ fn a_moving_focus_is_felt_by_all_its_frames() {
     (editor.playback.frame, editor.panel) = (None, Panel::Motion);
     editor.document.scene.skin = Some(Skin::default());
     rest(&mut screen);
-    screen.get_by_label("Course of time and spectrum").click();
+    screen.get_by_label("Time course and spectrum at a point").click();
     rest(&mut screen);
     let of_skin = |screen: &Screen| {
         let course = screen.state().editor().parts.course.newest().cloned().unwrap().unwrap();

@@ -57,7 +57,10 @@ fn caustic(editor: &mut Editor, ui: &mut Ui) {
     let liquid = &mut editor.document.scene.liquid;
     let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
     form(ui, "caustic", |ui| {
-        let ways = variants::<Light>(Into::into);
+        let ways = variants::<Light>(|light| match light {
+            Light::Through => "transmitted",
+            Light::Reflected => "reflected",
+        });
         let tip =
             "Through the liquid from below, or reflected from above; along the normal of the level surface";
         choice(ui, ("Light", tip), &mut liquid.light, &ways);

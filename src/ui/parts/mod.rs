@@ -10,6 +10,7 @@ mod ranges;
 mod response;
 pub(crate) mod survey;
 pub mod trade;
+pub mod waves;
 mod ways;
 
 use egui::Context;
@@ -26,6 +27,7 @@ use crate::ui::parts::ranges::FigureRanges;
 use crate::ui::parts::response::Response;
 use crate::ui::parts::survey::Survey;
 use crate::ui::parts::trade::Trade;
+use crate::ui::parts::waves::Waves;
 use crate::ui::parts::ways::Ways;
 
 pub use feeling::FeltFigures;
@@ -46,11 +48,12 @@ pub struct Parts {
     pub response: Derived<Response>,
     pub survey: Derived<Survey>,
     pub trade: Derived<Trade>,
+    pub waves: Derived<Waves>,
     pub ways: Derived<Ways>,
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 12] {
+    fn all(&self) -> [&dyn Background; 13] {
         let Self {
             arrows,
             bound,
@@ -63,15 +66,16 @@ impl Parts {
             response,
             survey,
             trade,
+            waves,
             ways,
         } = self;
         [
             arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade,
-            ways,
+            waves, ways,
         ]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 12] {
+    fn all_mut(&mut self) -> [&mut dyn Background; 13] {
         let Self {
             arrows,
             bound,
@@ -84,11 +88,12 @@ impl Parts {
             response,
             survey,
             trade,
+            waves,
             ways,
         } = self;
         [
             arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade,
-            ways,
+            waves, ways,
         ]
     }
 

@@ -17,7 +17,8 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "At a point");
     let tip =
         "Pressure under modulation, motion and the frame rate of the board, and the spectrum of its square";
-    ui.checkbox(&mut editor.parts.course.form.is_shown, "Course of time and spectrum").on_hover_text(tip);
+    ui.checkbox(&mut editor.parts.course.form.is_shown, "Time course and spectrum at a point")
+        .on_hover_text(tip);
     if !editor.parts.course.form.is_shown {
         return;
     }

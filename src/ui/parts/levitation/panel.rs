@@ -5,6 +5,7 @@ use egui_plot::{Line, PlotPoints};
 
 use crate::force::Outcome;
 use crate::scene::{Bead, Material};
+use crate::studio::figure::capital;
 use crate::studio::levitation;
 use crate::ui::panels::form::{MM, Unit, fact, form, number};
 use crate::ui::panels::form::{choice, given, still_plot, variants};
@@ -69,7 +70,7 @@ fn figures(levitated: &Levitated, ui: &mut Ui) {
         Outcome::TooHeavy | Outcome::Unstable | Outcome::Leaves => theme::warning(ui.visuals()),
     };
     let verdict = levitation::verdict(hold);
-    ui.label(RichText::new(format!("It {verdict}.")).color(colour));
+    ui.label(RichText::new(format!("{}.", capital(&verdict))).color(colour));
     form(ui, "force", |ui| {
         let [x, y, z] = hold.at.to_array().map(measure::mm);
         fact(ui, ("At", "x, y, z"), format!("{x}, {y}, {z} mm"));
