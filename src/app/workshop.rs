@@ -100,6 +100,7 @@ pub struct Workshop {
     /// The played sound, and its inputs.
     sounded: Option<((Scene, Option<u32>, Source), Sound)>,
     oscillation: Clock,
+    flight: Clock,
 }
 
 impl Workshop {
@@ -118,6 +119,7 @@ impl Workshop {
             board: None,
             sounded: None,
             oscillation: Clock::default(),
+            flight: Clock::default(),
         }
     }
 
@@ -155,6 +157,7 @@ impl Workshop {
         self.follow(editor, shown, ctx);
         self.play(editor, shown, ctx);
         self.oscillate(editor, shown, ctx);
+        self.fly(editor, ctx);
         let source = self.source(editor, shown);
         shown.sound = source.as_ref().map(|source| self.sound(editor, source));
         match *seen {
@@ -339,6 +342,7 @@ impl Workshop {
         let presses = editor.view.quantity.declaration().is_slow;
         let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Felt | Panel::Device)
             || editor.playback.moment != Moment::Rest
+            || editor.parts.flight.form.from.is_some()
             || presses;
         let moves = motion::moves(scene) && scene.has_drive();
         shown.round = None;
@@ -452,6 +456,15 @@ impl Workshop {
         }
         if runs {
             ctx.request_repaint_after(OSCILLATION_STEP);
+        }
+    }
+
+    /// Moves a released bead on.
+    fn fly(&mut self, editor: &mut Editor, ctx: &Context) {
+        let flight = &mut editor.parts.flight;
+        let passed = self.flight.passed(flight.form.playing, ctx);
+        if flight.go_on(passed.unwrap_or(0.0)) {
+            ctx.request_repaint_after(Duration::from_secs_f64(SHORTEST_FRAME));
         }
     }
 

@@ -9,6 +9,7 @@ use crate::field::{Quantity, Range};
 use crate::picture::figure::axes::{self, round_step};
 use crate::scene::Channel;
 use crate::studio::{map, probe};
+use crate::ui::parts::flight;
 use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
@@ -126,6 +127,8 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());
         path_marks::paint(editor, shown, &painter, lens);
     }
+    let axes_of_view = editor.view.axes(editor.scene());
+    flight::paint(&editor.parts.flight, &painter, |at| Some(lens.screen(axes_of_view.flat(at))));
     marks::gesture(editor, &painter, lens);
     if let Some(at) = canvas.response.hover_pos() {
         marks::brush(editor, &painter, lens, at);
@@ -276,7 +279,7 @@ pub fn axes(view: &View, ui: &Ui, lens: &Lens) {
     let ink = visuals.text_color();
     let rect = lens.rect;
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Outside);
-    let step = axes::round_step(TICK * lens.window.scale * 1e3);
+    let step = round_step(TICK * lens.window.scale * 1e3);
     let (low, high) = (lens.flat(rect.left_bottom()) * 1e3, lens.flat(rect.right_top()) * 1e3);
     let decimals = ticks::decimals(step).min(2);
     let font = FontId::proportional(12.0);
@@ -316,7 +319,7 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
 }
 
 /// A place for the read-out of this size in the upper left corner, below a board that lies there.
-fn beside_boards(editor: &Editor, sound: Option<&Sound>, lens: &Lens, size: egui::Vec2) -> Rect {
+fn beside_boards(editor: &Editor, sound: Option<&Sound>, lens: &Lens, size: Vec2) -> Rect {
     /// Points of the screen from one place tried to the next.
     const STEP: f32 = 10.0;
     let corner = Rect::from_min_size(lens.rect.left_top() + vec2(12.0, 9.0), size);

@@ -135,6 +135,7 @@ impl Editor {
         self.space.camera = None;
         self.document = document;
         self.forget_places();
+        self.parts.flight.form.from = None;
         self.playback = Playback::opening(self.scene());
     }
 

@@ -58,6 +58,11 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 /// Plays, or pauses, what is displayed: a bead in flight, the wave of the sound, waves of a liquid, or a motion. Returns whether
 /// there was any.
 pub fn play_or_pause(editor: &mut Editor) -> bool {
+    let flight = &mut editor.parts.flight.form;
+    if flight.from.is_some() {
+        flight.playing = !flight.playing;
+        return true;
+    }
     if !editor.space.is_on && editor.view.quantity == Quantity::Instantaneous {
         editor.oscillation.playing = !editor.oscillation.playing;
         return true;
@@ -75,7 +80,7 @@ pub fn play_or_pause(editor: &mut Editor) -> bool {
 /// Whether anything can be played.
 pub fn can_play(editor: &Editor) -> bool {
     let is_wave = !editor.space.is_on && editor.view.quantity == Quantity::Instantaneous;
-    is_wave || Played::of(editor).is_some()
+    is_wave || editor.parts.flight.form.from.is_some() || Played::of(editor).is_some()
 }
 
 /// Shows the waves of a liquid from their beginning, or the surface at rest.

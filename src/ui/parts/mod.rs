@@ -3,6 +3,7 @@
 mod bound;
 pub mod course;
 pub(crate) mod feeling;
+pub mod flight;
 pub mod levitation;
 mod nonlinear;
 pub(crate) mod radiation;
@@ -19,6 +20,7 @@ use crate::ui::part::{Background, Derived, Now};
 use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
 use crate::ui::parts::feeling::Feeling;
+use crate::ui::parts::flight::Release;
 use crate::ui::parts::levitation::Levitation;
 use crate::ui::parts::levitation::arrows::Arrows;
 use crate::ui::parts::nonlinear::Harmonic;
@@ -41,6 +43,7 @@ pub struct Parts {
     pub bound: Derived<Bound>,
     pub course: Derived<TimeCourse>,
     pub feeling: Derived<Feeling>,
+    pub flight: Derived<Release>,
     pub harmonic: Derived<Harmonic>,
     pub levitation: Derived<Levitation>,
     pub radiation: Derived<Radiation>,
@@ -53,12 +56,13 @@ pub struct Parts {
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 13] {
+    fn all(&self) -> [&dyn Background; 14] {
         let Self {
             arrows,
             bound,
             course,
             feeling,
+            flight,
             harmonic,
             levitation,
             radiation,
@@ -70,17 +74,18 @@ impl Parts {
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade,
-            waves, ways,
+            arrows, bound, course, feeling, flight, harmonic, levitation, radiation, ranges, response,
+            survey, trade, waves, ways,
         ]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 13] {
+    fn all_mut(&mut self) -> [&mut dyn Background; 14] {
         let Self {
             arrows,
             bound,
             course,
             feeling,
+            flight,
             harmonic,
             levitation,
             radiation,
@@ -92,8 +97,8 @@ impl Parts {
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade,
-            waves, ways,
+            arrows, bound, course, feeling, flight, harmonic, levitation, radiation, ranges, response,
+            survey, trade, waves, ways,
         ]
     }
 

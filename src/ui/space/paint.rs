@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use crate::field::{Quantity, figures};
 use crate::studio::space as labels;
+use crate::ui::parts::flight;
 use crate::ui::space::act::chosen;
 use crate::ui::space::handle::{self, ARROW, AXES};
 use crate::ui::space::view::Handle;
@@ -44,6 +45,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, stage: &Stage) {
             marks::chip(&painter, at, Align2::LEFT_BOTTOM, &text, 12.0, theme::MARK);
         }
     }
+    flight::paint(&editor.parts.flight, &painter, |at| stage.screen(at));
     if let Some(picture) = &shown.space {
         describe(editor, picture, &painter, stage);
         bar(editor, picture, ui, stage);
