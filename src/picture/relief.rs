@@ -475,6 +475,8 @@ pub fn label(picture: &mut Picture, words: &str) {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     fn relief(depth: &[f32]) -> Relief<'_> {
@@ -516,6 +518,19 @@ mod tests {
             let bowl = bowl(deepest);
             assert_eq!(relief(&bowl).exaggeration, times, "{deepest}");
         }
+    }
+
+    #[test]
+    fn from_behind_is_the_front_of_the_turned_surface() {
+        let depth: Vec<_> = bowl(1e-4).iter().enumerate().map(|(i, depth)| depth * (i % 7) as f32).collect();
+        let turned: Vec<_> = depth.iter().rev().copied().collect();
+        let place = Place::on_screen(300, 200, [0; 3]);
+        let behind = Relief { sight: Sight { azimuth: PI, ..Sight::default() }, ..relief(&depth) };
+        let [a, b] = [behind.draw(&place), relief(&turned).draw(&place)];
+        let apart = a.rgba.iter().zip(&b.rgba).filter(|(a, b)| a.abs_diff(**b) > 3).count();
+        assert!(apart < a.rgba.len() / 200, "{apart}");
+        let aside = Relief { sight: Sight { azimuth: 0.7, ..Sight::default() }, ..relief(&depth) };
+        assert_ne!(aside.draw(&place).rgba, b.rgba);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use egui::{
 use glam::{DVec2, DVec3};
 
 use crate::field::{Quantity, Range};
-use crate::picture::figure::axes::{self, round_step};
+use crate::picture::figure::axes::round_step;
 use crate::scene::Channel;
 use crate::studio::{map, probe};
 use crate::ui::parts::flight;

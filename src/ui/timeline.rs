@@ -28,6 +28,8 @@ const TICK: f64 = 70.0;
 /// Width below which the timeline is abbreviated, with fewer lanes, in points.
 const NARROW: f32 = 460.0;
 const LOW: f32 = 600.0;
+/// Slowdown at which the pictures of waves follow each other smoothly.
+const SMOOTH: f64 = 10.0;
 /// Limit of frames for stepping through keyframes frame by frame.
 const MOST_STEPS: f64 = 4096.0;
 
@@ -95,7 +97,8 @@ pub fn show_waves(editor: &mut Editor, is_on: bool) {
         }
     }
     let moment = if is_on { Moment::Wave(0) } else { Moment::Rest };
-    editor.playback = Playback { moment, playing: is_on, part: 0.0, ..editor.playback };
+    let slowness = if is_on { editor.playback.slowness.min(SMOOTH) } else { editor.playback.slowness };
+    editor.playback = Playback { moment, playing: is_on, part: 0.0, slowness, ..editor.playback };
 }
 
 /// What the timeline plays, with its units.

@@ -1,5 +1,6 @@
 //! A bead in the window: points as traps, trapping of the bead, and arrows of the force over the map.
 
+use egui::accesskit::Role;
 use sonoglyph::force::{Levitation, Outcome};
 use sonoglyph::scene::{Board, Material, Target, Trap};
 use sonoglyph::ui::Panel;
@@ -97,4 +98,28 @@ fn arrows_are_the_forces_on_the_plane() {
     assert!(parts.arrows.newest().is_some() && parts.levitation.newest().is_none());
     key(&mut screen, Key::F3);
     assert_eq!(screen.state().editor().parts.arrows.newest(), None);
+}
+
+#[test]
+fn a_released_bead_flies_and_comes_to_rest() {
+    let mut screen = open_on_trap();
+    screen.state_mut().editor_mut().parts.levitation.form.typed = Some(AT + DVec3::X * 3e-4);
+    rest(&mut screen);
+    let release = |screen: &Screen| screen.state().editor().parts.flight.form;
+    screen.get_by_role_and_label(Role::Button, "Release").click();
+    screen.run_steps(2);
+    rest(&mut screen);
+    assert!(release(&screen).playing && screen.query_by_label_contains("Stays in the trap").is_some());
+    let parts = &screen.state().editor().parts;
+    let moments = &parts.flight.newest().unwrap().moments;
+    assert!(moments[0].at.distance(AT + DVec3::X * 3e-4) < 1e-12 && moments.len() > 100);
+    let time = release(&screen).time;
+    screen.run_steps(2);
+    assert!(release(&screen).time != time);
+    key(&mut screen, Key::Space);
+    rest(&mut screen);
+    assert!(!release(&screen).playing && screen.run() <= 2, "paused");
+    screen.get_by_label("Put away").click();
+    rest(&mut screen);
+    assert!(screen.state().editor().parts.flight.newest().is_none());
 }
