@@ -9,8 +9,7 @@ use crate::studio::liquid;
 use crate::ui::panels::form::{choice, given, heading, variants};
 use crate::ui::panels::{MM, Unit, fact, form, number};
 use crate::ui::parts::radiation::RadiationFigures;
-use crate::ui::view::Cut;
-use crate::ui::{editor::Editor, shown::Shown, theme};
+use crate::ui::{editor::Editor, level, shown::Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let liquid = &mut editor.document.scene.liquid;
@@ -91,9 +90,8 @@ fn caustic(editor: &mut Editor, ui: &mut Ui) {
 /// A quantity of the liquid, on a level plane.
 fn show_surface(editor: &mut Editor, quantity: Quantity) {
     editor.view.quantity = quantity;
-    if matches!(editor.view.cut, Cut::Xz | Cut::Yz) {
-        editor.view.cut = Cut::Xy;
-        editor.view.window = None;
+    if !level::is_level(&editor.view, editor.scene()) {
+        level::show_xy(editor);
     }
 }
 

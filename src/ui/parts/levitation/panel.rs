@@ -21,11 +21,10 @@ const COLOURS: [Color32; 3] =
 
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
     material(&mut editor.document.scene.bead, ui);
-    ui.checkbox(&mut editor.parts.arrows.form.is_shown, "Arrows on the map").on_hover_text(
-        "Where the sound drives the bead on the cut; the longer, the stronger. Weight is left out",
-    );
+    ui.checkbox(&mut editor.parts.arrows.form.is_shown, "Arrows on the map")
+        .on_hover_text("Radiation force on the bead in this plane, without its weight; longer is stronger");
     ui.checkbox(&mut editor.parts.levitation.form.is_shown, "Force at a point")
-        .on_hover_text("Whether a bead is held there, and the force along x, y and z");
+        .on_hover_text("Whether a bead is trapped there, and the force along x, y and z");
     if !editor.parts.levitation.form.is_shown {
         return;
     }
@@ -38,7 +37,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         Some(levitated) => figures(levitated, ui),
         None => drop(ui.label(match editor.parts.levitation.form.place {
             Place::Pointer => "Move the pointer over the map.",
-            Place::Target => "Nothing is played there.",
+            Place::Target => "There is no focus.",
         })),
     }
     release(editor, ui);
