@@ -38,8 +38,8 @@ use crate::ui::{Map, Sound, Texture};
 const MOST_PIXELS: usize = 1 << 23;
 /// Frames under which the skin is computed between two frames of the window.
 const MOST_FRAMES: usize = 4;
-/// Pixels from one point of a shaded surface to the next.
-const SHADED_STEP: usize = 2;
+/// Pixels from one point of a shaded surface, or of light in motion, to the next.
+const COARSE_STEP: usize = 2;
 
 /// The inputs of a displayed picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -311,7 +311,10 @@ impl Mapping {
             return None;
         }
         let is_shaded = view.is_shaded();
-        let step = if is_shaded { SHADED_STEP } else { 1 };
+        // The light of a moving surface is not interpolated: every ray is followed.
+        let is_light = view.quantity.declaration().of_light;
+        let is_coarse = is_light && look.surface.is_some_and(|surface| surface.is_moving);
+        let step = if is_shaded || is_coarse { COARSE_STEP } else { 1 };
         let size = (picture.0.div_ceil(step), picture.1.div_ceil(step));
         let is_wave = view.quantity == Quantity::Instantaneous;
         let veil = view.veil().filter(|_| look.is_veil);

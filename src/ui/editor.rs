@@ -16,7 +16,7 @@ use crate::ui::gesture::{Gesture, Typing, Vertex};
 use crate::ui::guides::Guide;
 use crate::ui::layout::{Layout, Panel};
 use crate::ui::parts::Parts;
-use crate::ui::playback::{Oscillation, Playback};
+use crate::ui::playback::{Moment, Oscillation, Playback};
 use crate::ui::space::view::SpaceView;
 use crate::ui::tool::{Brush, Tool};
 use crate::ui::view::View;
@@ -176,9 +176,17 @@ impl Editor {
         &self.document.scene
     }
 
-    /// The displayed state, without a running moment of the wave.
+    /// The displayed state, without running moments of a motion and of the wave.
     pub fn seen(&self) -> (Scene, View, Playback, bool) {
-        (self.document.scene.clone(), self.view.clone(), self.playback, self.oscillation.playing)
+        let runs = self.playback.playing;
+        let moment = match self.playback.moment {
+            Moment::Frame(_) if runs => Moment::Frame(0),
+            Moment::Wave(_) if runs => Moment::Wave(0),
+            own @ (Moment::Rest | Moment::Mean | Moment::Frame(_) | Moment::Wave(_)) => own,
+        };
+        let part = if runs { 0.0 } else { self.playback.part };
+        let playback = Playback { moment, part, ..self.playback };
+        (self.document.scene.clone(), self.view.clone(), playback, self.oscillation.playing)
     }
 
     /// Passes on a command, after a confirmation if unsaved changes would be lost.

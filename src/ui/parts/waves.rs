@@ -47,6 +47,8 @@ pub struct Surface {
     /// m, of every cell.
     pub depth: Vec<f64>,
     pub range: [f64; 2],
+    /// Whether the next one follows soon.
+    pub is_moving: bool,
 }
 
 impl Part for Waves {
@@ -138,6 +140,7 @@ impl Derived<Waves> {
         let Ok(series) = self.newest()? else { return None };
         let is_of_this = series.scene == *scene && series.plane == *plane;
         let depth = series.surfaces.get(index).filter(|_| is_of_this)?;
-        Some(Surface { depth: depth.iter().map(|&depth| depth.into()).collect(), range: series.range })
+        let (depth, range) = (depth.iter().map(|&depth| depth.into()).collect(), series.range);
+        Some(Surface { depth, range, is_moving: playback.playing })
     }
 }
