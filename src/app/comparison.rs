@@ -16,7 +16,7 @@ use crate::studio::solving;
 use crate::ui::beside::{Beside, Compare, Difference, With};
 use crate::ui::part::wake;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, Map, Shown, sound};
+use crate::ui::{Editor, Map, Moment, Shown, level, sound};
 
 /// A second map beside the first.
 #[derive(Debug)]
@@ -82,7 +82,8 @@ impl Comparison {
         let is_mean = sound::is_of_all_frames(quantity, editor.playback);
         let round = shown.round.clone().filter(|_| is_mean);
         let is_mean = round.is_some();
-        let mean = round.map(|round| Source { performance: Performance::Motion(round), frame: 0 });
+        let mean =
+            round.map(|round| Source { performance: Performance::Motion(round), moment: Moment::Mean });
         let source = mean.or_else(|| source.cloned());
         let source = match (compare.with, source) {
             (With::Method, Some(source)) => self.by(compare.method, editor, &source, &mut beside, ctx),
@@ -108,13 +109,20 @@ impl Comparison {
         let look = Look {
             scene: editor.scene(),
             view: &view,
-            sound: beside.sound.as_ref().filter(|_| !drives.is_empty()),
+            sound: beside
+                .sound
+                .as_ref()
+                .filter(|_| !drives.is_empty() && level::suits(&view, editor.scene())),
             drives,
             moment: editor.oscillation.part,
             full: range,
             lens,
+            surface: None,
             is_veil: false,
         };
+        if !level::suits(&view, editor.scene()) {
+            beside.problem = Some(level::MUST_BE_LEVEL.to_owned());
+        }
         let done = self.mapping.update(&look, &mut beside.map, ctx);
         beside.problem = beside.problem.or(done.problem).or(done.gave_up);
         self.subtract((compare, view.is_light), shown.map.as_ref(), &mut beside, own, ctx);

@@ -23,21 +23,18 @@ use crate::field::{
     Colouring, Evaluator, FieldError, Gpu, GpuError, Map as Values, Quantity, Request, Stages, Work,
 };
 use crate::picture::Picture;
-use crate::picture::relief::{Place, Relief};
+use crate::picture::relief::{self, Place, Relief};
 use crate::scene::Scene;
 use crate::studio::map;
+use crate::ui::parts::waves::{self, Surface};
 use crate::ui::theme;
 use crate::ui::view::{Axes, Cut, Lens, View};
 use crate::ui::{Map, Sound, Texture};
 
 /// Pixels of a map, at most.
 const MOST_PIXELS: usize = 1 << 23;
-/// Pixels from one point of a shaded surface to the next.
-const SHADED_STEP: usize = 2;
-/// Margins around a shaded surface, relative to the picture's height.
-const SHADED_SIDE: f64 = 0.04;
-const SHADED_TOP: f64 = 0.09;
-const SHADED_BOTTOM: f64 = 0.12;
+/// Pixels from one point of a shaded surface, or of light in motion, to the next.
+const COARSE_STEP: usize = 2;
 
 /// Enlarged pixels stay sharp.
 pub const NEAREST: TextureOptions =
@@ -51,7 +48,8 @@ struct Wanted {
     colouring: Colouring,
     /// Pixels of the picture.
     picture: (usize, usize),
-    is_shaded: bool,
+    /// How a shaded surface is looked at.
+    relief: Option<relief::Look>,
     /// Levels of contour lines, as [`map::contour`] has them.
     contours: Vec<f64>,
 }
@@ -95,6 +93,8 @@ pub struct Look<'a> {
     /// The value of the last colour, unless chosen in the view.
     pub full: Option<f64>,
     pub lens: &'a Lens,
+    /// A moving surface of the liquid, instead of the one at rest.
+    pub surface: Option<&'a Surface>,
     /// Shows the pressure that dims the view's quantity, instead of the quantity.
     pub is_veil: bool,
 }
@@ -303,7 +303,10 @@ impl Mapping {
             return None;
         }
         let is_shaded = view.is_shaded();
-        let step = if is_shaded { SHADED_STEP } else { 1 };
+        // The light of a moving surface is not interpolated: every ray is followed.
+        let is_light = view.quantity.declaration().of_light;
+        let is_coarse = is_light && look.surface.is_some_and(|surface| surface.is_moving);
+        let step = if is_shaded || is_coarse { COARSE_STEP } else { 1 };
         let size = (picture.0.div_ceil(step), picture.1.div_ceil(step));
         let is_wave = view.quantity == Quantity::Instantaneous;
         let veil = view.veil().filter(|_| look.is_veil);
@@ -316,11 +319,20 @@ impl Mapping {
             size,
             ..self.requested(scene, &look.drives, quantity)
         };
-        let full = look.full.or(view.full).map(|full| full as f32);
-        let low = view.low.filter(|_| view.full.is_some()).map(|low| low as f32);
+        let (request, range) = match look.surface {
+            Some(surface) => (waves::at(&request, surface.depth.clone()), Some(surface.range)),
+            None => (request, None),
+        };
+        let full = look.full.or(view.full).or(range.map(|[_, high]| high)).map(|full| full as f32);
+        let low = view.low.filter(|_| view.full.is_some()).or(range.map(|[low, _]| low));
+        let low = low.map(|low| low as f32);
         let colouring = veil.unwrap_or_else(|| Colouring { full, low, ..view.colouring() });
         let contours = view.contour_levels().to_vec();
-        Some(Wanted { request, colouring, picture, is_shaded, contours })
+        let deepest = range.map(|[low, high]| high.max(-low));
+        let automatic = deepest.map(|deepest| relief::exaggeration(deepest, request.plane.size));
+        let exaggeration = view.relief.exaggeration.or(automatic);
+        let relief = is_shaded.then_some(relief::Look { exaggeration, ..view.relief });
+        Some(Wanted { request, colouring, picture, relief, contours })
     }
 
     /// The request of a scene's map, of any size.
@@ -421,19 +433,24 @@ impl Mapping {
     ) -> Result<(), FieldError> {
         let (width, height) = wanted.picture;
         let request = &wanted.request;
-        let mut relief = None;
+        let mut drawn = None;
         let mut exaggeration = None;
         let before = map.take();
         let (known, old) = before.map_or(((0.0, 0.0, String::new()), None), |map| {
             ((map.largest, map.error, map.how), Some(map.texture))
         });
-        let texture = if wanted.is_shaded {
+        let texture = if let Some(look) = wanted.relief {
             let values = &self.stages.map(request)?.values;
-            let surface = Relief::new(values, request.size.0, request.plane.size);
-            exaggeration = Some(surface.exaggeration);
-            let picture = surface.draw(&place(width, height));
+            let mut surface = Relief::new(values, request.size.0, request.plane.size);
+            (surface.sight, surface.exaggeration) =
+                (look.sight, look.exaggeration.unwrap_or(surface.exaggeration));
+            let ground = theme::ground(false);
+            let place = Place::on_screen(width, height, [ground.r(), ground.g(), ground.b()]);
+            let per_metre = surface.sinks_in(&place) / f64::from(ctx.pixels_per_point());
+            exaggeration = Some((surface.exaggeration, per_metre));
+            let picture = surface.draw(&place);
             let image = from_top(&picture);
-            relief = Some(picture);
+            drawn = Some(picture);
             in_egui(old, image, NEAREST, ctx)
         } else {
             let Self { stages, screen, registered, .. } = self;
@@ -468,11 +485,12 @@ impl Mapping {
             width: request.size.0,
             height: request.size.1,
             contours: Vec::new(),
-            exaggeration,
+            exaggeration: exaggeration.map(|(times, _)| times),
+            per_depth: exaggeration.map_or(0.0, |(_, per_metre)| per_metre),
             numbers: None,
         });
         let lacks_contours = !wanted.contours.is_empty();
-        self.drawn = Some(Drawn { wanted, picture: relief, lacks_figures: true, lacks_contours });
+        self.drawn = Some(Drawn { wanted, picture: drawn, lacks_figures: true, lacks_contours });
         self.complete(map, done)?;
         done.milliseconds = Some(start.elapsed().as_secs_f64() * 1e3);
         Ok(())

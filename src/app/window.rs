@@ -24,7 +24,9 @@ use crate::picture::Picture;
 use crate::scene::Scene;
 use crate::studio::link as link_text;
 use crate::ui::document::Document;
-use crate::ui::{self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, compare, legend, theme};
+use crate::ui::{
+    self, Command, Dialog, Editor, Notice, Purpose, Shown, canvas, compare, legend, level, theme,
+};
 
 pub(super) const TITLE: &str = "Sonoglyph";
 /// Limit of layout passes per frame: after the third, egui's requests of the first two are settled.
@@ -412,6 +414,7 @@ impl Window {
                 (Some(ui), Some(second)) => compare::paint(editor, shown, ui, &canvas, second),
                 _ => legend::controls(editor, shown, &mut own, &canvas.lens),
             }
+            level::offer(editor, &own, canvas.lens.rect);
         });
         self.escape_lost_screen(&ctx);
         self.hear_outside(&ctx, &mut commands);

@@ -41,7 +41,7 @@ use crate::ui::part::Now;
 use crate::ui::part::wake;
 use crate::ui::space::Stage;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, MethodRow, Notice, Panel, Playback, Shown, sound};
+use crate::ui::{Editor, Map, MethodRow, Moment, Notice, Panel, Playback, Shown, Sound, level, sound};
 
 /// Displayed duration of a period of the sound, s.
 const OSCILLATION_PERIOD: f64 = 2.0;
@@ -54,6 +54,10 @@ const AT_REST: &str =
     "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
 const BEFORE: &str =
     "The frames of the motion are being solved. Until they are there, the map is of those before.";
+
+const MAKING_WAVES: &str = "The waves are being computed. Until they are there, the surface is at rest.";
+/// Interval between two frames of a motion on the screen, s, at least.
+const SHORTEST_FRAME: f64 = 1.0 / 60.0;
 
 /// Time of the last update of a running animation, in seconds on the window's clock; `None` at rest.
 #[derive(Debug, Default)]
@@ -94,7 +98,10 @@ pub struct Workshop {
     motion: Clock,
     /// Start of the board's motion (s on the window's clock), and the playback state before.
     board: Option<(f64, Playback)>,
+    /// The played sound, and its inputs.
+    sounded: Option<((Scene, Option<u32>, Source), Sound)>,
     oscillation: Clock,
+    flight: Clock,
 }
 
 impl Workshop {
@@ -111,7 +118,9 @@ impl Workshop {
             spacing: Spacing::default(),
             motion: Clock::default(),
             board: None,
+            sounded: None,
             oscillation: Clock::default(),
+            flight: Clock::default(),
         }
     }
 
@@ -160,8 +169,9 @@ impl Workshop {
         self.follow(editor, shown, ctx);
         self.play(editor, shown, ctx);
         self.oscillate(editor, shown, ctx);
+        self.fly(editor, ctx);
         let source = self.source(editor, shown);
-        shown.sound = source.as_ref().map(|source| posing::sound(editor.scene(), editor.levels, source));
+        shown.sound = source.as_ref().map(|source| self.sound(editor, source));
         match *seen {
             Seen::Map { lens, beside } => {
                 self.spacing.rest(shown);
@@ -185,10 +195,17 @@ impl Workshop {
         if awaits_frames(editor, shown) {
             return;
         }
+        let plane = editor.view.plane(editor.scene(), lens);
+        let waves = editor.parts.waves.surface(&editor.playback, editor.scene(), &plane);
+        let waves = waves.filter(|_| is_of_waves(editor));
+        if waves.is_none() && is_of_waves(editor) && is_of_this(shown.map.as_ref(), editor) {
+            shown.pending.get_or_insert_with(|| MAKING_WAVES.to_owned());
+            return;
+        }
         let look = Look {
             scene: editor.scene(),
             view: &editor.view,
-            sound: shown.sound.as_ref(),
+            sound: shown.sound.as_ref().filter(|_| level::suits(&editor.view, editor.scene())),
             drives: sound::drives(
                 shown.round.as_ref(),
                 shown.sound.as_ref(),
@@ -197,6 +214,7 @@ impl Workshop {
             ),
             moment: editor.oscillation.part,
             full: comparison::common_range(editor, shown),
+            surface: waves.as_ref(),
             lens,
             is_veil: false,
         };
@@ -335,7 +353,8 @@ impl Workshop {
         let scene = editor.scene();
         let presses = editor.view.quantity.declaration().is_slow;
         let is_wanted = matches!(editor.panel, Panel::Motion | Panel::Felt | Panel::Device)
-            || editor.playback.frame.is_some()
+            || editor.playback.moment != Moment::Rest
+            || editor.parts.flight.form.from.is_some()
             || presses;
         let moves = motion::moves(scene) && scene.has_drive();
         shown.round = None;
@@ -357,37 +376,55 @@ impl Workshop {
         }
         if awaits_frames(editor, shown) {
             shown.pending = Some(BEFORE.to_owned());
-        } else if shown.is_following && (presses || editor.playback.frame.is_some()) {
+        } else if shown.is_following && (presses || editor.playback.moment != Moment::Rest) {
             shown.pending = Some(AT_REST.to_owned());
         }
     }
 
-    /// Moves the motion on by the time that went by.
+    /// Moves the motion, or the waves, on by the time that went by.
     fn play(&mut self, editor: &mut Editor, shown: &Shown, ctx: &Context) {
+        let quantity = editor.view.quantity;
+        let is_of_waves = is_of_waves(editor);
         let cycle = motion::cycle(editor.scene()).map(|cycle| (cycle.frames as usize, cycle.rate));
-        let (count, rate) = cycle.unwrap_or((1, 0.0));
+        let (count, rate) = match editor.parts.waves.schedule(editor.scene()) {
+            Some(schedule) if is_of_waves => (schedule.pictures, schedule.rate() / schedule.pictures as f64),
+            Some(_) | None => cycle.unwrap_or((1, 0.0)),
+        };
+        let is_there = match is_of_waves {
+            true => editor.parts.waves.exact().is_some(),
+            false => shown.round.is_some(),
+        };
         let playback = &mut editor.playback;
-        if let Some(frame) = &mut playback.frame {
-            *frame = (*frame).min(count.saturating_sub(1));
+        let last = count.saturating_sub(1);
+        if let Moment::Frame(index) | Moment::Wave(index) = &mut playback.moment {
+            *index = (*index).min(last);
         }
         let on_board = self.on_board(playback, shown, count, ctx);
-        let passed = self.motion.passed(playback.playing, ctx);
-        if !playback.playing {
+        let runs = playback.playing && playback.moment.playing(quantity).is_some();
+        let passed = self.motion.passed(runs, ctx);
+        if !runs || !is_there {
             return;
         }
-        ctx.request_repaint();
-        let (Some(passed), Some(_)) = (passed, &shown.round) else { return };
         let rate = on_board.map_or(rate, |(rate, _)| rate);
-        let done = playback.part + passed * rate / playback.slowness.max(1.0);
-        playback.part = match on_board {
-            Some((rate, since)) if playback.slowness <= 1.0 => (since * rate).rem_euclid(1.0),
-            Some(_) | None if done >= 1.0 && !playback.loops => {
-                playback.playing = false;
-                (count.saturating_sub(1)) as f64 / count.max(1) as f64
-            }
-            Some(_) | None => done.rem_euclid(1.0),
-        };
-        playback.frame = Some(((playback.part * count as f64) as usize).min(count.saturating_sub(1)));
+        let per_second = rate / playback.slowness.max(1.0);
+        if let Some(passed) = passed {
+            let done = playback.part + passed * per_second;
+            playback.part = match on_board {
+                Some((rate, since)) if playback.slowness <= 1.0 => (since * rate).rem_euclid(1.0),
+                Some(_) | None if done >= 1.0 && !playback.loops => {
+                    playback.playing = false;
+                    last as f64 / count.max(1) as f64
+                }
+                Some(_) | None => done.rem_euclid(1.0),
+            };
+        }
+        let index = ((playback.part * count as f64) as usize).min(last);
+        if let Moment::Frame(shown) | Moment::Wave(shown) = &mut playback.moment {
+            *shown = index;
+        }
+        // A frame of the window for each of the motion, as far as it can draw them.
+        let to_next = ((index + 1) as f64 / count.max(1) as f64 - playback.part) / per_second.max(1e-9);
+        ctx.request_repaint_after(Duration::from_secs_f64(to_next.clamp(SHORTEST_FRAME, 1.0)));
     }
 
     /// Cycles per second of the board's motion, and the time (s) since its start. Playback starts with it, in real
@@ -411,8 +448,9 @@ impl Workshop {
         let since = match &self.board {
             Some((since, _)) => *since,
             None => {
-                self.board = Some((now, Playback { frame: None, playing: false, ..*playback }));
-                *playback = Playback { frame: Some(0), playing: true, slowness: 1.0, part: 0.0, loops: true };
+                self.board = Some((now, Playback { playing: false, ..*playback }));
+                let moment = Moment::Frame(0);
+                *playback = Playback { moment, playing: true, slowness: 1.0, part: 0.0, loops: true };
                 now
             }
         };
@@ -421,7 +459,8 @@ impl Workshop {
 
     /// Advances the wave in slow motion, while displayed.
     fn oscillate(&mut self, editor: &mut Editor, shown: &Shown, ctx: &Context) {
-        let is_shown = editor.view.quantity == Quantity::Instantaneous && shown.sound.is_some();
+        let is_shown =
+            editor.view.quantity == Quantity::Instantaneous && shown.sound.is_some() && !editor.space.is_on;
         let runs = editor.oscillation.playing && is_shown;
         if let Some(passed) = self.oscillation.passed(runs, ctx) {
             let part = &mut editor.oscillation.part;
@@ -432,14 +471,53 @@ impl Workshop {
         }
     }
 
-    fn source(&self, editor: &Editor, shown: &Shown) -> Option<Source> {
-        match (&shown.round, editor.playback.frame) {
-            (Some(round), Some(frame)) if frame < round.frames.len() => {
-                Some(Source { performance: Performance::Motion(round.clone()), frame })
-            }
-            _ => Some(Source { performance: Performance::Still(shown.solution.clone()?), frame: 0 }),
+    /// Moves a released bead on.
+    fn fly(&mut self, editor: &mut Editor, ctx: &Context) {
+        let flight = &mut editor.parts.flight;
+        let passed = self.flight.passed(flight.form.playing, ctx);
+        if flight.go_on(passed.unwrap_or(0.0)) {
+            ctx.request_repaint_after(Duration::from_secs_f64(SHORTEST_FRAME));
         }
     }
+
+    fn source(&self, editor: &Editor, shown: &Shown) -> Option<Source> {
+        let has_mean = editor.space.is_on || editor.view.quantity.declaration().has_mean;
+        match (&shown.round, editor.playback.moment) {
+            (Some(round), moment @ Moment::Frame(frame)) if frame < round.frames.len() => {
+                Some(Source { performance: Performance::Motion(round.clone()), moment })
+            }
+            (Some(round), moment @ Moment::Mean) if has_mean => {
+                Some(Source { performance: Performance::Motion(round.clone()), moment })
+            }
+            (_, Moment::Rest | Moment::Frame(_) | Moment::Mean | Moment::Wave(_)) => {
+                let performance = Performance::Still(shown.solution.clone()?);
+                Some(Source { performance, moment: Moment::Rest })
+            }
+        }
+    }
+
+    /// The sound of a source.
+    fn sound(&mut self, editor: &Editor, source: &Source) -> Sound {
+        let is_kept = |((scene, levels, kept), _): &&((Scene, Option<u32>, Source), Sound)| {
+            *levels == editor.levels && kept == source && scene == editor.scene()
+        };
+        if let Some((_, sound)) = self.sounded.as_ref().filter(is_kept) {
+            return sound.clone();
+        }
+        let sound = posing::sound(editor.scene(), editor.levels, source);
+        self.sounded = Some(((editor.scene().clone(), editor.levels, source.clone()), sound.clone()));
+        sound
+    }
+}
+
+/// Whether the waves of a liquid are to be shown.
+fn is_of_waves(editor: &Editor) -> bool {
+    matches!(editor.playback.moment.of(editor.view.quantity), Moment::Wave(_))
+}
+
+/// Whether a map shows the quantity of the view.
+fn is_of_this(map: Option<&Map>, editor: &Editor) -> bool {
+    map.is_some_and(|map| map.quantity == editor.view.quantity && map.cut == editor.view.cut)
 }
 
 /// Requests the result of a job on a scene; a job for another scene is cancelled.

@@ -1,10 +1,11 @@
 //! A shaded relief of a liquid's surface, as a photograph would show it.
 //!
-//! The picture is one march per column over the surface, on all cores; the window gives it half the canvas' pixels.
-//! The same code draws the pages of `render`, frames of films and rasters of figures. Targets are edited over the
-//! flat map.
+//! The picture is one march per column over the surface, from front to back, on all cores, from any side; the window gives it
+//! half the canvas' pixels. The same code draws the pages of `render`, frames of films and rasters of figures. Targets are
+//! edited over the flat map.
 
-use std::ops::Range;
+use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use glam::{DVec2, Vec3, Vec4};
 use rayon::prelude::*;
@@ -25,8 +26,12 @@ const ELEVATION: f64 = 0.62;
 const DRAWN_DEPTH: f64 = 0.09;
 /// Drawn columns per column of the picture, for antialiasing.
 const FINENESS: usize = 2;
-/// Columns of the picture drawn together: their part of the surface stays in the caches.
+/// Columns of the picture drawn together.
 const STRIP: usize = 32;
+/// Margins on a screen at the sides, above, and below for the front of the liquid, relative to the picture's height.
+const ON_SCREEN: [f64; 3] = [0.04, 0.05, 0.09];
+/// Elevations of the view, rad.
+pub const ELEVATIONS: RangeInclusive<f64> = 0.12..=1.5;
 
 const SKY: Vec3 = Vec3::new(0.90, 0.94, 0.97);
 const DEEP: Vec3 = Vec3::new(0.03, 0.20, 0.33);
@@ -45,6 +50,51 @@ pub struct Relief<'a> {
     pub size: DVec2,
     /// Vertical exaggeration.
     pub exaggeration: f64,
+    pub sight: Sight,
+}
+
+/// The direction of the view.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sight {
+    /// rad, counter-clockwise from the front.
+    pub azimuth: f64,
+    /// rad, above the horizon.
+    pub elevation: f64,
+}
+
+impl Default for Sight {
+    fn default() -> Self {
+        Self { azimuth: 0.0, elevation: ELEVATION }
+    }
+}
+
+impl Sight {
+    /// The view from another side, after a drag by parts of a picture's height.
+    pub fn orbited(self, by: DVec2) -> Self {
+        let azimuth = (self.azimuth - 3.0 * by.x).rem_euclid(TAU);
+        let elevation = (self.elevation + 2.0 * by.y).clamp(*ELEVATIONS.start(), *ELEVATIONS.end());
+        Self { azimuth, elevation }
+    }
+
+    /// Width, and depth along the view, of a level surface of this size; m.
+    fn extent(self, size: DVec2) -> DVec2 {
+        let [right, along] = self.axes().map(DVec2::abs);
+        DVec2::new(right.dot(size), along.dot(size))
+    }
+
+    /// The directions to the right and away from the viewer.
+    fn axes(self) -> [DVec2; 2] {
+        let right = DVec2::from_angle(self.azimuth);
+        [right, right.perp()]
+    }
+}
+
+/// The user's choices for a relief.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Look {
+    pub sight: Sight,
+    /// `None`: that of the surface's own largest depth.
+    pub exaggeration: Option<f64>,
 }
 
 /// Position of the surface in a picture.
@@ -89,11 +139,31 @@ pub fn shape(size: DVec2) -> f64 {
 }
 
 impl Place {
-    /// Pixels of a metre to the right on a surface of this size (m).
-    pub fn scale(&self, size: DVec2) -> f64 {
+    /// A place that fills a screen of this size in pixels.
+    pub fn on_screen(width: usize, height: usize, ground: [u8; 3]) -> Self {
+        let [side, top, bottom] = ON_SCREEN.map(|part| part * height as f64);
+        Self { width, height, side, top, bottom, ground }
+    }
+
+    fn room(&self) -> DVec2 {
         let (width, height) = (self.width as f64, self.height as f64);
-        let room = DVec2::new(width - 2.0 * self.side, height - self.top - self.bottom).max(DVec2::ONE);
-        (room.x / size.x).min(room.y / (size.x * shape(size)))
+        DVec2::new(width - 2.0 * self.side, height - self.top - self.bottom).max(DVec2::ONE)
+    }
+
+    /// The size (m) of a surface of this width that fills the place, seen from the front.
+    pub fn filled(&self, width: f64) -> DVec2 {
+        let room = self.room();
+        DVec2::new(width, width * room.y / room.x / ELEVATION.sin())
+    }
+
+    /// Pixels of a metre to the right on a surface of this size (m), seen from the front.
+    pub fn scale(&self, size: DVec2) -> f64 {
+        self.scale_from(Sight::default(), size)
+    }
+
+    fn scale_from(&self, sight: Sight, size: DVec2) -> f64 {
+        let (room, extent) = (self.room(), sight.extent(size));
+        (room.x / extent.x).min(room.y / (extent.y * sight.elevation.sin()))
     }
 }
 
@@ -101,12 +171,18 @@ impl<'a> Relief<'a> {
     /// The surface with the exaggeration of its own largest depth.
     pub fn new(depth: &'a [f32], columns: usize, size: DVec2) -> Self {
         let deepest = depth.iter().fold(0.0f32, |most, depth| most.max(depth.abs()));
-        Self { depth, columns, size, exaggeration: exaggeration(deepest.into(), size) }
+        let sight = Sight::default();
+        Self { depth, columns, size, exaggeration: exaggeration(deepest.into(), size), sight }
     }
 
     /// Vertical pixels per metre of depth, given the horizontal pixels per metre.
     pub fn sinks(&self, scale: f64) -> f64 {
-        scale * self.exaggeration * ELEVATION.cos()
+        scale * self.exaggeration * self.sight.elevation.cos()
+    }
+
+    /// Vertical pixels per metre of depth in a place.
+    pub fn sinks_in(&self, place: &Place) -> f64 {
+        self.sinks(place.scale_from(self.sight, self.size))
     }
 
     /// Draws it with words on a page.
@@ -118,14 +194,14 @@ impl<'a> Relief<'a> {
         picture
     }
 
-    /// Draws it, seen from the front and above, without perspective.
+    /// Draws it, seen from above, without perspective.
     pub fn draw(&self, place: &Place) -> Picture {
         let Place { width, height, .. } = *place;
         let seen = Seen::new(self, place);
         let strips: Vec<Vec<[u8; 3]>> = (0..width)
             .into_par_iter()
             .step_by(STRIP)
-            .map_init(Lit::default, |lit, first| seen.strip(first..(first + STRIP).min(width), height, lit))
+            .map(|first| seen.strip(first..(first + STRIP).min(width), height))
             .collect();
         let mut rgba = vec![255; width * height * 4];
         rgba.par_chunks_mut((width * 4).max(1)).enumerate().for_each(|(y, row)| {
@@ -139,90 +215,120 @@ impl<'a> Relief<'a> {
     }
 }
 
-/// Some shaded columns of the surface, row by row.
-#[derive(Debug, Default)]
-struct Lit {
-    columns: Range<usize>,
-    /// Vertical displacement of a point from its level position, pixels.
-    sunk: Vec<f32>,
-    /// The last component is 1, so that sums contain the coverage.
-    colours: Vec<Vec4>,
-}
-
 /// The projected surface.
 struct Seen<'a> {
     relief: &'a Relief<'a>,
-    light: Light,
     columns: usize,
     rows: usize,
-    /// In pixels: displacement per metre of depth; left edge and width of the surface; front edge of the level
-    /// surface, and height of its back edge above it; and lower edge of the liquid.
-    sinks: f32,
-    left: f64,
-    wide: f64,
-    front: f32,
-    far: f32,
-    bottom: f32,
+    /// Colour of every point, and its displacement down the picture in pixels.
+    lit: Vec<Vec4>,
+    /// Pixels per metre to the right, and away from the viewer.
+    scale: f64,
+    away: f64,
+    /// Pixels: the horizontal middle, and the level surface there.
+    middle: f64,
+    horizon: f64,
+    /// Pixels of the liquid's front.
+    wall: f32,
     ground: [u8; 3],
+}
+
+/// A march over the surface: from front to back, in grid points and in pixels down the picture.
+struct March {
+    from: DVec2,
+    to: DVec2,
+    y: [f32; 2],
+    steps: usize,
 }
 
 impl<'a> Seen<'a> {
     fn new(relief: &'a Relief<'a>, place: &Place) -> Self {
-        let (width, height) = (place.width as f64, place.height as f64);
-        let size = relief.size;
-        let scale = place.scale(size);
-        let far = scale * size.x * shape(size);
-        let front = height - place.bottom - ((height - place.top - place.bottom).max(1.0) - far) / 2.0;
+        let Relief { size, sight, .. } = *relief;
+        let scale = place.scale_from(sight, size);
+        let (top, bottom) = (place.top, place.height as f64 - place.bottom);
         let columns = relief.columns.max(1);
         let rows = relief.depth.len() / columns;
+        let light = Light::new(relief, (columns, rows));
+        let sinks = relief.sinks(scale) as f32;
+        let mut lit = vec![Vec4::ZERO; columns * rows];
+        lit.par_chunks_mut(columns).enumerate().for_each(|(row, lit)| {
+            for (column, lit) in lit.iter_mut().enumerate() {
+                let sunk = relief.depth[row * columns + column] * sinks;
+                *lit = light.colour(relief.depth, column, row).extend(sunk);
+            }
+        });
         Self {
             relief,
-            light: Light::new(size, (columns, rows), relief.exaggeration),
             columns,
             rows,
-            sinks: relief.sinks(scale) as f32,
-            left: (width - scale * size.x) / 2.0,
-            wide: scale * size.x,
-            front: front as f32,
-            far: far as f32,
-            bottom: (front + 0.7 * place.bottom).min(height) as f32,
+            lit,
+            scale,
+            away: scale * sight.elevation.sin(),
+            middle: place.width as f64 / 2.0,
+            horizon: (top + bottom) / 2.0,
+            wall: (0.7 * place.bottom) as f32,
             ground: place.ground,
         }
     }
 
-    /// Position on the surface of a horizontal position in the picture: a column and a fraction to the next.
-    fn across(&self, x: f64) -> Option<(usize, f32)> {
-        let across = (x - self.left) / self.wide;
-        let place = (across * self.columns as f64 - 0.5).clamp(0.0, (self.columns - 1) as f64);
-        ((0.0..=1.0).contains(&across) && self.rows > 0).then_some((place as usize, place.fract() as f32))
+    /// The march of a horizontal position in the picture.
+    fn march(&self, x: f64) -> Option<March> {
+        let Relief { size, sight, .. } = *self.relief;
+        let [right, along] = sight.axes();
+        let start = right * ((x - self.middle) / self.scale);
+        let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
+        for axis in [0, 1] {
+            let half = size[axis] / 2.0;
+            if along[axis].abs() < 1e-9 {
+                if start[axis].abs() > half {
+                    return None;
+                }
+                continue;
+            }
+            let ends = [-half, half].map(|end| (end - start[axis]) / along[axis]);
+            (near, far) = (near.max(ends[0].min(ends[1])), far.min(ends[0].max(ends[1])));
+        }
+        if near >= far || self.rows == 0 {
+            return None;
+        }
+        let counts = DVec2::new(self.columns as f64, self.rows as f64);
+        let grid = |along_it: f64| ((start + along * along_it) / size + 0.5) * counts - 0.5;
+        let per_metre = (along.abs() * counts / size).element_sum();
+        Some(March {
+            from: grid(near),
+            to: grid(far),
+            y: [near, far].map(|along_it| (self.horizon - along_it * self.away) as f32),
+            steps: (((far - near) * per_metre).round() as usize).max(1),
+        })
     }
 
-    /// Lights these columns.
-    fn shine(&self, lit: &mut Lit, columns: Range<usize>) {
-        lit.sunk.clear();
-        lit.colours.clear();
-        for row in 0..self.rows {
-            let depth = &self.relief.depth[row * self.columns..][columns.clone()];
-            lit.sunk.extend(depth.iter().map(|depth| depth * self.sinks));
-            let colour = |column| self.light.colour(self.relief.depth, column, row).extend(1.0);
-            lit.colours.extend(columns.clone().map(colour));
+    /// The colour and the displacement at a place of the grid.
+    fn at(&self, place: DVec2) -> Vec4 {
+        let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
+        let place = place.clamp(DVec2::ZERO, last);
+        let (column, row) = (place.x as usize, place.y as usize);
+        let part = (place - place.floor()).as_vec2();
+        let right = (column + 1).min(self.columns - 1);
+        let line = |row: usize| {
+            let line = &self.lit[row * self.columns..][..self.columns];
+            line[column].lerp(line[right], part.x)
+        };
+        // Seen from the front, a march meets the rows one by one.
+        if part.y < 1e-4 {
+            return line(row);
         }
-        lit.columns = columns;
+        line(row).lerp(line((row + 1).min(self.rows - 1)), part.y)
     }
 
     /// Columns of the picture, one after the other, each from the top.
-    fn strip(&self, columns: Range<usize>, height: usize, lit: &mut Lit) -> Vec<[u8; 3]> {
+    fn strip(&self, columns: std::ops::Range<usize>, height: usize) -> Vec<[u8; 3]> {
         let mut strip = Vec::with_capacity(columns.len() * height);
         let mut covered = vec![Vec4::ZERO; height];
         let fine = |x: usize| (0..FINENESS).map(move |i| x as f64 + (i as f64 + 0.5) / FINENESS as f64);
-        let places = || columns.clone().flat_map(fine).filter_map(|x| self.across(x));
-        if let (Some((first, _)), Some((last, _))) = (places().next(), places().next_back()) {
-            self.shine(lit, first..(last + 2).min(self.columns));
-        }
-        for x in columns.clone() {
+        for x in columns {
             covered.fill(Vec4::ZERO);
-            for place in fine(x).filter_map(|x| self.across(x)) {
-                self.column(lit, place, &mut covered);
+            for march in fine(x).filter_map(|x| self.march(x)) {
+                self.column(&march, &mut covered);
             }
             strip.extend(covered.iter().map(|&sum| {
                 if sum.w == 0.0 {
@@ -238,24 +344,21 @@ impl<'a> Seen<'a> {
         strip
     }
 
-    /// Adds a column of the view upwards, from front to back, with hidden parts removed.
-    fn column(&self, lit: &Lit, (column, part): (usize, f32), covered: &mut [Vec4]) {
-        let (left, right) =
-            (column - lit.columns.start, (column + 1).min(self.columns - 1) - lit.columns.start);
-        let point = |row: usize, along: f32| {
-            let line = row * lit.columns.len();
-            let (from, to) = (line + left, line + right);
-            let sunk = lit.sunk[from] + (lit.sunk[to] - lit.sunk[from]) * part;
-            (self.front - along * self.far + sunk, lit.colours[from].lerp(lit.colours[to], part))
+    /// Adds a column of the view upwards, from front to back, with hidden parts removed. The last component of a sum is the
+    /// coverage.
+    fn column(&self, march: &March, covered: &mut [Vec4]) {
+        let [near, far] = march.y;
+        let point = |part: f64| {
+            let found = self.at(march.from.lerp(march.to, part));
+            (near + (far - near) * part as f32 + found.w, found.truncate().extend(1.0))
         };
-        let mut before = point(0, 0.0);
+        let mut before = point(0.0);
         let mut top = before.0;
         let wall = |part: f32| SHALLOW.lerp(DEEP, part).extend(1.0);
-        fill(covered, (top, wall(0.35)), (self.bottom, wall(1.0)));
-        let per_row = 1.0 / self.rows as f32;
-        let back = (self.rows - 1, 1.0);
-        for (row, along) in (0..self.rows).map(|row| (row, (row as f32 + 0.5) * per_row)).chain([back]) {
-            let (y, colour) = point(row, along);
+        fill(covered, (top, wall(0.35)), ((near + self.wall).max(top), wall(1.0)));
+        let steps = (0..march.steps).map(|step| (step as f64 + 0.5) / march.steps as f64);
+        for part in steps.chain([1.0]) {
+            let (y, colour) = point(part);
             if y < top {
                 let hidden = (before.0 - top) / (before.0 - y);
                 fill(covered, (y, colour), (top, before.1.lerp(colour, hidden)));
@@ -300,17 +403,21 @@ struct Light {
 }
 
 impl Light {
-    fn new(size: DVec2, (columns, rows): (usize, usize), exaggeration: f64) -> Self {
-        let step = size / DVec2::new(columns as f64, rows.max(1) as f64);
-        let steepness = DVec2::splat(exaggeration) / (2.0 * step);
-        let towards = Vec3::new(-0.55, -0.25, 0.8).normalize_or_zero();
+    /// A light that goes with the viewer.
+    fn new(relief: &Relief<'_>, (columns, rows): (usize, usize)) -> Self {
+        let step = relief.size / DVec2::new(columns as f64, rows.max(1) as f64);
+        let steepness = DVec2::splat(relief.exaggeration) / (2.0 * step);
+        let [right, along] = relief.sight.axes().map(|axis| axis.as_vec2().extend(0.0));
+        let (sine, cosine) = relief.sight.elevation.sin_cos();
+        let turned = |v: Vec3| right * v.x + along * v.y + Vec3::Z * v.z;
+        let towards = turned(Vec3::new(-0.55, -0.25, 0.8)).normalize_or_zero();
         Self {
             columns,
             rows,
             steepness: [steepness.x as f32, steepness.y as f32],
             towards,
             brightness: 1.0 / towards.z,
-            eye: Vec3::new(0.0, -ELEVATION.cos() as f32, ELEVATION.sin() as f32),
+            eye: turned(Vec3::new(0.0, -cosine as f32, sine as f32)),
         }
     }
 
@@ -368,6 +475,8 @@ pub fn label(picture: &mut Picture, words: &str) {
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use super::*;
 
     fn relief(depth: &[f32]) -> Relief<'_> {
@@ -409,6 +518,19 @@ mod tests {
             let bowl = bowl(deepest);
             assert_eq!(relief(&bowl).exaggeration, times, "{deepest}");
         }
+    }
+
+    #[test]
+    fn from_behind_is_the_front_of_the_turned_surface() {
+        let depth: Vec<_> = bowl(1e-4).iter().enumerate().map(|(i, depth)| depth * (i % 7) as f32).collect();
+        let turned: Vec<_> = depth.iter().rev().copied().collect();
+        let place = Place::on_screen(300, 200, [0; 3]);
+        let behind = Relief { sight: Sight { azimuth: PI, ..Sight::default() }, ..relief(&depth) };
+        let [a, b] = [behind.draw(&place), relief(&turned).draw(&place)];
+        let apart = a.rgba.iter().zip(&b.rgba).filter(|(a, b)| a.abs_diff(**b) > 3).count();
+        assert!(apart < a.rgba.len() / 200, "{apart}");
+        let aside = Relief { sight: Sight { azimuth: 0.7, ..Sight::default() }, ..relief(&depth) };
+        assert_ne!(aside.draw(&place).rgba, b.rgba);
     }
 
     #[test]

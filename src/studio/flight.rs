@@ -7,6 +7,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::acoustics::{Air, Aperture, response::responding, viscosity};
+use crate::drive::Drive;
 use crate::force::{Carriage, Drag, Flight, Levitation};
 use crate::gauge::Gauge;
 use crate::rounding::millimetres;
@@ -38,7 +39,6 @@ impl Course {
     /// # Errors
     /// A scene that cannot be solved, or a target missing in some frame.
     pub fn new(scene: &Scene, name: &str, target: Option<usize>, progress: &Gauge) -> anyhow::Result<Self> {
-        let aperture = Aperture::new(scene);
         let (drives, foci, span): (Vec<_>, Vec<_>, _) = if motion::moves(scene) {
             let cycle = motion::cycle(scene).ok_or_else(|| anyhow!("{name}: nothing moves"))?;
             let frames = follow(scene, name, progress)?.frames;
@@ -57,11 +57,16 @@ impl Course {
         let Some(wanted) = wanted.collect::<Option<Vec<_>>>() else {
             bail!("{name}: target {} is no trap of every frame", target.map_or(1, |target| target + 1));
         };
-        let bead = Levitation::new(scene, &aperture, &[]);
+        Ok(Self::playing(scene, &drives, wanted, span))
+    }
+
+    /// Of solved drives behind the elements' response, those of each field in turn, with the trap's position (m) in each.
+    pub fn playing(scene: &Scene, drives: &[Vec<Drive>], wanted: Vec<DVec3>, span: f64) -> Self {
+        let bead = Levitation::new(scene, &Aperture::new(scene), &[]);
         let fields: Vec<_> = drives.iter().map(|drives| bead.playing(drives)).collect();
         let air = Air::new(&scene.medium, scene.array.frequency);
-        let drag = Drag::new(&fields[0].sphere, viscosity(&scene.medium), air.density);
-        Ok(Self { fields, wanted, span, drag })
+        let drag = Drag::new(&bead.sphere, viscosity(&scene.medium), air.density);
+        Self { fields, wanted, span, drag }
     }
 
     pub fn moves(&self) -> bool {
@@ -113,7 +118,7 @@ fn powers() -> impl Iterator<Item = f64> {
 }
 
 /// The centre of a trap's lobes, or the first focus; m.
-fn place(foci: &[Focus], target: Option<usize>) -> Option<DVec3> {
+pub fn place(foci: &[Focus], target: Option<usize>) -> Option<DVec3> {
     let of = |focus: &Focus| match focus.part {
         Part::Trap(index) => Some(index),
         Part::Point | Part::Stroke | Part::Area(_) => None,

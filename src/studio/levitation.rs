@@ -87,12 +87,12 @@ pub fn verdict(hold: &Hold) -> String {
             let (way, escape) = hold.nearest_escape();
             let out = match escape.distance.is_finite() {
                 true => {
-                    format!("let go {} mm along {}", rounding::millimetres(escape.distance, 2), axis(way))
+                    format!("escapes {} mm along {}", rounding::millimetres(escape.distance, 2), axis(way))
                 }
-                false => "let go nowhere within a wavelength".to_owned(),
+                false => "no escape within a wavelength".to_owned(),
             };
             format!(
-                "holds: rests {} mm below its place, weakest stiffness {} along {}, {out}, lift {:.1} times the weight",
+                "stable trap: sag {} mm, weakest stiffness {} ({}), {out}, lifts {:.1} x its weight",
                 rounding::millimetres(hold.sag(), 2),
                 stiffness(weakest.stiffness),
                 line(weakest.direction),
@@ -101,16 +101,14 @@ pub fn verdict(hold: &Hold) -> String {
         }
         Outcome::TooHeavy => {
             format!(
-                "does not hold: the sound carries {} of the weight",
+                "no trap: too heavy, the sound lifts {} of its weight",
                 rounding::percent(hold.lift.max(0.0))
             )
         }
-        Outcome::Unstable => format!(
-            "does not hold: it is pushed away along {} ({})",
-            line(weakest.direction),
-            stiffness(weakest.stiffness)
-        ),
-        Outcome::Leaves => "does not hold: force and weight lead it more than a wavelength away".to_owned(),
+        Outcome::Unstable => {
+            format!("no trap: unstable along {} ({})", line(weakest.direction), stiffness(weakest.stiffness))
+        }
+        Outcome::Leaves => "no trap: force and weight have no balance within a wavelength".to_owned(),
     }
 }
 

@@ -57,7 +57,7 @@ pub fn picture(
         let mut picture = map.picture.clone();
         if let Some((_, depression)) = pressed.filter(|_| beyond.is_some()) {
             let holds =
-                format!("beyond linear theory, true up to {} of this drive", holds_to(depression.slope));
+                format!("beyond linear theory, valid up to {} of this drive", holds_to(depression.slope));
             relief::label(&mut picture, &holds);
         }
         return picture;
@@ -133,7 +133,10 @@ pub fn screen(liquid: &Liquid) -> String {
     let distance = metres(liquid.screen);
     match liquid.light {
         scene::Light::Through => {
-            format!("light through the liquid (n = {}) on a screen {distance} off", liquid.refractive_index())
+            format!(
+                "light transmitted by the liquid (n = {}) on a screen {distance} off",
+                liquid.refractive_index()
+            )
         }
         scene::Light::Reflected => format!("light reflected by the surface on a screen {distance} off"),
     }
@@ -195,8 +198,8 @@ fn envelope(scene: &Scene) -> String {
 pub fn beyond_linear_theory(slope: f64) -> Option<String> {
     (slope > STEEPEST).then(|| {
         format!(
-            "slope {} is beyond linear theory, which holds to {STEEPEST}: true up to {} of this drive's amplitude, a \
-             sketch above it",
+            "slope {} is beyond linear theory (at most {STEEPEST}): valid up to {} of this amplitude; beyond that, \
+             qualitative only",
             at_most(slope, 2),
             holds_to(slope)
         )

@@ -9,11 +9,12 @@ use crate::scene::motion;
 use crate::studio::animate::Kind;
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::command::{Command, Export, Purpose};
+use crate::ui::playback::Moment;
 use crate::ui::tool;
 use crate::ui::tool::Tool;
 use crate::ui::{
-    IN_PAGE, clipboard, dialog::state::Dialog, editor::Editor, figure, group, layout::Panel, shown::Shown,
-    way,
+    IN_PAGE, clipboard, dialog::state::Dialog, editor::Editor, figure, group, layout::Panel, level, shown::Shown,
+    timeline, way,
 };
 
 /// Factor per step of the window's scale, and its limits.
@@ -52,6 +53,10 @@ pub enum Action {
     Space,
     Targets,
     Profile,
+    Play,
+    Mean,
+    Waves,
+    Timeline,
     ShowPanel(Panel),
     TogglePanel,
     Present,
@@ -127,6 +132,7 @@ impl Action {
         all.extend([A::SmallerBrush, A::LargerBrush]);
         all.extend(Quantity::ALL.map(A::Quantity));
         all.extend([A::ShowEverything, A::Space, A::Targets, A::Profile]);
+        all.extend([A::Play, A::Mean, A::Waves, A::Timeline]);
         all.extend(Panel::VARIANTS.iter().copied().map(A::ShowPanel));
         all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale, A::SwitchTheme]);
         all.extend([A::Send, A::PlayMotion, A::Stop, A::Serve, A::Palette, A::Help]);
@@ -172,6 +178,11 @@ impl Action {
             Self::Space => "3D view",
             Self::Targets => "Show targets",
             Self::Profile => "Line profile",
+            Self::Play => "Play or pause",
+            Self::Mean => "Mean of a cycle",
+            Self::Waves => "Waves of the liquid",
+            Self::Timeline => "Timeline in presentation mode",
+            Self::ShowPanel(Panel::Motion) => "Motion & modulation panel",
             Self::ShowPanel(panel) => return format!("{} panel", panel.into_str()),
             Self::TogglePanel => "Panel on or off",
             Self::Present => "Presentation mode",
@@ -217,6 +228,10 @@ impl Action {
             | Self::Space
             | Self::Targets
             | Self::Profile
+            | Self::Play
+            | Self::Mean
+            | Self::Waves
+            | Self::Timeline
             | Self::ShowPanel(_)
             | Self::TogglePanel
             | Self::Present
@@ -256,6 +271,8 @@ impl Action {
             Self::Space => vec![plain(Key::F3)],
             Self::Targets => vec![plain(Key::M)],
             Self::Profile => vec![plain(Key::X)],
+            Self::Play => vec![plain(Key::Space)],
+            Self::Timeline => vec![plain(Key::F8)],
             Self::TogglePanel => vec![plain(Key::F9)],
             Self::Present => vec![plain(Key::F11)],
             Self::Larger => vec![ctrl(Key::Plus), ctrl(Key::Equals)],
@@ -267,6 +284,8 @@ impl Action {
             | Self::OpenDrive
             | Self::CopyLink
             | Self::Export(_)
+            | Self::Mean
+            | Self::Waves
             | Self::ShowPanel(_)
             | Self::SwitchTheme
             | Self::Send
@@ -294,6 +313,7 @@ impl Action {
                 | Self::SaveAs
                 | Self::Quit
                 | Self::TogglePanel
+                | Self::Timeline
                 | Self::Present
                 | Self::Larger
                 | Self::Smaller
@@ -310,6 +330,11 @@ impl Action {
     pub fn possible(self, editor: &Editor, shown: &Shown) -> Result<(), &'static str> {
         let is_one_of = |actions: &[Self]| actions.contains(&self);
         let has_waves = editor.view.quantity.declaration().of_liquid;
+        if let Self::Quantity(quantity) = self
+            && let Some(refusal) = level::refusal(quantity, &editor.view, editor.scene())
+        {
+            return Err(refusal);
+        }
         let lacks = [
             (self == Self::Undo && !editor.document.can_undo(), "There is nothing to undo"),
             (self == Self::Redo && !editor.document.can_redo(), "There is nothing to redo"),
@@ -338,6 +363,18 @@ impl Action {
                 is_one_of(&[Self::Export(Export::Numbers), Self::Export(Export::Profile), Self::Profile])
                     && editor.space.is_on,
                 "Leave the 3D view: this is of the map",
+            ),
+            (
+                self == Self::Play && !timeline::can_play(editor),
+                "Nothing moves: choose a path in the Motion panel, or show the instantaneous pressure",
+            ),
+            (
+                self == Self::Mean && !motion::moves(editor.scene()),
+                "Nothing moves: choose a path in the Motion panel",
+            ),
+            (
+                is_one_of(&[Self::Mean, Self::Waves, Self::Play]) && !editor.scene().has_drive(),
+                "The scene has no targets",
             ),
             (self == Self::Stop && shown.board.plays == Plays::Nothing, "The board is silent"),
         ];
@@ -384,11 +421,19 @@ impl Action {
             Self::Tool(tool) => editor.tool = tool,
             Self::SmallerBrush => editor.brush.scale(1.0 / tool::STEP),
             Self::LargerBrush => editor.brush.scale(tool::STEP),
-            Self::Quantity(quantity) => editor.view.quantity = quantity,
+            // Space shows the pressure alone.
+            Self::Quantity(quantity) => (editor.view.quantity, editor.space.is_on) = (quantity, false),
             Self::ShowEverything => editor.fit(),
             Self::Space => editor.space.is_on = !editor.space.is_on,
             Self::Targets => editor.view.marks = !editor.view.marks,
             Self::Profile => editor.view.section = !editor.view.section,
+            Self::Play => drop(timeline::play_or_pause(editor)),
+            Self::Mean => (editor.playback.moment, editor.playback.playing) = (Moment::Mean, false),
+            Self::Waves => {
+                let is_on = matches!(editor.playback.moment.of(editor.view.quantity), Moment::Wave(_));
+                timeline::show_waves(editor, !is_on);
+            }
+            Self::Timeline => editor.layout.has_timeline = !editor.layout.has_timeline,
             Self::ShowPanel(panel) => (editor.panel, editor.layout.is_drawn_out) = (panel, true),
             Self::TogglePanel => editor.layout.toggle(ctx),
             Self::Present => present(editor, ctx, !editor.layout.presents),

@@ -41,9 +41,8 @@ pub(super) fn around(
     } else if !editor.layout.is_folded {
         panel(editor, shown, clear, ui, commands);
     }
-    if is_high && timeline::is_wanted(editor) {
-        let timeline = Side::bottom("timeline").resizable(false).frame(frame);
-        timeline.show(ui, |ui| timeline::show(editor, shown, ui));
+    if is_high {
+        timeline(editor, shown, clear, ui);
     }
     if is_high && editor.view.section && !editor.space.is_on {
         let section = Side::bottom("section")
@@ -52,6 +51,15 @@ pub(super) fn around(
             .size_range(110.0..=320.0);
         let section = section.resizable(true).show(ui, |ui| section::show(editor, shown, ui));
         editor.layout.section = section.response.rect.height();
+    }
+}
+
+/// The timeline, if there is something to play.
+pub(super) fn timeline(editor: &mut Editor, shown: &Shown, clear: Frame, ui: &mut Ui) {
+    if timeline::is_wanted(editor) {
+        let frame = clear.inner_margin(Margin::symmetric(8, 4));
+        let timeline = Side::bottom("timeline").resizable(false).frame(frame);
+        timeline.show(ui, |ui| timeline::show(editor, shown, ui));
     }
 }
 

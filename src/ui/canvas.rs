@@ -1,14 +1,15 @@
 //! The canvas: a plane through space with its axes, the map on it, and the pointer's position.
 
 use egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
+    Align2, Color32, FontId, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
 };
 use glam::{DVec2, DVec3};
 
 use crate::field::{Quantity, Range};
-use crate::picture::figure::axes;
+use crate::picture::figure::axes::round_step;
 use crate::scene::Channel;
 use crate::studio::{map, probe};
+use crate::ui::parts::flight;
 use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
@@ -50,9 +51,14 @@ impl Canvas {
 pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     editor.space.leave();
     let outer = ui.available_rect_before_wrap();
-    let min = outer.min + vec2(LEFT, ABOVE);
     let right = if editor.is_comparing() { BESIDE } else { RIGHT };
-    let max = (outer.max - vec2(right, BELOW)).max(min + vec2(SMALLEST, SMALLEST));
+    // A relief has neither axes nor a colour bar.
+    let [above, below] = match editor.view.is_shaded() {
+        true => [vec2(ABOVE, ABOVE), vec2(if editor.is_comparing() { BESIDE } else { ABOVE }, ABOVE)],
+        false => [vec2(LEFT, ABOVE), vec2(right, BELOW)],
+    };
+    let min = outer.min + above;
+    let max = (outer.max - below).max(min + vec2(SMALLEST, SMALLEST));
     let rect = Rect::from_min_max(min.round(), max.round());
     let response = ui.interact(rect, cursor::id(), Sense::click_and_drag());
     ui.advance_cursor_after_rect(outer);
@@ -63,6 +69,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
     let lens = editor.lens(rect, is_held);
     if editor.view.is_shaded() {
         pointer::watch(editor, ui, &response, &lens);
+        let response = response.on_hover_cursor(egui::CursorIcon::Grab);
         return Canvas { lens: editor.lens(rect, is_held), response };
     }
     let was_typing = editor.is_typing();
@@ -120,6 +127,8 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         marks::paint(editor, shown, &painter, lens, canvas.response.hover_pos());
         path_marks::paint(editor, shown, &painter, lens);
     }
+    let axes_of_view = editor.view.axes(editor.scene());
+    flight::paint(&editor.parts.flight, &painter, |at| Some(lens.screen(axes_of_view.flat(at))));
     marks::gesture(editor, &painter, lens);
     if let Some(at) = canvas.response.hover_pos() {
         marks::brush(editor, &painter, lens, at);
@@ -191,16 +200,39 @@ fn shaded(editor: &Editor, shown: &Shown, ui: &Ui, painter: &Painter, lens: &Len
     let Some((map, exaggeration)) = shown.map.as_ref().and_then(|map| Some((map, map.exaggeration?))) else {
         return top;
     };
-    let size = lens.size() * 1e3;
+    let size = editor.view.plane(editor.scene(), lens).size * 1e3;
+    scale_bar(map, painter, lens);
     let text = format!(
-        "{:.0} x {:.0} mm seen from the front, at most {} deep, drawn {exaggeration} times as deep. Targets are edited in \
-         the flat view.",
+        "{:.0} x {:.0} mm, at most {} deep, heights × {exaggeration}",
         size.x,
         size.y,
         map.quantity.at_most(map.largest)
     );
     let at = pos2(lens.rect.center().x, top);
     wrapped_chip(painter, at, lens.rect.width() - 40.0, &text, theme::MARK).bottom() + 15.0
+}
+
+/// A round depth to scale, beside a relief.
+fn scale_bar(map: &Map, painter: &Painter, lens: &Lens) {
+    /// Points of the screen.
+    const LONGEST: f64 = 90.0;
+    let longest = LONGEST / map.per_depth.max(1e-9);
+    let depth = round_step(longest / 2.0);
+    let length = (depth * map.per_depth) as f32;
+    let foot = lens.rect.left_bottom() + vec2(26.0, -24.0);
+    let head = foot - vec2(0.0, length);
+    let ends = [
+        (foot, head),
+        (foot - vec2(4.0, 0.0), foot + vec2(4.0, 0.0)),
+        (head - vec2(4.0, 0.0), head + vec2(4.0, 0.0)),
+    ];
+    for (width, colour) in [(4.0, Color32::from_black_alpha(200)), (1.6, Color32::WHITE)] {
+        for (from, to) in ends {
+            painter.line_segment([from, to], Stroke::new(width, colour));
+        }
+    }
+    let at = foot + vec2(9.0, -length / 2.0);
+    marks::chip(painter, at, Align2::LEFT_CENTER, &map.quantity.with_unit(depth), 12.0, Color32::WHITE);
 }
 
 /// The message in place of a picture, below the notes or the value under the pointer.
@@ -247,7 +279,7 @@ pub fn axes(view: &View, ui: &Ui, lens: &Lens) {
     let ink = visuals.text_color();
     let rect = lens.rect;
     painter.rect_stroke(rect, 0.0, Stroke::new(1.0, visuals.weak_text_color()), StrokeKind::Outside);
-    let step = axes::round_step(TICK * lens.window.scale * 1e3);
+    let step = round_step(TICK * lens.window.scale * 1e3);
     let (low, high) = (lens.flat(rect.left_bottom()) * 1e3, lens.flat(rect.right_top()) * 1e3);
     let decimals = ticks::decimals(step).min(2);
     let font = FontId::proportional(12.0);
@@ -279,12 +311,25 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
         text.push_str(&format!("     {}", value(editor, map, sound, uv, point)));
     }
     // Wrapped on narrow maps.
-    let corner = lens.rect.left_top() + vec2(12.0, 9.0);
     let room = (lens.rect.width() - 24.0).max(40.0);
     let galley = painter.layout(text, FontId::proportional(13.0), theme::MARK, room);
-    let rect = Rect::from_min_size(corner, galley.size());
+    let rect = beside_boards(editor, shown.sound.as_ref(), lens, galley.size());
     painter.rect_filled(rect.expand2(vec2(6.0, 3.0)), 4.0, Color32::from_black_alpha(200));
     painter.galley(rect.min, galley, theme::MARK);
+}
+
+/// A place for the read-out of this size in the upper left corner, below a board that lies there.
+fn beside_boards(editor: &Editor, sound: Option<&Sound>, lens: &Lens, size: Vec2) -> Rect {
+    /// Points of the screen from one place tried to the next.
+    const STEP: f32 = 10.0;
+    let corner = Rect::from_min_size(lens.rect.left_top() + vec2(12.0, 9.0), size);
+    let Some(sound) = sound.filter(|_| !editor.scene().is_home()) else { return corner };
+    let axes = editor.view.axes(editor.scene());
+    let elements: Vec<_> = sound.aperture.positions.iter().map(|at| lens.screen(axes.flat(*at))).collect();
+    let is_free = |place: &Rect| !elements.iter().any(|at| place.expand(STEP).contains(*at));
+    let places = (0..).map(|i| corner.translate(vec2(0.0, STEP * i as f32)));
+    let inside = places.take_while(|place| place.bottom() < lens.rect.center().y);
+    inside.into_iter().find(is_free).unwrap_or(corner)
 }
 
 /// A level over the threshold, in dB.

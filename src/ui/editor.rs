@@ -16,7 +16,7 @@ use crate::ui::gesture::{Gesture, Typing, Vertex};
 use crate::ui::guides::Guide;
 use crate::ui::layout::{Layout, Panel};
 use crate::ui::parts::Parts;
-use crate::ui::playback::{Oscillation, Playback};
+use crate::ui::playback::{Moment, Oscillation, Playback};
 use crate::ui::space::view::SpaceView;
 use crate::ui::tool::{Brush, Tool};
 use crate::ui::view::View;
@@ -55,6 +55,8 @@ pub struct Editor {
     pub hints: bool,
     /// Time (s) of the last Escape while a board sounds.
     pub(super) escaped: Option<f64>,
+    /// Whether the space bar is down and nothing was dragged with it: its release plays or pauses.
+    pub(super) is_space_down: bool,
     /// Whether the loudness warning was answered in this run.
     pub was_warned: bool,
     /// Figure options of this run.
@@ -81,6 +83,7 @@ impl Editor {
     pub fn new(document: Document) -> Self {
         Self {
             view: View::of(&document.scene),
+            playback: Playback::opening(&document.scene),
             fitted: None,
             space: SpaceView::default(),
             compare: None,
@@ -94,6 +97,7 @@ impl Editor {
                 is_folded: false,
                 is_drawn_out: false,
                 presents: false,
+                has_timeline: false,
             },
             grid: 0.005,
             snaps: false,
@@ -108,11 +112,11 @@ impl Editor {
             asking: Asking::default(),
             hints: false,
             escaped: None,
+            is_space_down: false,
             was_warned: false,
             figure: FigureForm::default(),
             film: FilmForm::default(),
             after_saving: None,
-            playback: Playback::default(),
             oscillation: Oscillation { playing: true, part: 0.0 },
             parts: Parts::default(),
             pointed: None,
@@ -131,7 +135,8 @@ impl Editor {
         self.space.camera = None;
         self.document = document;
         self.forget_places();
-        self.playback = Playback::default();
+        self.parts.flight.form.from = None;
+        self.playback = Playback::opening(self.scene());
     }
 
     /// Takes a scene changed by other programs.
@@ -171,9 +176,17 @@ impl Editor {
         &self.document.scene
     }
 
-    /// The displayed state, without a running moment of the wave.
+    /// The displayed state, without running moments of a motion and of the wave.
     pub fn seen(&self) -> (Scene, View, Playback, bool) {
-        (self.document.scene.clone(), self.view.clone(), self.playback, self.oscillation.playing)
+        let runs = self.playback.playing;
+        let moment = match self.playback.moment {
+            Moment::Frame(_) if runs => Moment::Frame(0),
+            Moment::Wave(_) if runs => Moment::Wave(0),
+            own @ (Moment::Rest | Moment::Mean | Moment::Frame(_) | Moment::Wave(_)) => own,
+        };
+        let part = if runs { 0.0 } else { self.playback.part };
+        let playback = Playback { moment, part, ..self.playback };
+        (self.document.scene.clone(), self.view.clone(), playback, self.oscillation.playing)
     }
 
     /// Passes on a command, after a confirmation if unsaved changes would be lost.

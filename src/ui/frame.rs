@@ -23,6 +23,7 @@ pub fn show(
     let clear = Frame::side_top_panel(ui.style()).fill(Color32::TRANSPARENT);
     if editor.layout.presents {
         menu::presented_stop(shown, ui.ctx(), &mut commands);
+        arrangement::timeline(editor, shown, clear, ui);
     } else {
         arrangement::around(editor, shown, clear, ui, &mut commands);
     }

@@ -29,7 +29,7 @@ pub const HELP: &[(&str, &str)] = &[
     ("D, then drag", "Measure along a line; Esc removes it"),
     ("Esc Esc", "Stop the board"),
     ("Wheel", "Zoom where the pointer is"),
-    ("Space or right button + drag", "Move the view"),
+    ("Space + drag, right button + drag", "Move the view"),
     ("Double click", "Fit the view"),
     ("Shift while drawing", "Lines in steps of 15°, squares"),
     ("Shift over the map", "Move the line profile"),
@@ -53,6 +53,7 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
         return;
     }
     let in_field = is_in_field(ctx);
+    play(editor, shown, in_field, ctx, commands);
     let mut actions: Vec<_> =
         Action::all().into_iter().flat_map(|a| a.keys().into_iter().map(move |k| (k, a))).collect();
     // More modifiers first: a shortcut also matches with extra modifiers.
@@ -60,9 +61,9 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
     let presses = ctx.input(|input| input.events.iter().filter_map(plain_press).collect::<Vec<_>>());
     for (keys, action) in actions {
         if (in_field && !action.is_for_the_window())
-            || matches!(action, Action::Cut | Action::Copy | Action::Paste)
+            || matches!(action, Action::Cut | Action::Copy | Action::Paste | Action::Play)
         {
-            // Clipboard keys arrive as separate events.
+            // Clipboard keys arrive as separate events, and the space bar also moves the view.
             continue;
         }
         let is_hit = if keys.modifiers == Modifiers::NONE {
@@ -103,6 +104,23 @@ fn stop(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &mut Ve
             editor.escaped = Some(now);
             let text = "Press Esc once more to stop the board".to_owned();
             shown.notice = Some(Notice { text, is_error: false });
+        }
+    }
+}
+
+/// Plays or pauses when the space bar is released, unless it moved the view.
+fn play(editor: &mut Editor, shown: &Shown, in_field: bool, ctx: &Context, commands: &mut Vec<Command>) {
+    if in_field || cursor::has_focus(ctx) || ctx.input(|input| input.pointer.any_down()) {
+        editor.is_space_down = false;
+        return;
+    }
+    for event in ctx.input(|input| input.events.clone()) {
+        let Event::Key { key: Key::Space, pressed, repeat: false, modifiers: Modifiers::NONE, .. } = event
+        else {
+            continue;
+        };
+        if std::mem::replace(&mut editor.is_space_down, pressed) && !pressed {
+            Action::Play.run(editor, shown, ctx, commands);
         }
     }
 }

@@ -30,6 +30,8 @@ pub struct Layout {
     pub is_drawn_out: bool,
     /// Presentation mode: the map and its colour bar alone.
     pub presents: bool,
+    /// Whether the timeline is shown in it.
+    pub has_timeline: bool,
 }
 
 impl Layout {

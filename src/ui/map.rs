@@ -36,6 +36,8 @@ pub struct Map {
     pub contours: Vec<Line>,
     /// Vertical exaggeration of a shaded depression.
     pub exaggeration: Option<f64>,
+    /// Points of the screen per metre of its depth.
+    pub per_depth: f64,
     /// Values row by row from the smallest y, if available and not derivable from the sound at a point.
     pub numbers: Option<Vec<f32>>,
 }

@@ -34,7 +34,12 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
         }
         // Outlines of marked separate foci are faint.
         let is_continuous = target.sampling == Sampling::Continuous || target.is_area();
-        let (width, alpha) = if is_continuous { (1.8, 190) } else { (1.0, 110) };
+        let (width, alpha) = match is_continuous {
+            // The lines of a caustic are those of the drawing.
+            true if editor.view.quantity.declaration().of_light => (0.8, 70),
+            true => (1.8, 190),
+            false => (1.0, 110),
+        };
         let colour = if chosen { theme::CHOSEN } else { theme::line(editor.view.is_light, alpha) };
         for stroke in edit::outline_on(target, &axes) {
             let points: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();

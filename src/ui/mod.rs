@@ -33,6 +33,7 @@ mod icon;
 pub mod keys;
 mod layout;
 pub mod legend;
+pub mod level;
 mod looking;
 mod map;
 mod marks;
@@ -69,7 +70,7 @@ pub use frame::show;
 pub use layout::Layout;
 pub use layout::Panel;
 pub use map::{Map, Texture};
-pub use playback::{Oscillation, Playback};
+pub use playback::{Moment, Oscillation, Playback};
 pub use shown::{MethodRow, Notice, ServingShown, Shown};
 pub use sound::Sound;
 

@@ -47,7 +47,9 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
 
 /// Outlines at their position in the displayed frame.
 fn moved(editor: &Editor, painter: &Painter, axes: &Axes, lens: &Lens) {
-    let (Some(frame), Some(cycle)) = (editor.playback.frame, motion::cycle(editor.scene())) else { return };
+    let (Some(frame), Some(cycle)) = (editor.playback.moment.frame(), motion::cycle(editor.scene())) else {
+        return;
+    };
     for (index, target) in editor.scene().targets.iter().enumerate().filter(|(_, target)| target.visible) {
         let own = target.motion.is_some().then_some(index);
         let Some(group) = cycle.groups.iter().find(|group| group.target == own) else { continue };
@@ -90,7 +92,7 @@ pub fn diamond(painter: &Painter, at: Pos2, half: f32, fill: Color32) {
 
 /// Speeds of foci along outlines, beside the first of each.
 fn speeds(editor: &Editor, shown: &Shown, painter: &Painter, axes: &Axes, lens: &Lens) {
-    let (Some(frame), Some(round)) = (editor.playback.frame, &shown.round) else { return };
+    let (Some(frame), Some(round)) = (editor.playback.moment.frame(), &shown.round) else { return };
     let Some(cycle) = motion::cycle(editor.scene()) else { return };
     let Some(frame) = round.frames.get(frame) else { return };
     let running = cycle.groups.iter().filter(|group| group.motion.path == MotionPath::Outline);

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use egui::{Key, Modifiers, PointerButton, Pos2, Response, Ui};
 use glam::DVec2;
 
+use crate::picture::relief::Sight;
 use crate::scene::{Target, outline};
 use crate::ui::gesture::{Gesture, Typing, closes};
 use crate::ui::guides::Guides;
@@ -57,6 +58,14 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
 pub fn watch(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     typing::end(editor);
     look_around(editor, ui, response, lens);
+    if response.double_clicked_by(PointerButton::Primary) {
+        editor.view.relief.sight = Sight::default();
+        editor.fit();
+    } else if response.dragged_by(PointerButton::Primary) && !ui.input(|input| input.key_down(Key::Space)) {
+        let by = response.drag_delta() / lens.rect.height().max(1.0);
+        let sight = &mut editor.view.relief.sight;
+        *sight = sight.orbited(DVec2::new(by.x.into(), by.y.into()));
+    }
     if !ui.input(|input| input.pointer.any_down()) {
         editor.gesture = None;
     }

@@ -15,15 +15,32 @@ const FEW: usize = 2;
 
 /// Shows the choices side by side, or as a list if space is short. Returns whether the choice changed.
 pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices: &[Segment<'_, T>]) -> bool {
+    show_possible(ui, name, value, choices, |_| None)
+}
+
+/// The same with choices that cannot be made now, each with the reason.
+pub fn show_possible<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    value: &mut T,
+    choices: &[Segment<'_, T>],
+    refusal: impl Fn(T) -> Option<&'static str>,
+) -> bool {
     let before = *value;
     let width = choices.iter().map(|(_, name, _)| text_width(ui, name) + BETWEEN).sum::<f32>() + AROUND;
     let is_long = choices.len() > FEW && theme::is_narrow(ui.ctx());
+    let mut choose = |ui: &mut Ui, (choice, name, tip): &Segment<'_, T>| {
+        let refusal = refusal(*choice);
+        let button = Button::selectable(*value == *choice, *name).corner_radius(4);
+        let response = ui.add_enabled(refusal.is_none(), button).on_hover_text(tip);
+        if response.on_disabled_hover_text(refusal.unwrap_or_default()).clicked() {
+            *value = *choice;
+        }
+    };
     if is_long || width > ui.max_rect().width() {
-        let current = choices.iter().find(|(choice, ..)| choice == value).map_or("", |(_, name, _)| name);
+        let current = choices.iter().find(|(choice, ..)| *choice == before).map_or("", |(_, name, _)| name);
         let list = ComboBox::from_id_salt(name).selected_text(current).height(360.0).show_ui(ui, |ui| {
-            for (choice, name, tip) in choices {
-                ui.selectable_value(value, *choice, *name).on_hover_text(tip);
-            }
+            choices.iter().for_each(|choice| choose(ui, choice));
         });
         list.response.accessible_name(name);
     } else {
@@ -34,12 +51,7 @@ pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 1.0;
                 ui.spacing_mut().button_padding.x = PADDING;
-                for (choice, name, tip) in choices {
-                    let button = Button::selectable(value == choice, *name).corner_radius(4);
-                    if ui.add(button).on_hover_text(tip).clicked() {
-                        *value = *choice;
-                    }
-                }
+                choices.iter().for_each(|choice| choose(ui, choice));
             });
         });
     }

@@ -13,7 +13,7 @@ use crate::scene::{Bead, Focus, Scene, Spread, outline};
 use crate::solver::frames::Sequence;
 use crate::studio::probe::{self, Reading};
 use crate::ui::map::Map;
-use crate::ui::playback::Playback;
+use crate::ui::playback::{Moment, Playback};
 
 /// The played drive and its pressures.
 #[derive(Clone, Debug)]
@@ -72,10 +72,12 @@ impl Sound {
     }
 }
 
-/// Whether a map of this quantity is of all frames of a motion: what the skin feels, and means while no frame is displayed.
+/// Whether a map of this quantity is of all frames of a motion.
 pub fn is_of_all_frames(quantity: Quantity, playback: Playback) -> bool {
-    let declaration = quantity.declaration();
-    declaration.of_skin || (declaration.is_slow && playback.frame.is_none())
+    match playback.moment.of(quantity) {
+        Moment::Mean | Moment::Wave(_) => true,
+        Moment::Rest | Moment::Frame(_) => false,
+    }
 }
 
 /// The drives of a map of this quantity: the played ones, or all frames of the motion if they count together.
@@ -86,7 +88,7 @@ pub fn drives(
     quantity: Quantity,
 ) -> Vec<Drive> {
     match cycle {
-        Some(cycle) if is_of_all_frames(quantity, playback) => {
+        Some(cycle) if quantity.declaration().is_slow && is_of_all_frames(quantity, playback) => {
             cycle.frames.iter().map(|frame| frame.drive.clone()).collect()
         }
         // Requests of the skin add the response of elements by themselves.

@@ -1,4 +1,4 @@
-//! The timeline below the canvas: the displayed frame, the playback speed, and keyframes.
+//! The timeline below the canvas: the displayed frame or wave, the playback speed, and keyframes.
 
 use egui::{
     Align2, Button, CursorIcon, DragValue, FontId, Painter, Rect, Response, ScrollArea, Sense, Stroke, Ui,
@@ -6,13 +6,15 @@ use egui::{
 };
 use strum::VariantArray;
 
+use crate::field::Quantity;
 use crate::picture::figure::axes::round_step;
 use crate::scene::motion::{self, Cycle, Group};
 use crate::scene::{Easing, Keyframe, MotionPath};
 use crate::ui::board::Plays;
 use crate::ui::gesture::Vertex;
-use crate::ui::way;
-use crate::ui::{editor::Editor, layout::Panel, path_marks, shown::Shown, theme};
+use crate::ui::part::Background;
+use crate::ui::playback::{Moment, Playback};
+use crate::ui::{editor::Editor, layout::Panel, level, path_marks, shown::Shown, theme, way};
 
 /// Points of the screen.
 const RULER: f32 = 20.0;
@@ -26,22 +28,119 @@ const TICK: f64 = 70.0;
 /// Width below which the timeline is abbreviated, with fewer lanes, in points.
 const NARROW: f32 = 460.0;
 const LOW: f32 = 600.0;
+/// Slowdown at which the pictures of waves follow each other smoothly.
+const SMOOTH: f64 = 10.0;
 /// Limit of frames for stepping through keyframes frame by frame.
 const MOST_STEPS: f64 = 4096.0;
 
-/// Whether the timeline is shown: the scene moves, and its motion is edited or played.
+/// Whether the timeline is shown: there is something to play, and it is edited, chosen or asked for.
 pub fn is_wanted(editor: &Editor) -> bool {
-    let is_looked_at = editor.panel == Panel::Motion || editor.playback.frame.is_some();
-    is_looked_at && motion::moves(editor.scene()) && editor.scene().has_drive()
+    if editor.layout.presents {
+        return editor.layout.has_timeline && Played::of(editor).is_some();
+    }
+    match Played::of(editor) {
+        Some(Played::Waves(_)) => matches!(editor.playback.moment, Moment::Wave(_)),
+        Some(Played::Motion(_)) => editor.panel == Panel::Motion || editor.playback.moment != Moment::Rest,
+        None => false,
+    }
 }
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
-    let Some(clock) = motion::cycle(editor.scene()).map(|cycle| Clock::of(&cycle)) else { return };
+    let Some(played) = Played::of(editor) else { return };
     ui.horizontal_wrapped(|ui| {
-        controls(editor, shown, ui, clock);
-        keyframe(editor, ui);
+        controls(editor, shown, ui, played);
+        match played {
+            Played::Motion(_) => keyframe(editor, ui),
+            Played::Waves(_) => duration(editor, ui),
+        }
     });
-    lanes(editor, ui, clock);
+    lanes(editor, ui, played);
+}
+
+/// Plays, or pauses, what is displayed: a bead in flight, the wave of the sound, waves of a liquid, or a motion. Returns whether
+/// there was any.
+pub fn play_or_pause(editor: &mut Editor) -> bool {
+    let flight = &mut editor.parts.flight.form;
+    if flight.from.is_some() {
+        flight.playing = !flight.playing;
+        return true;
+    }
+    if !editor.space.is_on && editor.view.quantity == Quantity::Instantaneous {
+        editor.oscillation.playing = !editor.oscillation.playing;
+        return true;
+    }
+    let Some(played) = Played::of(editor) else { return false };
+    let playback = &mut editor.playback;
+    playback.playing = !(playback.playing && playback.moment.playing(editor.view.quantity).is_some());
+    if playback.moment.playing(editor.view.quantity).is_none() {
+        playback.moment = played.moment(0);
+        playback.part = 0.0;
+    }
+    true
+}
+
+/// Whether anything can be played.
+pub fn can_play(editor: &Editor) -> bool {
+    let is_wave = !editor.space.is_on && editor.view.quantity == Quantity::Instantaneous;
+    is_wave || editor.parts.flight.form.from.is_some() || Played::of(editor).is_some()
+}
+
+/// Shows the waves of a liquid from their beginning, or the surface at rest.
+pub fn show_waves(editor: &mut Editor, is_on: bool) {
+    if is_on && !editor.view.quantity.declaration().of_liquid {
+        editor.view.quantity = Quantity::Depression;
+    }
+    if is_on {
+        editor.space.is_on = false;
+        if !level::is_level(&editor.view, editor.scene()) {
+            level::show_xy(editor);
+        }
+    }
+    let moment = if is_on { Moment::Wave(0) } else { Moment::Rest };
+    let slowness = if is_on { editor.playback.slowness.min(SMOOTH) } else { editor.playback.slowness };
+    editor.playback = Playback { moment, playing: is_on, part: 0.0, slowness, ..editor.playback };
+}
+
+/// What the timeline plays, with its units.
+#[derive(Clone, Copy, Debug)]
+enum Played {
+    Motion(Clock),
+    Waves(Clock),
+}
+
+impl Played {
+    fn of(editor: &Editor) -> Option<Self> {
+        let scene = editor.scene();
+        if !scene.has_drive() {
+            return None;
+        }
+        let cycle = motion::cycle(scene).map(|cycle| Self::Motion(Clock::of(&cycle)));
+        let is_of_waves = matches!(editor.playback.moment.of(editor.view.quantity), Moment::Wave(_));
+        let has_waves = editor.view.quantity.declaration().of_liquid
+            && !editor.space.is_on
+            && level::is_level(&editor.view, scene)
+            && (is_of_waves || cycle.is_none());
+        let schedule = editor.parts.waves.schedule(scene).filter(|_| has_waves);
+        let waves = schedule.map(|schedule| {
+            let rate = schedule.rate() / schedule.pictures as f64;
+            Self::Waves(Clock { rate, frames: schedule.pictures })
+        });
+        waves.or(cycle)
+    }
+
+    fn clock(self) -> Clock {
+        match self {
+            Self::Motion(clock) | Self::Waves(clock) => clock,
+        }
+    }
+
+    /// A frame or picture by its number from 0.
+    fn moment(self, index: usize) -> Moment {
+        match self {
+            Self::Motion(_) => Moment::Frame(index),
+            Self::Waves(_) => Moment::Wave(index),
+        }
+    }
 }
 
 /// The units of the timeline.
@@ -66,35 +165,40 @@ impl Clock {
 }
 
 /// Shows the frame that begins at or before a part of the cycle.
-fn show_part(editor: &mut Editor, part: f64, frames: usize) {
+fn show_part(editor: &mut Editor, part: f64, played: Played) {
+    let frames = played.clock().frames;
     let frame = ((part * frames as f64 + 1e-9) as usize).min(frames.saturating_sub(1));
     editor.playback.playing = false;
-    editor.playback.frame = Some(frame);
+    editor.playback.moment = played.moment(frame);
     editor.playback.part = frame as f64 / frames.max(1) as f64;
 }
 
-fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, clock: Clock) {
-    let playback = &mut editor.playback;
-    let (name, tip) = match playback.playing {
-        true => ("Pause", "Stay at this frame"),
-        false => ("Play", "Show one frame after the other"),
+fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, played: Played) {
+    let clock = played.clock();
+    let quantity = editor.view.quantity;
+    let index = editor.playback.moment.playing(quantity);
+    let (name, tip) = match editor.playback.playing && index.is_some() {
+        true => ("Pause", "Stay at this frame (Space)"),
+        false => ("Play", "Show one frame after the other (Space)"),
     };
     if ui.button(name).on_hover_text(tip).clicked() {
-        playback.playing = !playback.playing;
-        playback.frame.get_or_insert(0);
+        play_or_pause(editor);
     }
-    let rest = ui.add_enabled(playback.frame.is_some(), Button::new("At rest"));
-    if rest.on_hover_text("Show the targets at their positions in the scene").clicked() {
-        playback.playing = false;
-        playback.frame = None;
+    let count = clock.frames.max(1);
+    for (name, tip, by) in [("◀", "Back by a frame", count - 1), ("▶", "On by a frame", 1)] {
+        if ui.button(name).accessible_name(tip).on_hover_text(tip).clicked() {
+            let next = index.map_or(0, |index| (index + by) % count);
+            show_part(editor, next as f64 / count as f64, played);
+        }
     }
+    moments(editor, ui, played);
+    let playback = &mut editor.playback;
     ui.toggle_value(&mut playback.loops, "Loop").on_hover_text("Begin again after the last frame");
     let label = ui.label("Frame");
-    let mut number = playback.frame.map_or(1, |frame| frame + 1);
-    let field =
-        DragValue::new(&mut number).range(1..=clock.frames.max(1)).suffix(format!(" / {}", clock.frames));
+    let mut number = index.map_or(1, |frame| frame + 1);
+    let field = DragValue::new(&mut number).range(1..=count).suffix(format!(" / {}", clock.frames));
     let field = ui.add(field).labelled_by(label.id).on_hover_text("The frame whose field is shown");
-    let part = playback.frame.unwrap_or(0) as f64 / clock.frames.max(1) as f64;
+    let part = index.unwrap_or(0) as f64 / count as f64;
     let is_wide = ui.max_rect().width() >= NARROW;
     if is_wide {
         ui.label(format!("{} of {} ms", clock.time(part), clock.time(1.0)));
@@ -106,11 +210,16 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, clock: Clock) {
         "Speed on the screen; 1/1 is real time, of which the screen shows the frames that it can",
     );
     if field.changed() {
-        show_part(editor, (number - 1) as f64 / clock.frames.max(1) as f64, clock.frames);
+        show_part(editor, (number - 1) as f64 / count as f64, played);
     }
     if shown.is_following {
         ui.spinner();
         ui.label("solving all frames");
+    } else if editor.parts.waves.is_running() {
+        ui.spinner();
+        ui.label("computing the waves");
+    } else if let (Played::Waves(_), Some(Err(problem))) = (played, editor.parts.waves.exact()) {
+        ui.colored_label(theme::warning(ui.visuals()), problem);
     }
     if shown.board.plays == Plays::Motion {
         let played = shown.board.health.as_ref().and_then(|health| health.rates).map(|rates| rates.played);
@@ -121,13 +230,64 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, clock: Clock) {
     }
 }
 
+/// What is shown besides frames: the scene at rest, and the mean of a cycle.
+fn moments(editor: &mut Editor, ui: &mut Ui, played: Played) {
+    let quantity = editor.view.quantity;
+    let declaration = quantity.declaration();
+    let shown = editor.playback.moment.of(quantity);
+    let mut choose = |ui: &mut Ui, moment: Moment, name: &str, tip: &str, refusal: &str| {
+        let button = Button::selectable(shown == moment, name);
+        let button = ui.add_enabled(refusal.is_empty(), button).on_hover_text(tip);
+        if button.on_disabled_hover_text(refusal).clicked() {
+            (editor.playback.moment, editor.playback.playing) = (moment, false);
+        }
+    };
+    match played {
+        Played::Waves(_) => {
+            let tip = "The surface under the mean of the sound, without waves";
+            choose(ui, Moment::Rest, "At rest", tip, "");
+        }
+        Played::Motion(_) => {
+            let refusal = match declaration.is_slow {
+                true => "Liquids and skin respond to the mean of a cycle",
+                false => "",
+            };
+            let tip = "Show the targets at their positions in the scene";
+            choose(ui, Moment::Rest, "At rest", tip, refusal);
+            let refusal = match declaration.has_mean {
+                false => "This quantity has no mean over a cycle",
+                true => "",
+            };
+            let tip = "The mean of all frames, RMS for pressures: what a hand or a liquid meets in a cycle";
+            choose(ui, Moment::Mean, "Mean of a cycle", tip, refusal);
+        }
+    }
+}
+
+/// The time that waves are shown for.
+fn duration(editor: &mut Editor, ui: &mut Ui) {
+    /// s
+    const LONGEST: f64 = 2.0;
+    let Some(Played::Waves(clock)) = Played::of(editor) else { return };
+    ui.separator();
+    let label = ui.label("Duration");
+    let mut seconds = 1.0 / clock.rate;
+    let field = DragValue::new(&mut seconds).range(0.01..=LONGEST).speed(0.01).max_decimals(3).suffix(" s");
+    let field = ui.add(field).labelled_by(label.id);
+    if field.on_hover_text("Duration of the waves from the onset of the sound").changed() {
+        editor.parts.waves.form.seconds = Some(seconds);
+    }
+}
+
 /// The controls of the current keyframe, and for adding one.
 fn keyframe(editor: &mut Editor, ui: &mut Ui) {
     let Some(target) = keyed(editor) else { return };
     ui.separator();
     if ui.button("Add keyframe").on_hover_text("At the playhead, where the target is then").clicked() {
         editor.playback.playing = false;
-        editor.playback.frame.get_or_insert(0);
+        if editor.playback.moment.frame().is_none() {
+            editor.playback.moment = Moment::Frame(0);
+        }
         way::add_keyframe(editor, target);
     }
     // Always present, so that the layout is stable.
@@ -177,21 +337,30 @@ impl Lane {
     }
 }
 
-fn lanes(editor: &mut Editor, ui: &mut Ui, clock: Clock) {
-    let Some(cycle) = motion::cycle(editor.scene()) else { return };
-    let lanes: Vec<_> = cycle.groups.iter().map(Lane::of).collect();
+fn lanes(editor: &mut Editor, ui: &mut Ui, played: Played) {
+    let clock = played.clock();
+    let lanes: Vec<_> = match played {
+        Played::Motion(_) => {
+            motion::cycle(editor.scene()).iter().flat_map(|cycle| &cycle.groups).map(Lane::of).collect()
+        }
+        Played::Waves(_) => Vec::new(),
+    };
     let width = ui.available_width();
     let (rect, response) = ui.allocate_exact_size(vec2(width, RULER), Sense::click_and_drag());
     let bar = Rect::from_min_max(rect.min + vec2(NAMES, 0.0), rect.max - vec2(HALF, 0.0));
     response.widget_info(|| WidgetInfo::labeled(egui::Role::Slider, true, "Playhead"));
     ruler(ui, bar, clock);
-    scrub(editor, &response, bar, clock);
+    scrub(editor, &response, bar, played);
+    if let (Played::Waves(_), Some(index)) = (played, editor.playback.moment.playing(editor.view.quantity)) {
+        let x = bar.left() + bar.width() * index as f32 / clock.frames.max(1) as f32;
+        playhead(ui.painter(), x, bar);
+    }
     let most = if ui.ctx().content_rect().height() < LOW { 1.0 } else { MOST_LANES };
     let scroll = ScrollArea::vertical().max_height(LANE * most).id_salt("lanes");
     scroll.show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         for lane in &lanes {
-            show_lane(editor, ui, lane, clock);
+            show_lane(editor, ui, lane, played);
         }
     });
 }
@@ -217,30 +386,31 @@ fn ruler(ui: &Ui, bar: Rect, clock: Clock) {
 }
 
 /// Shows the moment under the pointer.
-fn scrub(editor: &mut Editor, response: &Response, bar: Rect, clock: Clock) {
+fn scrub(editor: &mut Editor, response: &Response, bar: Rect, played: Played) {
     let is_held = response.is_pointer_button_down_on() || response.clicked();
     if let Some(at) = response.interact_pointer_pos().filter(|_| is_held) {
         let part = f64::from((at.x - bar.left()) / bar.width().max(1.0)).clamp(0.0, 1.0);
-        show_part(editor, part, clock.frames);
+        show_part(editor, part, played);
     }
 }
 
-fn show_lane(editor: &mut Editor, ui: &mut Ui, lane: &Lane, clock: Clock) {
+fn show_lane(editor: &mut Editor, ui: &mut Ui, lane: &Lane, played: Played) {
+    let clock = played.clock();
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), LANE), Sense::click_and_drag());
     let bar = Rect::from_min_max(rect.min + vec2(NAMES, 1.0), rect.max - vec2(HALF, 1.0));
     let ink = ui.visuals().text_color();
     let name = pos2(rect.left(), rect.center().y);
     ui.painter().text(name, Align2::LEFT_CENTER, &lane.name, FontId::proportional(12.0), ink);
     ui.painter().rect_filled(bar, 3.0, ui.visuals().faint_bg_color);
-    scrub(editor, &response, bar, clock);
+    scrub(editor, &response, bar, played);
     for (index, keyframe) in lane.keyframes.iter().enumerate() {
         for round in 0..lane.rounds {
             let part = (round as f64 + keyframe.time) / lane.rounds as f64;
             let at = pos2(bar.left() + bar.width() * part as f32, bar.center().y);
-            show_keyframe(editor, ui, lane, (index, round), at, (bar, clock));
+            show_keyframe(editor, ui, lane, (index, round), at, (bar, played));
         }
     }
-    if let Some(frame) = editor.playback.frame {
+    if let Some(frame) = editor.playback.moment.frame() {
         let x = bar.left() + bar.width() * frame as f32 / clock.frames.max(1) as f32;
         playhead(ui.painter(), x, bar);
     }
@@ -257,8 +427,9 @@ fn show_keyframe(
     lane: &Lane,
     (index, round): (usize, u64),
     at: egui::Pos2,
-    (bar, clock): (Rect, Clock),
+    (bar, played): (Rect, Played),
 ) {
+    let clock = played.clock();
     let id = ui.scope_id().with(("keyframe", lane.target, index, round));
     let rect = Rect::from_center_size(at, vec2(HALF, HALF) * 2.4);
     let response =
@@ -274,7 +445,7 @@ fn show_keyframe(
         editor.vertex = Some(vertex);
     }
     if response.clicked() {
-        show_part(editor, (round as f64 + time) / lane.rounds as f64, clock.frames);
+        show_part(editor, (round as f64 + time) / lane.rounds as f64, played);
     }
     if response.secondary_clicked() {
         editor.vertex = Some(vertex);

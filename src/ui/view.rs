@@ -7,6 +7,7 @@ use glam::{DQuat, DVec2, DVec3};
 use strum::{IntoStaticStr, VariantArray};
 
 use crate::field::{Colouring, FLOOR, Quantity, Range, Scale};
+use crate::picture::relief::{self, Place};
 use crate::picture::{ColourMap, veil};
 use crate::scene::{Array, Channel, Plane, Scene, outline};
 use crate::studio::convention::Convention;
@@ -192,6 +193,8 @@ pub struct View {
     pub fades: bool,
     /// The depression as a shaded relief instead of a map.
     pub shaded: bool,
+    /// Side and height of that relief.
+    pub relief: relief::Look,
     /// Whether contour lines are drawn.
     pub contours: bool,
     /// dB from the largest value to that one.
@@ -238,6 +241,7 @@ impl View {
             is_light: false,
             fades: false,
             shaded: false,
+            relief: relief::Look::default(),
             contours: false,
             contour_level: -6.0,
             threshold_contours: true,
@@ -344,7 +348,7 @@ impl View {
             centre: axes.world(lens.window.centre),
             x_axis: axes.x,
             y_axis: axes.y,
-            size: lens.size(),
+            size: if self.is_shaded() { relief_size(lens) } else { lens.size() },
             tolerance: scene.plane.tolerance,
         }
     }
@@ -405,6 +409,12 @@ impl View {
             true | false => &[],
         }
     }
+}
+
+/// The size (m) of a surface that fills the screen as a relief.
+fn relief_size(lens: &Lens) -> DVec2 {
+    let [width, height] = [lens.rect.width(), lens.rect.height()].map(|side| side.max(1.0) as usize);
+    Place::on_screen(width, height, [0; 3]).filled(lens.size().x)
 }
 
 /// Centre and size of all boards and targets, with a margin.

@@ -1,18 +1,20 @@
 //! The two rows above the canvas: the quantity and the plane.
 
-use egui::{Slider, Ui};
+use egui::{Button, ComboBox, Slider, Ui};
 use strum::VariantArray;
 
 use crate::field::Quantity;
+use crate::picture::relief::{self, Sight};
 use crate::scene::Channel;
 use crate::studio::convention::Convention;
 use crate::ui::action::Action;
 use crate::ui::icon::{self, Icon};
 use crate::ui::number::{self, Look};
 use crate::ui::panels::form::{DEGREES, MM, Unit};
+use crate::ui::playback::Moment;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, FreePlane};
-use crate::ui::{compare, editor::Editor, panels, segments, space, tool};
+use crate::ui::{compare, editor::Editor, level, panels, segments, space, timeline, tool};
 
 /// Range of the plane slider, m.
 const FARTHEST: f64 = 0.3;
@@ -34,12 +36,17 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         dimensions(editor, ui);
         quantities(editor, ui);
-        convention(editor, ui);
+        if Convention::Peak.factor(editor.view.quantity) != Convention::Rms.factor(editor.view.quantity) {
+            convention(editor, ui);
+        }
         if editor.view.quantity == Quantity::Instantaneous {
             oscillation(editor, ui);
         }
         if editor.view.quantity.declaration().is_surface() {
             surface(editor, ui);
+        }
+        if editor.view.quantity.declaration().of_liquid {
+            waves(editor, ui);
         }
         if editor.view.quantity.declaration().of_skin {
             channel(editor, ui);
@@ -88,7 +95,9 @@ fn quantities(editor: &mut Editor, ui: &mut Ui) {
         (quantity, declaration.title, format!("{}{key}", declaration.help))
     };
     let choices: Vec<_> = Quantity::ALL.into_iter().map(choice).collect();
-    segments::show(ui, "Quantity", &mut editor.view.quantity, &choices);
+    let (view, scene) = (editor.view.clone(), &editor.document.scene);
+    let refusal = |quantity| level::refusal(quantity, &view, scene);
+    segments::show_possible(ui, "Quantity", &mut editor.view.quantity, &choices, refusal);
 }
 
 /// The convention of pressures in the whole window.
@@ -151,11 +160,42 @@ fn surface(editor: &mut Editor, ui: &mut Ui) {
         (
             true,
             "Shaded",
-            "The surface as a shaded relief, seen from the front; targets are edited in the flat view"
-                .to_owned(),
+            "The surface as a shaded relief: drag to turn it; targets are edited in the flat view".to_owned(),
         ),
     ];
     segments::show(ui, "Surface", &mut editor.view.shaded, &choices);
+    if editor.view.is_shaded() {
+        heights(&mut editor.view.relief, ui);
+    }
+}
+
+/// The vertical exaggeration of a relief, and its view.
+fn heights(relief: &mut relief::Look, ui: &mut Ui) {
+    const TIMES: [u32; 12] = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000, 5000];
+    let name = |times: Option<f64>| times.map_or("auto".to_owned(), |times| format!("× {times}"));
+    let label = ui.label("Heights");
+    let list = ComboBox::from_id_salt("heights").selected_text(name(relief.exaggeration)).width(64.0);
+    let list = list.height(320.0).show_ui(ui, |ui| {
+        for times in [None].into_iter().chain(TIMES.map(|times| Some(f64::from(times)))) {
+            ui.selectable_value(&mut relief.exaggeration, times, name(times));
+        }
+    });
+    let tip = "Vertical exaggeration: auto follows the deepest point; fixed, reliefs are comparable";
+    list.response.labelled_by(label.id).on_hover_text(tip);
+    let is_turned = relief.sight != Sight::default();
+    let front = ui.add_enabled(is_turned, Button::new("Front"));
+    if front.on_hover_text("The relief from the front (double click)").clicked() {
+        relief.sight = Sight::default();
+    }
+}
+
+/// The surface at rest, or its waves.
+fn waves(editor: &mut Editor, ui: &mut Ui) {
+    let mut has_waves = matches!(editor.playback.moment, Moment::Wave(_));
+    let tip = "The liquid follows the sound from its onset: waves, played on the timeline (Space)";
+    if ui.toggle_value(&mut has_waves, "Waves").on_hover_text(tip).clicked() {
+        timeline::show_waves(editor, has_waves);
+    }
 }
 
 fn cuts(editor: &mut Editor, ui: &mut Ui) {

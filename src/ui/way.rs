@@ -213,7 +213,7 @@ pub fn delete(editor: &mut Editor) -> bool {
 pub fn part(editor: &Editor, target: Option<usize>) -> Option<f64> {
     let cycle = motion::cycle(editor.scene())?;
     let group = cycle.groups.iter().find(|group| group.target == target)?;
-    Some(part_of(&cycle, group, editor.playback.frame.unwrap_or(0)))
+    Some(part_of(&cycle, group, editor.playback.moment.frame().unwrap_or(0)))
 }
 
 /// The part of its repetition that a group has behind it in a frame.
@@ -240,7 +240,7 @@ pub fn add_keyframe(editor: &mut Editor, target: Option<usize>) -> Option<usize>
 
 /// The offset (m) at the playhead of a motion with keyframes, while a frame is shown.
 pub fn marker(editor: &Editor, target: Option<usize>) -> Option<DVec3> {
-    editor.playback.frame?;
+    editor.playback.moment.frame()?;
     let motion = motion_of(editor.scene(), target)?;
     let is_keyed = motion.path == MotionPath::Keyframes;
     is_keyed.then(|| part(editor, target).map(|part| motion.offset(part)))?

@@ -49,7 +49,7 @@ fn solve_states_whether_a_trap_holds() {
     let turns = text.replace("\"standing\"", "\"vortex\"\ncharge = 0");
     let folder = folder_with(&[("a.toml", text), ("stroke.toml", &stroke), ("turns.toml", &turns)]);
     let said = succeed(folder.path(), &["solve", "a.toml"]);
-    assert!(said.contains("trap, target 1") && said.contains("holds: rests"), "{said}");
+    assert!(said.contains("trap, target 1") && said.contains("stable trap: sag"), "{said}");
     let json: serde_json::Value =
         serde_json::from_str(&succeed(folder.path(), &["solve", "a.toml", "--json"])).unwrap();
     let trap = &json["traps"][0];

@@ -1,5 +1,6 @@
 //! A bead in the window: points as traps, trapping of the bead, and arrows of the force over the map.
 
+use egui::accesskit::Role;
 use sonoglyph::force::{Levitation, Outcome};
 use sonoglyph::scene::{Board, Material, Target, Trap};
 use sonoglyph::ui::Panel;
@@ -51,7 +52,7 @@ fn a_point_becomes_a_trap_for_light_beads_but_not_for_heavy_ones() {
     assert_eq!((found.hold.at, found.hold.outcome), (AT, Outcome::Holds));
     assert_eq!(found.hold, levitation(&screen).hold(AT));
     assert!(found.hold.sag().abs() < 1e-4 && found.load > 0.0);
-    assert!(screen.query_by_label_contains("It holds: rests").is_some());
+    assert!(screen.query_by_label_contains("Stable trap: sag").is_some());
     for (axis, curve) in found.curves.iter().enumerate() {
         let middle = curve[curve.len() / 2];
         assert!(
@@ -72,7 +73,7 @@ fn a_point_becomes_a_trap_for_light_beads_but_not_for_heavy_ones() {
     screen.state_mut().editor_mut().document.scene.array.strength = 0.1;
     rest(&mut screen);
     assert!(!levitated(&screen).hold.holds());
-    assert!(screen.query_by_label_contains("It does not hold: ").is_some());
+    assert!(screen.query_by_label_contains("No trap: ").is_some());
 
     screen.get_by_label("Force at a point").click();
     rest(&mut screen);
@@ -124,4 +125,28 @@ fn the_force_map_comes_coarse_then_whole_and_is_kept() {
         assert_eq!((map.quantity, map.width), (quantity, whole), "nothing is made again");
         assert!(!screen.state().is_busy());
     }
+}
+
+#[test]
+fn a_released_bead_flies_and_comes_to_rest() {
+    let mut screen = open_on_trap();
+    screen.state_mut().editor_mut().parts.levitation.form.typed = Some(AT + DVec3::X * 3e-4);
+    rest(&mut screen);
+    let release = |screen: &Screen| screen.state().editor().parts.flight.form;
+    screen.get_by_role_and_label(Role::Button, "Release").click();
+    screen.run_steps(2);
+    rest(&mut screen);
+    assert!(release(&screen).playing && screen.query_by_label_contains("Stays in the trap").is_some());
+    let parts = &screen.state().editor().parts;
+    let moments = &parts.flight.newest().unwrap().moments;
+    assert!(moments[0].at.distance(AT + DVec3::X * 3e-4) < 1e-12 && moments.len() > 100);
+    let time = release(&screen).time;
+    screen.run_steps(2);
+    assert!(release(&screen).time != time);
+    key(&mut screen, Key::Space);
+    rest(&mut screen);
+    assert!(!release(&screen).playing && screen.run() <= 2, "paused");
+    screen.get_by_label("Put away").click();
+    rest(&mut screen);
+    assert!(screen.state().editor().parts.flight.newest().is_none());
 }

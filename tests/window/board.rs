@@ -20,7 +20,7 @@ use sonoglyph::scene::{Envelope, LiquidName, Motion, MotionPath, Scene, Wire, Wi
 use sonoglyph::ui::board::Plays;
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::Lens;
-use sonoglyph::ui::{Command, Panel};
+use sonoglyph::ui::{Command, Moment, Panel};
 
 use super::{Screen, window};
 
@@ -457,7 +457,7 @@ fn the_screen_shows_the_frames_that_the_board_plays() {
     let (mut screen, _board, _shown) = connected(Profile::Native);
     let editor = screen.state_mut().editor_mut();
     editor.document.scene.motion = Motion { path: MotionPath::Circle, frames: 8, ..Motion::default() };
-    assert_eq!(editor.playback.frame, None);
+    assert_eq!(editor.playback.moment, Moment::Rest);
     until(&mut screen, "all frames", |screen| screen.state().shown().round.is_some());
     screen.get_by_label("Play motion").click();
     let is_playing = |screen: &Screen| screen.state().editor().playback.playing;
@@ -465,9 +465,9 @@ fn the_screen_shows_the_frames_that_the_board_plays() {
     let playback = screen.state().editor().playback;
     assert_eq!((playback.slowness, playback.loops), (1.0, true), "in real time");
     assert!(screen.query_by_label_contains("5.00 cycles/s, 40 frames/s").is_some());
-    let frame = playback.frame;
-    until(&mut screen, "another frame", |screen| screen.state().editor().playback.frame != frame);
+    let moment = playback.moment;
+    until(&mut screen, "another frame", |screen| screen.state().editor().playback.moment != moment);
     screen.get_all_by_label("Stop").last().unwrap().click();
-    until(&mut screen, "rest", |screen| screen.state().editor().playback.frame.is_none());
+    until(&mut screen, "rest", |screen| screen.state().editor().playback.moment == Moment::Rest);
     assert!(!screen.state().editor().playback.playing);
 }

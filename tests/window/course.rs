@@ -56,7 +56,7 @@ fn the_time_course_at_a_focus_has_the_spectrum_of_the_modulation() {
     let mut screen = open_on_motion();
     assert_eq!(screen.state().editor().parts.course.newest(), None, "computed on demand");
     pick(&mut screen, "Amplitude modulation", "sine");
-    screen.get_by_label("Course of time and spectrum").click();
+    screen.get_by_label("Time course and spectrum at a point").click();
     rest(&mut screen);
     let found = course(&screen);
     let parts: Vec<_> =
@@ -94,7 +94,7 @@ fn a_moving_focus_has_harmonics_of_its_cycle() {
     let mut screen = open_on_motion();
     let motion = Motion { path: MotionPath::Circle, frames: 16, ..Motion::default() };
     screen.state_mut().editor_mut().document.scene.motion = motion;
-    screen.get_by_label("Course of time and spectrum").click();
+    screen.get_by_label("Time course and spectrum at a point").click();
     rest(&mut screen);
     pick(&mut screen, "Place", "pointer");
     let place = at(&screen, 15.0, 0.0);

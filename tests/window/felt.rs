@@ -4,8 +4,8 @@ use egui::accesskit::Role;
 use sonoglyph::scene::{Envelope, Law, LiquidName, Modulation, Motion, MotionPath, Skin, Target, Tempo};
 use sonoglyph::scene::{check, motion};
 use sonoglyph::studio::primaries::Primaries;
-use sonoglyph::ui::Panel;
 use sonoglyph::ui::parts::FeltFigures;
+use sonoglyph::ui::{Moment, Panel};
 
 use super::*;
 
@@ -103,14 +103,14 @@ fn a_moving_focus_is_felt_by_all_its_frames() {
     // The focus is weaker off the axis than in the model.
     assert!((largest(&screen) - 31.6).abs() < 0.7, "{}", largest(&screen));
     // Also while a frame is displayed.
-    screen.state_mut().editor_mut().playback.frame = Some(3);
+    screen.state_mut().editor_mut().playback.moment = Moment::Frame(3);
     rest(&mut screen);
     assert!((largest(&screen) - 31.6).abs() < 0.7, "{}", largest(&screen));
     let editor = screen.state_mut().editor_mut();
-    (editor.playback.frame, editor.panel) = (None, Panel::Motion);
+    (editor.playback.moment, editor.panel) = (Moment::Rest, Panel::Motion);
     editor.document.scene.skin = Some(Skin::default());
     rest(&mut screen);
-    screen.get_by_label("Course of time and spectrum").click();
+    screen.get_by_label("Time course and spectrum at a point").click();
     rest(&mut screen);
     let of_skin = |screen: &Screen| {
         let course = screen.state().editor().parts.course.newest().cloned().unwrap().unwrap();

@@ -2,8 +2,9 @@
 
 use egui::accesskit::Role;
 use egui::{PointerButton, Pos2};
+use glam::DVec2;
 use sonoglyph::scene::{Easing, Keyframe, Motion, MotionPath, Target, motion};
-use sonoglyph::ui::Panel;
+use sonoglyph::ui::{Moment, Panel};
 
 use super::*;
 
@@ -88,10 +89,10 @@ fn vertices_are_moved_added_and_deleted() {
 #[test]
 fn the_timeline_shows_the_moment_under_the_pointer() {
     let mut screen = open_on(keyed());
-    assert_eq!(screen.state().editor().playback.frame, None);
+    assert_eq!(screen.state().editor().playback.moment, Moment::Rest);
     let (from, to) = (moment(&screen, 0.1), moment(&screen, 0.26));
     drag(&mut screen, from, to);
-    assert_eq!(screen.state().editor().playback.frame, Some(2));
+    assert_eq!(screen.state().editor().playback.moment, Moment::Frame(2));
     let foci = &screen.state().shown().sound.as_ref().unwrap().foci;
     assert!(foci[0].position.distance(AT + DVec3::X * 0.015) < 1e-12, "{foci:?}");
     assert!(rms(&mut screen, 15.0, 0.0) > 5.0 * rms(&mut screen, -30.0, 20.0));
@@ -108,7 +109,11 @@ fn playback_runs_once_or_in_a_loop_and_then_stops() {
     screen.get_by_role_and_label(Role::Button, "Play").click();
     screen.run_steps(300);
     let playback = screen.state().editor().playback;
-    assert_eq!((playback.playing, playback.frame), (false, Some(7)), "200 ms at 1/20 end after 4 s");
+    assert_eq!(
+        (playback.playing, playback.moment),
+        (false, Moment::Frame(7)),
+        "200 ms at 1/20 end after 4 s"
+    );
     assert!(screen.run() <= 2, "an idle window requests no frames");
     screen.get_by_label("Loop").click();
     screen.run_steps(2);
@@ -223,4 +228,104 @@ fn a_response_brings_figures_and_a_lead_beside_speed() {
     screen.get_by_label("Ahead").click();
     rest(&mut screen);
     assert!(scene(&screen).motion.lead);
+}
+
+/// The window on a scene of the gallery, by the fastest method.
+fn open_on_example(name: &'static str) -> Screen {
+    let mut screen = show(0.02, window);
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes").join(name);
+    let mut scene = file::read(&path).unwrap();
+    scene.solver.method = Method::Naive;
+    screen.state_mut().editor_mut().replace(Document::new(scene, name));
+    rest(&mut screen);
+    screen
+}
+
+#[test]
+fn a_scanned_drawing_opens_on_its_mean() {
+    let mut screen = open_on_example("heart-and-hit.toml");
+    assert_eq!(screen.state().editor().playback.moment, Moment::Mean);
+    // On the heart, in the letter I, and between both.
+    let part = |screen: &mut Screen| {
+        let [heart, letter, empty] = [(0.0, 38.0), (0.0, -30.0), (40.0, 0.0)].map(|(x, y)| rms(screen, x, y));
+        [heart / empty, letter / empty]
+    };
+    let mean = part(&mut screen);
+    assert!(mean.iter().all(|part| *part > 3.0), "both are there: {mean:?}");
+    let reading = screen.state().shown().sound.as_ref().unwrap().drives.len();
+    assert_eq!(reading, 48, "figures are of the mean, too");
+    screen.get_by_role_and_label(Role::Button, "At rest").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().shown().sound.as_ref().unwrap().drives.len(), 1);
+    key(&mut screen, Key::Num2);
+    screen.get_by_role_and_label(Role::Button, "At rest");
+    let editor = screen.state_mut().editor_mut();
+    editor.replace(Document::new(Scene::default(), "still"));
+    assert_eq!(editor.playback.moment, Moment::Rest);
+}
+
+#[test]
+fn space_plays_and_pauses_also_in_presentations() {
+    let mut screen = open_on(keyed());
+    let tap = |screen: &mut Screen| {
+        key(screen, Key::Space);
+        screen.run_steps(3);
+        screen.state().editor().playback.playing
+    };
+    assert!(tap(&mut screen));
+    key(&mut screen, Key::F11);
+    assert!(!tap(&mut screen) && tap(&mut screen) && !tap(&mut screen));
+    // The space bar held for a drag moves the view.
+    let before = screen.state().editor().view.window;
+    let (from, to) = (at(&screen, 0.0, 0.0), at(&screen, 20.0, 0.0));
+    let space = |pressed| Event::Key {
+        key: Key::Space,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    };
+    screen.event(space(true));
+    screen.step();
+    drag(&mut screen, from, to);
+    screen.event(space(false));
+    rest(&mut screen);
+    assert!(!screen.state().editor().playback.playing);
+    assert_ne!(screen.state().editor().view.window, before);
+    key(&mut screen, Key::F8);
+    assert!(screen.query_by_label("Playhead").is_some(), "the timeline on demand");
+}
+
+#[test]
+fn waves_of_a_liquid_play_from_the_onset() {
+    let mut screen = open_on(Motion::default());
+    let editor = screen.state_mut().editor_mut();
+    editor.view.quantity = Quantity::Depression;
+    editor.document.scene.plane.size = DVec2::splat(0.04);
+    rest(&mut screen);
+    let deepest = f64::from(screen.state_mut().numbers().unwrap().1.into_iter().fold(0.0, f32::max));
+    screen.get_by_label("Waves").click();
+    screen.run_steps(2);
+    rest(&mut screen);
+    assert!(screen.state().editor().playback.playing);
+    // Paused at the beginning, a surface is nearly level; later it swings about the one at rest.
+    screen.get_by_role_and_label(Role::Button, "Pause").click();
+    let surface = |screen: &mut Screen, part: f32| {
+        let there = moment(screen, part);
+        click(screen, there);
+        rest(screen);
+        screen.state_mut().numbers().unwrap().1.into_iter().map(f64::from).fold(0.0, f64::max)
+    };
+    let all: Vec<_> = [0.001, 0.3, 0.6, 0.9].map(|part| surface(&mut screen, part)).to_vec();
+    assert!(all[0] < 0.5 * deepest && all[3] > 0.5 * deepest, "{all:?} of {deepest}");
+    assert_ne!(all[1], all[2]);
+    assert!(screen.run() <= 2, "a paused wave requests no frames");
+    // The pictures are kept while nothing changes.
+    assert_eq!(surface(&mut screen, 0.6), all[2]);
+    screen.get_by_label("Waves").click();
+    rest(&mut screen);
+    assert_eq!(screen.state().editor().playback.moment, Moment::Rest);
+    press(&mut screen, Modifiers::COMMAND, Key::P);
+    letters(&mut screen, "wave");
+    assert!(screen.query_by_label_contains("Waves of the liquid").is_some());
 }

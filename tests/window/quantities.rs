@@ -253,3 +253,36 @@ fn method_and_quantity_are_chosen_by_clicks() {
         rest(&mut screen);
     }
 }
+
+#[test]
+fn a_liquid_on_a_vertical_plane_offers_a_level_one() {
+    let mut screen = open(scene_at(0.1));
+    key(&mut screen, Key::Num4);
+    screen.get_by_label("XZ").click();
+    rest(&mut screen);
+    let shown = screen.state().shown();
+    assert!(shown.map.is_none() && shown.problem.is_none());
+    assert!(screen.query_by_label("A liquid surface must be horizontal.").is_some());
+    screen.get_by_label("Show XY").click();
+    rest(&mut screen);
+    shows(&mut screen, Quantity::Depression);
+    assert!(screen.query_by_label("Show XY").is_none());
+    // There, it is not offered in the first place.
+    key(&mut screen, Key::Num1);
+    screen.get_by_label("XZ").click();
+    rest(&mut screen);
+    assert!(button(&screen, "Depression").accesskit_node().is_disabled());
+    key(&mut screen, Key::Num4);
+    shows(&mut screen, Quantity::Rms);
+}
+
+#[test]
+fn peak_or_rms_is_offered_where_it_matters() {
+    let mut screen = open(scene_at(0.1));
+    for quantity in Quantity::ALL {
+        screen.state_mut().editor_mut().view.quantity = quantity;
+        screen.step();
+        let is_offered = screen.query_by_label("Peak").is_some();
+        assert_eq!(is_offered, quantity.declaration().is_root, "{quantity:?}");
+    }
+}

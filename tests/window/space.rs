@@ -225,3 +225,16 @@ fn the_surface_level_and_the_projection_are_chosen_in_the_view_bar() {
     rest(&mut screen);
     assert!(!screen.state().shown().space.as_ref().unwrap().is_coarse);
 }
+
+#[test]
+fn an_idle_view_draws_no_frames_of_hidden_waves() {
+    let mut screen = open();
+    key(&mut screen, Key::Num5);
+    screen.run_steps(5);
+    assert!(screen.state().editor().oscillation.playing);
+    key(&mut screen, Key::F3);
+    rest(&mut screen);
+    assert!(screen.run() <= 2, "an idle window requests no frames");
+    key(&mut screen, Key::Num1);
+    assert!(!screen.state().editor().space.is_on, "a quantity is one of the map");
+}

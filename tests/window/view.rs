@@ -9,6 +9,7 @@ use glam::{DVec2, DVec3};
 use sonoglyph::app::Window;
 use sonoglyph::field::contour::Line;
 use sonoglyph::field::{Evaluator, Quantity, Request, Stages, Work};
+use sonoglyph::picture::relief::Sight;
 use sonoglyph::scene::{MotionPath, Scene, Shape, Target};
 use sonoglyph::ui::document::Document;
 use sonoglyph::ui::view::{Cut, FreePlane, Lens};
@@ -334,6 +335,13 @@ fn a_shaded_depression_is_at_the_focus_and_cannot_be_edited() {
     screen.drop_at(rect.center() + vec2(100.0, 0.0));
     rest(&mut screen);
     assert_eq!(screen.state().editor().document.scene, before);
+    // It turns the relief instead; heights are those that are chosen.
+    assert_ne!(screen.state().editor().view.relief.sight, Sight::default());
+    click(&mut screen, "Front");
+    assert_eq!(screen.state().editor().view.relief.sight, Sight::default());
+    screen.state_mut().editor_mut().view.relief.exaggeration = Some(7.0);
+    rest(&mut screen);
+    assert_eq!(map(&screen).exaggeration, Some(7.0));
     // A drag that turns the view can end.
     screen.event(egui::Event::PointerButton {
         pos: rect.center(),

@@ -431,7 +431,7 @@ impl<'a> Film<'a> {
     ) -> anyhow::Result<Picture> {
         let size = self.request.plane.size;
         let exaggeration = relief::exaggeration(extent.deepest().into(), size);
-        let relief = Relief { depth, columns: self.request.size.0, size, exaggeration };
+        let relief = Relief { exaggeration, ..Relief::new(depth, self.request.size.0, size) };
         let moment = match self.schedule {
             Some(schedule) => Moment::Time((index + 1) as f64 / schedule.rate()),
             None => Moment::Frame(index, self.request.drives.len()),

@@ -52,7 +52,7 @@ fn figures(editor: &mut Editor, ui: &mut Ui) {
     let Felt { level, pressure, flutter, vibration, position, strokes, share, speeds } = &figures.felt;
     let [absolute, between] = UNCERTAINTY;
     form(ui, "felt", |ui| {
-        let tip = "The largest of the three channels, over the threshold of feeling. From 80 Hz on feeling adds up over the palm";
+        let tip = "The largest of the three channels, relative to the threshold. From 80 Hz on, sensation adds up over the palm";
         fact(ui, ("Level", tip), decibels(*level));
         let channels = [
             ("Pressure", "Below 20 Hz", pressure),
@@ -67,13 +67,13 @@ fn figures(editor: &mut Editor, ui: &mut Ui) {
             fact(ui, ("Most at", "x, y, z of the largest local level"), format!("{x}, {y}, {z} mm"));
         }
         if let Some(share) = share {
-            let tip = "Part of the drawn strokes where the level is over the threshold";
+            let tip = "Fraction of the drawn strokes above the threshold";
             fact(ui, ("Drawing felt", tip), format!("{:.0} %", 100.0 * share));
             let levels = strokes.iter().map(|stroke| stroke.level);
             let most = decibels(levels.clone().fold(felt::FLOOR, f64::max));
             let least = decibels(levels.fold(f64::INFINITY, f64::min));
             let text = if least == most { most } else { format!("{least} to {most}") };
-            let tip = "The largest local level of each stroke: the least and the most";
+            let tip = "Highest local level of a stroke: weakest and strongest stroke";
             fact(ui, ("Strokes", tip), text);
         }
         if let Some(Speeds { own, best }) = speeds {
@@ -85,7 +85,7 @@ fn figures(editor: &mut Editor, ui: &mut Ui) {
     if editor.parts.feeling.exact().is_none() {
         trust.push_str("; being computed anew");
     }
-    ui.label(RichText::new(trust).weak()).on_hover_text("Thresholds hang on contact, place and person");
+    ui.label(RichText::new(trust).weak()).on_hover_text("Thresholds depend on contact, body site and person");
     for warning in &figures.warnings {
         ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
     }
@@ -110,7 +110,7 @@ fn skin(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "Skin");
     let skin = &mut editor.document.scene.skin;
     let mut is_there = skin.is_some();
-    let tip = "The scene is for a hand on its plane: programs and files say what is felt. Off: the usual skin, where it is asked for";
+    let tip = "Saves the skin with the scene, so that the command line reports what is felt. Off: default skin where needed";
     if ui.checkbox(&mut is_there, "Skin on the plane").on_hover_text(tip).changed() {
         *skin = is_there.then(Skin::default);
     }
@@ -137,7 +137,7 @@ fn skin(editor: &mut Editor, ui: &mut Ui) {
 /// Half-space, or the thickness of a layer.
 fn depth(depth: &mut Option<f64>, ui: &mut Ui) {
     let mut is_layer = depth.is_some();
-    let tip = "The skin is a layer of this thickness on bone. Off: it is deep";
+    let tip = "Thickness of the skin over bone. Off: unlimited";
     if ui.checkbox(&mut is_layer, "On bone").on_hover_text(tip).changed() {
         *depth = is_layer.then_some(FIRST_DEPTH);
     }
@@ -191,10 +191,10 @@ fn primaries(editor: &mut Editor, ui: &mut Ui) {
         let tip = "Targets circle at 5 Hz with a radius up to 4 mm, which people feel as steady pressure (Morisaki 2022); thresholds \
                    are of vibrations, so levels do not say so";
         slider(ui, ("Pressure", tip), &mut mixed.pressure, 1.0, obstacle);
-        let tip = "Depth of a tone of 30 Hz; it and Vibration have 100 % at most, and replace the modulation";
+        let tip = "Depth of a 30 Hz tone; with Vibration at most 100 %. Replaces the modulation";
         let rest = 1.0 - mixed.vibration;
         slider(ui, ("Flutter, 30 Hz", tip), &mut mixed.flutter, rest, None);
-        let tip = "Depth of a tone of 150 Hz; it and Flutter have 100 % at most, and replace the modulation";
+        let tip = "Depth of a 150 Hz tone; with Flutter at most 100 %. Replaces the modulation";
         let rest = 1.0 - mixed.flutter;
         slider(ui, ("Vibration, 150 Hz", tip), &mut mixed.vibration, rest, None);
     });

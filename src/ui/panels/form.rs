@@ -3,12 +3,13 @@
 use std::ops::RangeInclusive;
 
 use egui::{Align, Label, Layout, Response, Ui, Vec2b};
-use egui_plot::Plot;
+use egui_plot::{AxisHints, GridMark, Plot};
 use glam::DVec3;
 use strum::VariantArray;
 
+use crate::picture::figure::axes::round_step;
 use crate::ui::number::{self as typed, Look};
-use crate::ui::{segments, theme};
+use crate::ui::{segments, theme, ticks};
 
 /// Display of a number: factor and suffix.
 #[derive(Clone, Copy)]
@@ -181,6 +182,23 @@ pub fn still_plot(id: &str, height: f32) -> Plot<'_> {
         .auto_bounds(Vec2b::TRUE)
         .include_y(0.0)
         .show_grid(true)
+}
+
+/// A static plot with these names of its axes and round numbers along both.
+pub fn ruled_plot<'a>(id: &'a str, height: f32, [across, up]: [&str; 2]) -> Plot<'a> {
+    let axes = |hints: AxisHints<'a>, name: &str| vec![hints.label(name).label_spacing(14.0..=22.0)];
+    still_plot(id, height)
+        .custom_x_axes(axes(AxisHints::new_x(), across))
+        .custom_y_axes(axes(AxisHints::new_y(), up))
+        .grid_spacing(8.0..=60.0)
+        .x_grid_spacer(|input| round_marks(input.bounds, 6.0))
+        .y_grid_spacer(|input| round_marks(input.bounds, 5.0))
+}
+
+/// About as many marks, at round numbers.
+fn round_marks((low, high): (f64, f64), count: f64) -> Vec<GridMark> {
+    let step = round_step((high - low).abs().max(f64::MIN_POSITIVE) / count);
+    ticks::between(low, high, step).map(|value| GridMark { value, step_size: step }).collect()
 }
 
 /// Turns -0.00 into 0.

@@ -9,8 +9,7 @@ use crate::studio::liquid;
 use crate::ui::panels::form::{choice, given, heading, variants};
 use crate::ui::panels::{MM, Unit, fact, form, number};
 use crate::ui::parts::radiation::RadiationFigures;
-use crate::ui::view::Cut;
-use crate::ui::{editor::Editor, shown::Shown, theme};
+use crate::ui::{editor::Editor, level, shown::Shown, theme};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let liquid = &mut editor.document.scene.liquid;
@@ -57,7 +56,10 @@ fn caustic(editor: &mut Editor, ui: &mut Ui) {
     let liquid = &mut editor.document.scene.liquid;
     let named = crate::scene::Liquid { name: liquid.name, ..crate::scene::Liquid::default() };
     form(ui, "caustic", |ui| {
-        let ways = variants::<Light>(Into::into);
+        let ways = variants::<Light>(|light| match light {
+            Light::Through => "transmitted",
+            Light::Reflected => "reflected",
+        });
         let tip =
             "Through the liquid from below, or reflected from above; along the normal of the level surface";
         choice(ui, ("Light", tip), &mut liquid.light, &ways);
@@ -88,9 +90,8 @@ fn caustic(editor: &mut Editor, ui: &mut Ui) {
 /// A quantity of the liquid, on a level plane.
 fn show_surface(editor: &mut Editor, quantity: Quantity) {
     editor.view.quantity = quantity;
-    if matches!(editor.view.cut, Cut::Xz | Cut::Yz) {
-        editor.view.cut = Cut::Xy;
-        editor.view.window = None;
+    if !level::is_level(&editor.view, editor.scene()) {
+        level::show_xy(editor);
     }
 }
 

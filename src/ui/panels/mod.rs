@@ -34,7 +34,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
                 Panel::Solver => "How the phases are found, and how good they are",
                 Panel::Drive => "What every element plays",
                 Panel::Liquid => "What the sound presses",
-                Panel::Motion => "How the targets move",
+                Panel::Motion => "Motion of the targets, and modulation of the sound",
                 Panel::Felt => "What a hand feels",
                 Panel::Device => "The board that plays",
             };

@@ -9,6 +9,7 @@ use crate::ui::panels::form::heading;
 use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{fact, form, modulation};
 use crate::ui::parts::course;
+use crate::ui::playback::Moment;
 use crate::ui::{editor::Editor, shown::Shown};
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
@@ -17,8 +18,9 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     ui.separator();
     settings(editor, ui);
     if !motion::moves(editor.scene()) {
-        editor.playback.frame = None;
-        editor.playback.playing = false;
+        if !matches!(editor.playback.moment, Moment::Wave(_)) {
+            (editor.playback.moment, editor.playback.playing) = (Moment::Rest, false);
+        }
         ui.label(match editor.scene().drive.is_named() {
             true => "Nothing moves: the drive is that of a file, which has no frames.",
             false => "The scene is static. Choose a path that all targets follow.",

@@ -113,7 +113,7 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
 fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
     let Figures { length, asked, rounds, rate, frames_per_second, leads, is_slow, moving } = figures;
     let mut rounds_per_second = asked;
-    let tip = "Repetitions of the path per second; the one of rate and speed that was typed last is kept";
+    let tip = "Repetitions of the path per second; of rate and speed, the one typed last is kept";
     if number(ui, ("Rate", tip), &mut rounds_per_second, HERTZ, 0.01..=1e4).changed() {
         motion.tempo = Tempo::Rate(rounds_per_second);
     }
@@ -126,7 +126,8 @@ fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
     }
     if is_slow && length > 0.0 {
         caption(ui, "Lead");
-        let tip = "Foci are ahead of their path by the time that the elements need to follow: half of the loss comes back";
+        let tip =
+            "Foci run ahead of their path by the elements' response time, which regains half of the loss";
         value(ui, |ui| ui.checkbox(&mut motion.lead, "Ahead").on_hover_text(tip));
         ui.end_row();
     }

@@ -3,6 +3,7 @@
 mod bound;
 pub mod course;
 pub(crate) mod feeling;
+pub mod flight;
 pub mod levitation;
 mod nonlinear;
 pub(crate) mod radiation;
@@ -10,6 +11,7 @@ mod ranges;
 mod response;
 pub(crate) mod survey;
 pub mod trade;
+pub mod waves;
 mod ways;
 
 use egui::Context;
@@ -18,6 +20,7 @@ use crate::ui::part::{Background, Derived, Now};
 use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
 use crate::ui::parts::feeling::Feeling;
+use crate::ui::parts::flight::Release;
 use crate::ui::parts::levitation::Levitation;
 use crate::ui::parts::levitation::arrows::Arrows;
 use crate::ui::parts::nonlinear::Harmonic;
@@ -26,6 +29,7 @@ use crate::ui::parts::ranges::FigureRanges;
 use crate::ui::parts::response::Response;
 use crate::ui::parts::survey::Survey;
 use crate::ui::parts::trade::Trade;
+use crate::ui::parts::waves::Waves;
 use crate::ui::parts::ways::Ways;
 
 pub use feeling::FeltFigures;
@@ -39,6 +43,7 @@ pub struct Parts {
     pub bound: Derived<Bound>,
     pub course: Derived<TimeCourse>,
     pub feeling: Derived<Feeling>,
+    pub flight: Derived<Release>,
     pub harmonic: Derived<Harmonic>,
     pub levitation: Derived<Levitation>,
     pub radiation: Derived<Radiation>,
@@ -46,16 +51,18 @@ pub struct Parts {
     pub response: Derived<Response>,
     pub survey: Derived<Survey>,
     pub trade: Derived<Trade>,
+    pub waves: Derived<Waves>,
     pub ways: Derived<Ways>,
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 12] {
+    fn all(&self) -> [&dyn Background; 14] {
         let Self {
             arrows,
             bound,
             course,
             feeling,
+            flight,
             harmonic,
             levitation,
             radiation,
@@ -63,20 +70,22 @@ impl Parts {
             response,
             survey,
             trade,
+            waves,
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade,
-            ways,
+            arrows, bound, course, feeling, flight, harmonic, levitation, radiation, ranges, response,
+            survey, trade, waves, ways,
         ]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 12] {
+    fn all_mut(&mut self) -> [&mut dyn Background; 14] {
         let Self {
             arrows,
             bound,
             course,
             feeling,
+            flight,
             harmonic,
             levitation,
             radiation,
@@ -84,11 +93,12 @@ impl Parts {
             response,
             survey,
             trade,
+            waves,
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, harmonic, levitation, radiation, ranges, response, survey, trade,
-            ways,
+            arrows, bound, course, feeling, flight, harmonic, levitation, radiation, ranges, response,
+            survey, trade, waves, ways,
         ]
     }
 

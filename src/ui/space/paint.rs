@@ -6,6 +6,7 @@ use glam::DVec3;
 use crate::field::Quantity;
 use crate::picture::figure::axes;
 use crate::studio::space as labels;
+use crate::ui::parts::flight;
 use crate::ui::space::act::chosen;
 use crate::ui::space::handle::{self, ARROW, AXES};
 use crate::ui::space::view::Handle;
@@ -45,6 +46,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, stage: &Stage) {
             marks::chip(&painter, at, Align2::LEFT_BOTTOM, &text, 12.0, theme::MARK);
         }
     }
+    flight::paint(&editor.parts.flight, &painter, |at| stage.screen(at));
     if let Some(picture) = &shown.space {
         describe(editor, picture, &painter, stage);
         bar(editor, picture, ui, stage);

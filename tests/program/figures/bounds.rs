@@ -64,7 +64,7 @@ fn linear_theory_holds_at_the_printed_part_of_the_drive() {
         let (text, warned) = output_of(folder.path(), &args);
         // Slopes are proportional to the square of the drive.
         let (slope, _) = number_after(&text, "steepest slope ");
-        let (part, _) = number_after(&warned, "true up to ");
+        let (part, _) = number_after(&warned, "valid up to ");
         let at = |part: f64| slope * (part / 100.0).powi(2);
         assert!(at(part) <= 0.3 * 1.0002 && at(part + 1.0) > 0.3, "{slope} at {part} %");
         let (said, _) = number_after(&warned, "slope ");

@@ -17,7 +17,8 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     heading(ui, "At a point");
     let tip =
         "Pressure under modulation, motion and the frame rate of the board, and the spectrum of its square";
-    ui.checkbox(&mut editor.parts.course.form.is_shown, "Course of time and spectrum").on_hover_text(tip);
+    ui.checkbox(&mut editor.parts.course.form.is_shown, "Time course and spectrum at a point")
+        .on_hover_text(tip);
     if !editor.parts.course.form.is_shown {
         return;
     }
@@ -33,7 +34,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
             Place::Listener if editor.scene().listener.is_none() => {
                 "There is no listener: the Scene panel sets one."
             }
-            Place::Focus | Place::Pointer | Place::Listener => "Nothing is played there.",
+            Place::Focus | Place::Pointer | Place::Listener => "There is no focus.",
         });
         return;
     };
@@ -50,7 +51,7 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
     form(ui, "course", |ui| {
         let [x, y, z] = course.at.to_array().map(measure::mm);
         fact(ui, ("At", "x, y, z"), format!("{x}, {y}, {z} mm"));
-        let tip = "Root of the mean of |p|² over time";
+        let tip = "RMS over time";
         fact(ui, ("Mean pressure", tip), convention.pressure(course.mean().max(0.0).sqrt()));
         if let Some(line) = course.strongest() {
             let part = 100.0 * line.amplitude / course.mean().max(f64::MIN_POSITIVE);

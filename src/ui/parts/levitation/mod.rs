@@ -20,6 +20,8 @@ const PLACES: usize = 81;
 pub struct Levitation {
     pub is_shown: bool,
     pub place: Place,
+    /// Where the bead is to be released (m), if typed.
+    pub typed: Option<DVec3>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -43,6 +45,8 @@ pub struct Input {
 /// Levitation of the scene's bead at a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Levitated {
+    /// m
+    pub at: DVec3,
     pub hold: Hold,
     /// Where it is put.
     pub forces: Forces,
@@ -78,6 +82,7 @@ impl Part for Levitation {
         |Input { scene, aperture, drives, at }| {
             let levitation = force::Levitation::new(scene, aperture, drives);
             Levitated {
+                at: *at,
                 hold: levitation.hold(*at),
                 forces: levitation.forces(*at),
                 load: levitation.load,

@@ -1,29 +1,30 @@
 //! The panel of the bead and the force on it at a point.
 
-use egui::{Color32, RichText, Ui};
+use egui::{Button, Color32, DragValue, RichText, Ui};
 use egui_plot::{Line, PlotPoints};
 
-use crate::force::Outcome;
+use crate::force::{Flight, Outcome};
+use crate::rounding::millimetres;
 use crate::scene::{Bead, Material};
+use crate::studio::figure::capital;
 use crate::studio::levitation;
 use crate::ui::panels::form::{MM, Unit, fact, form, number};
-use crate::ui::panels::form::{choice, given, still_plot, variants};
+use crate::ui::panels::form::{choice, coordinates, given, heading, ruled_plot, variants};
 use crate::ui::parts::levitation::{Levitated, Place};
 use crate::ui::{editor::Editor, measure, theme};
 
 /// Points of the screen.
-const HEIGHT: f32 = 120.0;
+const HEIGHT: f32 = 170.0;
 /// Colours of the curves along x, y and z.
 const COLOURS: [Color32; 3] =
     [Color32::from_rgb(226, 98, 84), Color32::from_rgb(98, 176, 84), Color32::from_rgb(84, 148, 226)];
 
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
     material(&mut editor.document.scene.bead, ui);
-    ui.checkbox(&mut editor.parts.arrows.form.is_shown, "Arrows on the map").on_hover_text(
-        "Where the sound drives the bead on the cut; the longer, the stronger. Weight is left out",
-    );
+    ui.checkbox(&mut editor.parts.arrows.form.is_shown, "Arrows on the map")
+        .on_hover_text("Radiation force on the bead in this plane, without its weight; longer is stronger");
     ui.checkbox(&mut editor.parts.levitation.form.is_shown, "Force at a point")
-        .on_hover_text("Whether a bead is held there, and the force along x, y and z");
+        .on_hover_text("Whether a bead is trapped there, and the force along x, y and z");
     if !editor.parts.levitation.form.is_shown {
         return;
     }
@@ -36,9 +37,78 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         Some(levitated) => figures(levitated, ui),
         None => drop(ui.label(match editor.parts.levitation.form.place {
             Place::Pointer => "Move the pointer over the map.",
-            Place::Target => "Nothing is played there.",
+            Place::Target => "There is no focus.",
         })),
     }
+    release(editor, ui);
+}
+
+/// The release of the bead, and its flight.
+fn release(editor: &mut Editor, ui: &mut Ui) {
+    heading(ui, "Release");
+    let Some(at) = editor.parts.levitation.newest().map(|levitated| levitated.at) else { return };
+    let typed = editor.parts.levitation.form.typed;
+    let mut place = typed.unwrap_or(at);
+    let before = place;
+    ui.horizontal(|ui| {
+        ui.label("At")
+            .on_hover_text("x, y, z: where the bead is let go, at rest; the trap's centre unless typed");
+        coordinates(ui, "Release", &mut place, -1000.0);
+        ui.label("mm");
+    });
+    if place != before {
+        editor.parts.levitation.form.typed = Some(place);
+    }
+    let target = editor.selection.first().copied();
+    let target =
+        target.filter(|&index| editor.scene().targets.get(index).is_some_and(|it| it.shape.is_trap()));
+    ui.horizontal_wrapped(|ui| {
+        if ui.button("Release").on_hover_text("Let the bead go: it flies in sound, weight and drag").clicked()
+        {
+            editor.parts.flight.form.release(place, target);
+        }
+        if ui.button("At the trap").on_hover_text("Take the place of the trap again").clicked() {
+            editor.parts.levitation.form.typed = None;
+        }
+        let is_released = editor.parts.flight.form.from.is_some();
+        let flight = &mut editor.parts.flight.form;
+        let (name, tip) =
+            if flight.playing { ("Pause", "Stop the bead (Space)") } else { ("Play", "Go on (Space)") };
+        if ui.add_enabled(is_released, Button::new(name)).on_hover_text(tip).clicked() {
+            flight.playing = !flight.playing;
+        }
+        if ui
+            .add_enabled(is_released, Button::new("Put away"))
+            .on_hover_text("Remove bead and trail")
+            .clicked()
+        {
+            flight.from = None;
+        }
+        let slowness = DragValue::new(&mut flight.slowness).prefix("1/").range(1.0..=1000.0).max_decimals(0);
+        ui.add(slowness).on_hover_text("Playback: 1/1 is real time");
+    });
+    if editor.parts.flight.form.from.is_none() {
+        return;
+    }
+    ui.label(match editor.parts.flight.newest() {
+        None => "Computing the flight.".to_owned(),
+        Some(flight) => outcome(flight),
+    });
+    if let Some(flight) = editor.parts.flight.newest() {
+        let end = flight.moments.last().map_or(0.0, |last| last.time);
+        ui.weak(format!("{:.1} of {:.1} ms", 1e3 * editor.parts.flight.form.time.min(end), 1e3 * end));
+    }
+}
+
+/// The end of a flight, a sentence.
+fn outcome(flight: &Flight) -> String {
+    let Some(last) = flight.moments.last() else { return String::new() };
+    if flight.is_lost {
+        let [x, y, z] = last.at.to_array().map(measure::mm);
+        return format!("Lost after {:.1} ms, at {x}, {y}, {z} mm.", 1e3 * last.time);
+    }
+    let farthest = millimetres(flight.farthest, 2);
+    format!("Stays in the trap: at most {farthest} mm away in {:.0} ms.", 1e3 * last.time)
 }
 
 fn material(bead: &mut Bead, ui: &mut Ui) {
@@ -63,13 +133,13 @@ fn material(bead: &mut Bead, ui: &mut Ui) {
 }
 
 fn figures(levitated: &Levitated, ui: &mut Ui) {
-    let Levitated { hold, forces, load, curves, warning } = levitated;
+    let Levitated { hold, forces, load, curves, warning, .. } = levitated;
     let colour = match hold.outcome {
         Outcome::Holds => ui.visuals().strong_text_color(),
         Outcome::TooHeavy | Outcome::Unstable | Outcome::Leaves => theme::warning(ui.visuals()),
     };
     let verdict = levitation::verdict(hold);
-    ui.label(RichText::new(format!("It {verdict}.")).color(colour));
+    ui.label(RichText::new(format!("{}.", capital(&verdict))).color(colour));
     form(ui, "force", |ui| {
         let [x, y, z] = hold.at.to_array().map(measure::mm);
         fact(ui, ("At", "x, y, z"), format!("{x}, {y}, {z} mm"));
@@ -85,7 +155,7 @@ fn figures(levitated: &Levitated, ui: &mut Ui) {
         ui.label(RichText::new(warning.as_str()).color(theme::warning(ui.visuals())));
     }
     ui.horizontal(|ui| {
-        ui.label("Force / µN against place / mm:");
+        ui.label("Force along each axis:");
         for (name, colour) in ["x", "y", "z"].into_iter().zip(COLOURS) {
             ui.label(RichText::new(name).color(colour).strong());
         }
@@ -94,7 +164,7 @@ fn figures(levitated: &Levitated, ui: &mut Ui) {
     .on_hover_text(
         "Radiation force along each axis through the point. Grey: the weight, to be balanced along z",
     );
-    let plot = still_plot("force along axes", HEIGHT).grid_spacing(8.0..=120.0);
+    let plot = ruled_plot("force along axes", HEIGHT, ["distance / mm", "force / µN"]);
     plot.show(ui, |plot| {
         let ends = curves[2].first().zip(curves[2].last());
         if let Some(([from, _], [to, _])) = ends {
