@@ -129,6 +129,9 @@ impl Window {
             settings::remember(&mut self.shown.recent, path);
         }
         self.shown.notice = word.map(|text| Notice { text, is_error: true });
+        if let Some(memory) = &memory {
+            self.editor.board.tests = memory.board_tests().to_vec();
+        }
         self.memory = memory;
     }
 
@@ -225,7 +228,7 @@ impl Window {
                     #[cfg(target_arch = "wasm32")]
                     let link = browser::address()
                         .map_or_else(|| link.clone(), |page| link_text::of_page(&link, &page));
-                    self.tell(&format!("A link of {} letters is on the clipboard", link.len()), false);
+                    self.tell(&format!("Link copied ({} characters)", link.len()), false);
                     ctx.copy_text(link);
                 }
                 Err(error) => self.refuse("The scene does not fit in a link", &error.into()),
@@ -337,6 +340,7 @@ impl Window {
     /// Writes the window's state to the settings.
     pub(super) fn keep_settings(&mut self, ctx: &egui::Context) {
         let Some(memory) = &mut self.memory else { return };
+        memory.keep_board_tests(&self.editor.board);
         let settings = Settings::of(&self.editor, &self.shown.recent, ctx);
         if let Some(seconds) = memory.keep(settings, ctx.input(|input| input.time)) {
             ctx.request_repaint_after_secs(seconds as f32);

@@ -4,6 +4,7 @@ use crate::device::declaration::{Declaration, Emulation, Heard, Level, Protocol,
 
 pub const ACOUSTOPHORETIC_512: Declaration = Declaration {
     name: "acoustophoretic-512",
+    title: "Acoustophoretic board (UCL, OpenMPD)",
     elements: CHANNELS,
     shape: Some([16, 16]),
     levels: 128,
