@@ -60,7 +60,11 @@ impl Row {
             step: run.step,
             element: run.element,
             baud: run.baud,
-            marks: run.signals.iter().map(|mark| mark.map_or('-', |seen| if seen { 'y' } else { 'n' })).collect(),
+            marks: run
+                .signals
+                .iter()
+                .map(|mark| mark.map_or('-', |seen| if seen { 'y' } else { 'n' }))
+                .collect(),
             file: run.file.clone(),
             findings: run.report.findings.iter().map(finding).collect(),
         }
@@ -151,7 +155,10 @@ mod tests {
         board.bring_up = Some(Box::new(run.clone()));
         write(folder.path(), &lasting(&board));
         let [read] = &read(folder.path())[..] else { panic!("no test") };
-        assert_eq!((read.port.as_str(), read.profile, &read.run), ("/dev/ttyUSB0", Profile::SonicSurface, &run));
+        assert_eq!(
+            (read.port.as_str(), read.profile, &read.run),
+            ("/dev/ttyUSB0", Profile::SonicSurface, &run)
+        );
         assert_eq!(read.run.calibration.off(), [40, 42]);
         board.virtual_port = Some(port::virtual_board(Profile::SonicSurface).display().to_string());
         write(folder.path(), &lasting(&board));

@@ -338,7 +338,7 @@ impl Window {
             }
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {
-                self.tell(&format!("Called off: {} is not written", path.display()), false);
+                self.tell(&format!("Cancelled: {} is not written", path.display()), false);
             }
             Outcome::Filmed(_, Err(error)) => self.refuse("Nothing was exported", &error),
             Outcome::Read(_, Err(error)) => self.refuse("The drawing cannot be imported", &error),

@@ -143,11 +143,14 @@ impl Window {
 
     /// Keeps unsaved changes from now on, and offers those of the last run, if any.
     pub fn recover(&mut self, recovery: Option<Recovery>) {
-        if let Some(scene) = recovery.as_ref().and_then(Recovery::found) {
-            self.editor.dialog = Some(Dialog::Recovered(Box::new(scene)));
-            self.offers_recovery = true;
-        }
         self.recovery = recovery;
+        self.editor.dialog = self.recovery_offer();
+        self.offers_recovery = self.editor.dialog.is_some();
+    }
+
+    fn recovery_offer(&self) -> Option<Dialog> {
+        let left = self.recovery.as_ref()?.left()?;
+        Some(Dialog::Recovered { name: left.name(), targets: left.scene.targets.len() })
     }
 
     pub fn editor(&self) -> &Editor {
@@ -249,10 +252,10 @@ impl Window {
                 serving.switch(on, editor, shown, board.silencer(), ctx);
             }
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
-            Command::Recover(scene) => {
-                let mut document = Document::new(*scene, "recovered");
-                document.was_never_saved();
-                self.editor.replace(document);
+            Command::Recover => {
+                if let Some(document) = self.recovery.as_ref().and_then(Recovery::left) {
+                    self.editor.replace(document);
+                }
                 self.offers_recovery = false;
             }
             Command::Discard => {
@@ -317,16 +320,15 @@ impl Window {
 
     /// Writes unsaved changes to the recovery file, unless the recovery offer is open.
     pub(super) fn keep(&mut self, ctx: &egui::Context) {
-        let Some(recovery) = &mut self.recovery else { return };
         if self.offers_recovery && self.editor.dialog.is_none() {
-            let found = recovery.found().map(Box::new);
-            self.editor.dialog = found.map(Dialog::Recovered);
+            self.editor.dialog = self.recovery_offer();
         }
+        let Some(recovery) = &mut self.recovery else { return };
         if self.offers_recovery || self.may_close {
             return;
         }
         let document = &self.editor.document;
-        let unsaved = document.is_unsaved().then_some(&document.scene);
+        let unsaved = document.is_unsaved().then_some(document);
         let before = recovery.trouble().map(str::to_owned);
         if let Some(seconds) = recovery.keep(unsaved, ctx.input(|input| input.time)) {
             ctx.request_repaint_after_secs(seconds as f32);

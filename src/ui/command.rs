@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use crate::drive;
 use crate::picture::figure::Format;
-use crate::scene::Scene;
 use crate::source;
 use crate::studio::animate::Kind;
 use crate::studio::opening;
@@ -66,7 +65,7 @@ pub enum Command {
     /// Requests the clipboard's content.
     Paste,
     /// Recovers the scene of the last run.
-    Recover(Box<Scene>),
+    Recover,
     /// Discards the scene of the last run.
     Discard,
     Close,

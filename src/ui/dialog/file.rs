@@ -144,7 +144,8 @@ fn list(
         }
     });
     if entries.is_empty() && folder.problem.is_none() {
-        ui.weak(format!("No {} here", purpose.extensions().join(", ")));
+        let endings: Vec<_> = purpose.extensions().iter().map(|ending| ending.to_uppercase()).collect();
+        ui.weak(format!("No {} files here", endings.join(", ")));
     }
     chosen
 }

@@ -112,14 +112,21 @@ fn begin(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl Fn
             ui.label(text);
             ("Continue test", "From the step where it was left")
         }
-        None => ("Test a board…", "Tests the serial link, every element, a focus and the emergency stop, step by step"),
+        None => (
+            "Test a board…",
+            "Tests the serial link, every element, a focus and the emergency stop, step by step",
+        ),
     };
     ui.horizontal(|ui| {
         let first = ui.add_enabled(named, egui::Button::new(name)).on_hover_text(tip);
         if first.on_disabled_hover_text(board.ports_from.first()).clicked() {
             go_on(editor, board, ask);
         }
-        if kept.is_some() && ui.button("Test again").on_hover_text("From the beginning; the marks are kept until then").clicked()
+        if kept.is_some()
+            && ui
+                .button("Test again")
+                .on_hover_text("From the beginning; the marks are kept until then")
+                .clicked()
         {
             editor.board.take_test();
             go_on(editor, board, ask);
@@ -181,7 +188,9 @@ fn line(
     let failed = surveyed.findings.iter().any(|finding| finding.verdict == Verdict::Failed);
     let next = match (failed, editor.board.profile.answers()) {
         (true, _) => "Look at cable, adapter, ground, port and kind of board, then try again.",
-        (false, true) => "Next, each element plays alone: switch on the transducers' supply, at a low voltage.",
+        (false, true) => {
+            "Next, each element plays alone: switch on the transducers' supply, at a low voltage."
+        }
         (false, false) => {
             "This kind of board cannot be verified over its line. Next, each element plays alone: switch on the transducers' supply, \
              at a low voltage."
@@ -255,11 +264,7 @@ fn elements(
         }
         silence(board, BoardCommand::One, ui, ask);
     });
-    ui.label(format!(
-        "{marked} of {} tested, {} without signal",
-        wired.len(),
-        run.silent().len()
-    ));
+    ui.label(format!("{marked} of {} tested, {} without signal", wired.len(), run.silent().len()));
     several(&scene, run, &wiring, ui);
     ui.horizontal_wrapped(|ui| {
         let columns = scene.array.columns as usize;
@@ -287,7 +292,8 @@ fn several(scene: &crate::scene::Scene, run: &mut BringUp, wiring: &Wiring, ui: 
     let mut marked = None;
     ui.horizontal(|ui| {
         let label = ui.label("Elements");
-        let field = egui::TextEdit::singleline(&mut run.range).desired_width(90.0).hint_text(format!("0-{last}"));
+        let field =
+            egui::TextEdit::singleline(&mut run.range).desired_width(90.0).hint_text(format!("0-{last}"));
         let tip = "Numbers and ranges to mark together, such as 0-15, 32";
         ui.add(field).labelled_by(label.id).on_hover_text(tip);
         if ui.button("Mark seen").clicked() {
@@ -390,10 +396,7 @@ fn done(editor: &mut Editor, run: &mut BringUp, ui: &mut Ui, ask: &mut impl FnMu
     let off = &editor.scene().array.off;
     let silent: Vec<_> = run.silent().into_iter().filter(|n| !off.contains(n)).collect();
     let tip = "Adds the elements without a signal to the scene's array.off: the solver does without them";
-    if is_scene
-        && !silent.is_empty()
-        && ui.button("Switch off in the scene").on_hover_text(tip).clicked()
-    {
+    if is_scene && !silent.is_empty() && ui.button("Switch off in the scene").on_hover_text(tip).clicked() {
         let off = &mut editor.document.scene.array.off;
         off.extend(silent);
         off.sort_unstable();

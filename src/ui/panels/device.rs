@@ -16,9 +16,8 @@ use crate::ui::panels::{bring_up, caption, fact, felt, form, others};
 use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
 /// Bits per second that the most usual adapters have.
-const BAUDS: [u32; 10] = [
-    115_200, 230_400, 921_600, 1_000_000, 1_462_857, 2_000_000, 3_000_000, 4_000_000, 6_000_000, 8_000_000,
-];
+const BAUDS: [u32; 10] =
+    [115_200, 230_400, 921_600, 1_000_000, 1_462_857, 2_000_000, 3_000_000, 4_000_000, 6_000_000, 8_000_000];
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let board = &shown.board;
