@@ -107,7 +107,7 @@ impl Window {
                 Some(progress)
             }
             Err(error) => {
-                self.refuse("No thread can be started", &error.into());
+                self.refuse("The task cannot be started", &error.into());
                 None
             }
         }
@@ -154,7 +154,7 @@ impl Window {
         let chosen = ask_for_file(purpose, &self.editor.document);
         match Errand::wait(ctx, async move { Outcome::Chosen(purpose, chosen.await.ok_or(text)) }) {
             Ok(errand) => self.errands.push(errand),
-            Err(error) => self.refuse("No thread can be started", &error.into()),
+            Err(error) => self.refuse("The task cannot be started", &error.into()),
         }
     }
 
@@ -209,7 +209,7 @@ impl Window {
         } else if let Err(error) =
             [&typed, &path].into_iter().try_for_each(|path| output::refuse_stream(path))
         {
-            self.refuse("That is no file to write to", &error);
+            self.refuse("The file cannot be written", &error);
         } else if !becomes_download(purpose)
             && source::exists(&path)
             && self.editor.document.path() != Some(path.as_path())
@@ -277,7 +277,7 @@ impl Window {
                 State::Done(outcome) => self.take(outcome, commands),
                 State::Failed => {
                     self.filming = None;
-                    self.refuse("That failed", &anyhow!("this is a fault of the program"));
+                    self.refuse("Something went wrong", &anyhow!("this is a bug in Sonoglyph"));
                 }
             }
         }
@@ -305,7 +305,7 @@ impl Window {
                 }
             }
             Outcome::Chosen(purpose, Err(text)) => {
-                let why = "No file came from there: choose one here".to_owned();
+                let why = "No file was chosen there; choose one here".to_owned();
                 self.editor.asking.problem = Some((text.clone(), why));
                 self.editor.dialog = Some(Dialog::Path { purpose, text });
             }
@@ -326,15 +326,15 @@ impl Window {
                 let own = &mut self.editor.document.scene.array;
                 (own.wiring, own.wires) = (array.wiring, array.wires);
             }
-            Outcome::Wired(Err(error)) => self.refuse("The table holds no wiring", &anyhow!(error)),
-            Outcome::Placed(Err(error)) => self.refuse("The table holds no array", &anyhow!(error)),
+            Outcome::Wired(Err(error)) => self.refuse("The wiring cannot be read", &anyhow!(error)),
+            Outcome::Placed(Err(error)) => self.refuse("The array cannot be read", &anyhow!(error)),
             Outcome::Driven(Ok(drive)) => {
                 let name = drive.name.clone();
                 self.editor.document.scene.drive = *drive;
-                self.tell(&format!("The drive is that of {name}: nothing is solved"), false);
+                self.tell(&format!("Playing the drive of {name}; nothing is solved"), false);
             }
             Outcome::Driven(Err(error)) => {
-                self.refuse("The file holds no drive of this array", &anyhow!(error));
+                self.refuse("The drive cannot be read", &anyhow!(error));
             }
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {

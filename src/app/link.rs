@@ -177,7 +177,7 @@ impl Board {
         let path = PathBuf::from(run.file.trim());
         let own = editor.board.calibration().is_some_and(|own| own == path);
         let written = match source::exists(&path) && !own {
-            true => Err(anyhow::anyhow!("{}: there is a file of this name already", path.display())),
+            true => Err(anyhow::anyhow!("{}: this file already exists", path.display())),
             false => output::save(&path, text.as_bytes()),
         };
         shown.notice = Some(match written {

@@ -334,7 +334,7 @@ impl Window {
             ctx.request_repaint_after_secs(seconds as f32);
         }
         if let Some(trouble) = recovery.trouble().filter(|trouble| Some(*trouble) != before.as_deref()) {
-            let text = format!("A crash would take unsaved changes: {trouble}");
+            let text = format!("Unsaved changes would be lost in a crash: {trouble}");
             self.shown.notice = Some(Notice { text, is_error: true });
         }
     }

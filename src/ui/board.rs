@@ -197,11 +197,8 @@ pub struct PortShown {
 pub fn absence(why: &str, was_found: bool) -> String {
     match why.strip_suffix(port::LISTED) {
         Some(missing) => {
-            let [first, rest] = [&missing[..1], &missing[1..]];
-            format!(
-                "{}{rest}. Plug the board in, or press “Choose…” for the ports of this computer.",
-                first.to_uppercase()
-            )
+            let missing = missing.replacen("there", "There", 1);
+            format!("{missing}. Plug the board in, or press “Choose…” for the ports of this computer.")
         }
         None if was_found => format!("The board is lost: {why}"),
         None => format!("No board answers: {why}"),

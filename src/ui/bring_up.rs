@@ -1,14 +1,13 @@
 //! Test of a board in the window: the current step, the marks of the elements, and the findings so far.
 
 use serde::{Deserialize, Serialize};
-use strum::IntoStaticStr;
 
 use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;
 use crate::device::wiring::Wiring;
 use crate::studio::bring_up::{Finding, Report, Verdict};
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, IntoStaticStr)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Step {
     /// Identification and bit rates.

@@ -105,7 +105,7 @@ fn on_a_full_disk(folder: &Path) {
     screen.state_mut().recover(sonoglyph::app::recovery::Recovery::at(&folder.join("state")));
     edit(&mut screen);
     let edited = screen.state().editor().document.scene.clone();
-    assert!(screen.state().shown().notice.as_ref().unwrap().text.contains("A crash would take"));
+    assert!(screen.state().shown().notice.as_ref().unwrap().text.contains("would be lost in a crash"));
     save(&mut screen);
     assert!(refusal(&mut screen).contains("a.toml: cannot write: files may not become that large here"));
     for (export, name) in [

@@ -21,7 +21,7 @@ pub enum PortError {
     Missing(String),
     #[cfg_attr(
         not(target_arch = "wasm32"),
-        error("{0} may not be opened by you; on Debian, members of the group dialout may")
+        error("no permission to open {0}; on Debian, add yourself to the group dialout")
     )]
     #[cfg_attr(target_arch = "wasm32", error("the browser does not let this page open {0}"))]
     NoPermission(String),

@@ -6,6 +6,7 @@ use egui::{RichText, Ui};
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
 use crate::device::wiring::{Share, Wiring};
+use crate::scene::Scene;
 use crate::studio::bring_up::{Finding, Verdict, named, tested};
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
 use crate::ui::bring_up::{self, BringUp, Step};
@@ -287,7 +288,7 @@ fn elements(
 }
 
 /// Marks for several elements, typed.
-fn several(scene: &crate::scene::Scene, run: &mut BringUp, wiring: &Wiring, ui: &mut Ui) {
+fn several(scene: &Scene, run: &mut BringUp, wiring: &Wiring, ui: &mut Ui) {
     let last = scene.elements().saturating_sub(1);
     let mut marked = None;
     ui.horizontal(|ui| {
