@@ -31,6 +31,8 @@ const LOOK: Duration = Duration::from_millis(250);
 /// Hz of modulated test sounds: for hands, and for microphones.
 const FELT: f64 = 200.0;
 const AUDIBLE: f64 = 500.0;
+/// Search (s) for a board after which Send gives up: one that appears later must not sound by surprise.
+const SEARCH: f64 = 2.0;
 /// Messages that are kept.
 const KEPT: usize = 20;
 
@@ -42,6 +44,8 @@ pub struct Board {
     hears_signals: bool,
     /// A scene or a motion is to be sent, once it is solved.
     awaits: bool,
+    /// s on the window's clock since when a board is missing that was never found.
+    missing: Option<f64>,
     compared: Option<(Arc<Solution>, Wiring)>,
     survey: Option<Receiver<Surveyed>>,
     /// Whether ports have been listed: once at the beginning, then on request.
@@ -269,11 +273,16 @@ impl Board {
             hear(event, &player.link, shown);
         }
         let health = player.link.health();
-        // A board that appears later must not sound by surprise.
         let is_missing = health.found == 0 && matches!(health.state, State::Lost(_));
-        if is_missing && shown.board.plays != Plays::Nothing {
-            shown.board.plays = Plays::Nothing;
+        let now = ctx.input(|input| input.time);
+        let since = is_missing.then(|| self.missing.unwrap_or(now));
+        self.missing = since;
+        if let (Some(since), Plays::Scene | Plays::Motion) = (since, shown.board.plays)
+            && now - since > SEARCH
+        {
             player.stop();
+            let port = player.link.settings().port.display();
+            refuse(shown, format!("Nothing was sent: no board is at {port}"));
         }
         // After an emergency stop a drag must not start the sound again: only a button pressed while the board is
         // still stopped does.

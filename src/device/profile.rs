@@ -184,8 +184,7 @@ impl Profile {
         }
         scene.solver.frames = Turns::Count(1);
         Some(format!(
-            "{} changes drives {rate:.0} times per second at {baud} baud, fewer than {LEAST}: the areas have one drive instead of \
-             several in turn",
+            "{} shows {rate:.0} drives per second at {baud} baud, and alternating drives need {LEAST}: areas use a single drive",
             self.name()
         ))
     }

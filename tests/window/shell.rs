@@ -35,6 +35,7 @@ fn a_recovered_scene_is_offered_until_taken_or_discarded() {
         key(&mut screen, Key::Escape);
         click(&mut screen, Pos2::new(20.0, 700.0));
         assert!(matches!(screen.state().editor().dialog, Some(Dialog::Recovered { .. })));
+        assert!(screen.query_by_label_contains("“mine” (1 target) was not saved.").is_some());
     }
     assert_eq!(left(), Some(point(0.02)), "kept if the window is killed with the dialog open");
     {

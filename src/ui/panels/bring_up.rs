@@ -121,23 +121,18 @@ fn begin(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl Fn
     ui.horizontal(|ui| {
         let first = ui.add_enabled(named, egui::Button::new(name)).on_hover_text(tip);
         if first.on_disabled_hover_text(board.ports_from.first()).clicked() {
-            go_on(editor, board, ask);
+            let run = editor.board.take_test().map(|kept| kept.run).unwrap_or_default();
+            start(run, editor, board, ask);
         }
-        if kept.is_some()
-            && ui
-                .button("Test again")
-                .on_hover_text("From the beginning; the marks are kept until then")
-                .clicked()
-        {
-            editor.board.take_test();
-            go_on(editor, board, ask);
+        let tip = "From the beginning; the last results are kept until there are new ones";
+        if kept.is_some() && ui.button("Test again").on_hover_text(tip).clicked() {
+            start(BringUp::default(), editor, board, ask);
         }
     });
 }
 
-/// Starts a test, or continues the one that was left.
-fn go_on(editor: &mut Editor, board: &BoardShown, ask: &mut impl FnMut(BoardCommand)) {
-    let run = editor.board.take_test().map(|kept| kept.run).unwrap_or_default();
+/// Starts a test, or continues one.
+fn start(run: BringUp, editor: &mut Editor, board: &BoardShown, ask: &mut impl FnMut(BoardCommand)) {
     let step = run.step;
     editor.board.element = run.element as u32;
     editor.board.bring_up = Some(Box::new(run));
