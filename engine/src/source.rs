@@ -75,9 +75,9 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// The text that [`read`] finds.
 ///
 /// # Errors
-/// The errors of [`read`], and bytes that are no UTF-8.
+/// The errors of [`read`], and bytes that are not UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
-    let no_text = |_| io::Error::new(ErrorKind::InvalidData, "this is no UTF-8 text");
+    let no_text = |_| io::Error::new(ErrorKind::InvalidData, "this is not a text file (UTF-8)");
     String::from_utf8(read(path, most)?).map_err(no_text)
 }
 
@@ -133,7 +133,7 @@ mod tests {
         let missing = read(&folder.path().join("b"), 4).unwrap_err();
         assert_eq!((missing.kind(), missing.to_string()), (ErrorKind::NotFound, "no such file".to_owned()));
         std::fs::write(&path, [0xff]).unwrap();
-        assert!(read_text(&path, 5).unwrap_err().to_string().contains("no UTF-8"));
+        assert!(read_text(&path, 5).unwrap_err().to_string().contains("not a text file"));
     }
 
     #[cfg(unix)]

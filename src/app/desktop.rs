@@ -15,29 +15,61 @@ use crate::app::settings::{Memory, Settings};
 use crate::app::window::{Legacy, TITLE, Window};
 use crate::field::GpuError;
 use crate::field::gpu::{adapter, device_descriptor};
+use crate::scene::Scene;
 use crate::studio::evaluator::Renderer;
 use crate::studio::output::note;
 use crate::studio::{link, still};
 use crate::ui::document::Document;
-use crate::ui::{Editor, Notice};
+use crate::ui::{Command, Editor, Notice, Purpose};
 
 const SMALLEST: [f32; 2] = [200.0, 150.0];
 /// Drawn from `assets/icon/sonoglyph.svg`.
 const ICON: &[u8] = include_bytes!("../../assets/icon/sonoglyph.png");
 
-/// Opens the window on a scene file, a link, or an example. Without a display, writes the scene's sheet.
+/// The window's first step, beyond showing its document.
+enum First {
+    /// A drawing or a table is read.
+    Read(Command),
+    /// The scene could not be opened.
+    Refused(anyhow::Error),
+}
+
+/// The document of an argument, and the window's first step with it.
+fn start(path: &Path) -> anyhow::Result<(Document, Option<First>)> {
+    if let Some(text) = path.to_str().filter(|text| link::is_link(text)) {
+        return Ok((linked(text)?, None));
+    }
+    match Purpose::of_dropped(path) {
+        Purpose::Open => Ok((Document::read(path)?, None)),
+        purpose => Ok((blank(), Some(First::Read(purpose.command(path.to_owned()))))),
+    }
+}
+
+fn blank() -> Document {
+    Document::new(Scene::default(), "untitled")
+}
+
+/// Opens the window on a scene file, a drawing, a link, or an example; a file that cannot be read becomes a message in
+/// the window. Without a display, writes the scene's sheet.
 ///
 /// # Errors
-/// A scene that cannot be read, or a sheet that cannot be written.
+/// Without a window, a scene that cannot be read; or a sheet that cannot be written.
 pub fn run(path: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
-    let document = match path {
-        Some(path) => match path.to_str().filter(|text| link::is_link(text)) {
-            Some(text) => linked(text)?,
-            None => Document::read(path)?,
-        },
-        None => example(0)?,
+    let (document, first) = match path.map(start) {
+        None => (example(0)?, None),
+        Some(Ok(started)) => started,
+        Some(Err(error)) if has_display() => (blank(), Some(First::Refused(error))),
+        Some(Err(error)) => return Err(error),
     };
-    if let Err(error) = open(document, renderer) {
+    let refusal = match &first {
+        Some(First::Refused(error)) => Some(format!("{error:#}")),
+        Some(First::Read(_)) => path.map(|path| format!("{}: only the window reads this", path.display())),
+        None => None,
+    };
+    if let Err(error) = open(document, first, renderer) {
+        if let Some(refusal) = refusal {
+            anyhow::bail!("{refusal} (there is no window: {error})");
+        }
         if path.is_some_and(|path| path.to_str().is_some_and(link::is_link)) {
             anyhow::bail!("there is no window ({error}) for the scene of a link");
         }
@@ -47,8 +79,13 @@ pub fn run(path: Option<&Path>, renderer: Renderer) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn open(document: Document, renderer: Renderer) -> Result<(), String> {
-    if cfg!(all(unix, not(target_os = "macos"))) && display().is_none() {
+/// Whether a display is named; macOS and Windows always have one.
+fn has_display() -> bool {
+    !cfg!(all(unix, not(target_os = "macos"))) || display().is_some()
+}
+
+fn open(document: Document, first: Option<First>, renderer: Renderer) -> Result<(), String> {
+    if !has_display() {
         return Err("no display".to_owned());
     }
     let (setup, lacking) = match setup(renderer) {
@@ -56,7 +93,7 @@ fn open(document: Document, renderer: Renderer) -> Result<(), String> {
         setup => (setup.map_err(|error| error.to_string())?, None),
     };
     let legacy = Legacy::default();
-    show(Editor::new(document), Said::Lacking(lacking), setup, &legacy)?;
+    show(Editor::new(document), Said::Lacking(lacking, first), setup, &legacy)?;
     let left = legacy.borrow_mut().take();
     match left {
         Some((editor, notice)) => show(editor, Said::Notice(notice), None, &legacy),
@@ -66,8 +103,8 @@ fn open(document: Document, renderer: Renderer) -> Result<(), String> {
 
 /// Messages for the opened window.
 enum Said {
-    /// The reason for not using a requested GPU.
-    Lacking(Option<GpuError>),
+    /// The reason for not using a requested GPU, and the first step.
+    Lacking(Option<GpuError>, Option<First>),
     Notice(Notice),
 }
 
@@ -123,8 +160,19 @@ fn show(editor: Editor, said: Said, setup: Option<WgpuSetup>, legacy: &Legacy) -
         window.leave_to(legacy);
         match said {
             Said::Notice(notice) => window.shown.notice = Some(notice),
-            Said::Lacking(Some(error)) => note(&format!("{error}; the CPU computes the field")),
-            Said::Lacking(None) => {}
+            Said::Lacking(lacking, first) => {
+                if let Some(error) = lacking {
+                    note(&format!("{error}; the CPU computes the field"));
+                }
+                match first {
+                    Some(First::Read(command)) => window.execute(command, &context.egui_ctx),
+                    Some(First::Refused(error)) => {
+                        note(&format!("{error:#}"));
+                        window.refuse("The scene cannot be opened", &error);
+                    }
+                    None => {}
+                }
+            }
         }
         Ok(Box::new(window))
     });

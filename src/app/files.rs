@@ -118,7 +118,7 @@ impl Window {
                 Some(progress)
             }
             Err(error) => {
-                self.refuse("No thread can be started", &error.into());
+                self.refuse("The task cannot be started", &error.into());
                 None
             }
         }
@@ -165,7 +165,7 @@ impl Window {
         let chosen = ask_for_file(purpose, &self.editor.document);
         match Errand::wait(ctx, async move { Outcome::Chosen(purpose, chosen.await.ok_or(text)) }) {
             Ok(errand) => self.errands.push(errand),
-            Err(error) => self.refuse("No thread can be started", &error.into()),
+            Err(error) => self.refuse("The task cannot be started", &error.into()),
         }
     }
 
@@ -220,7 +220,7 @@ impl Window {
         } else if let Err(error) =
             [&typed, &path].into_iter().try_for_each(|path| output::refuse_stream(path))
         {
-            self.refuse("That is no file to write to", &error);
+            self.refuse("The file cannot be written", &error);
         } else if !becomes_download(purpose)
             && source::exists(&path)
             && self.editor.document.path() != Some(path.as_path())
@@ -288,7 +288,7 @@ impl Window {
                 State::Done(outcome) => self.take(outcome, commands, ctx),
                 State::Failed => {
                     self.filming = None;
-                    self.refuse("That failed", &anyhow!("this is a fault of the program"));
+                    self.refuse("Something went wrong", &anyhow!("this is a bug in Sonoglyph"));
                 }
             }
         }
@@ -316,7 +316,7 @@ impl Window {
                 }
             }
             Outcome::Chosen(purpose, Err(text)) => {
-                let why = "No file came from there: choose one here".to_owned();
+                let why = "No file was chosen there; choose one here".to_owned();
                 self.editor.asking.problem = Some((text.clone(), why));
                 self.editor.dialog = Some(Dialog::Path { purpose, text });
             }
@@ -337,19 +337,19 @@ impl Window {
                 let own = &mut self.editor.document.scene.array;
                 (own.wiring, own.wires) = (array.wiring, array.wires);
             }
-            Outcome::Wired(Err(error)) => self.refuse("The table holds no wiring", &anyhow!(error)),
-            Outcome::Placed(Err(error)) => self.refuse("The table holds no array", &anyhow!(error)),
+            Outcome::Wired(Err(error)) => self.refuse("The wiring cannot be read", &anyhow!(error)),
+            Outcome::Placed(Err(error)) => self.refuse("The array cannot be read", &anyhow!(error)),
             Outcome::Driven(Ok(drive)) => {
                 let name = drive.name.clone();
                 self.editor.document.scene.drive = *drive;
-                self.tell(&format!("The drive is that of {name}: nothing is solved"), false);
+                self.tell(&format!("Playing the drive of {name}; nothing is solved"), false);
             }
             Outcome::Driven(Err(error)) => {
-                self.refuse("The file holds no drive of this array", &anyhow!(error));
+                self.refuse("The drive cannot be read", &anyhow!(error));
             }
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {
-                self.tell(&format!("Called off: {} is not written", path.display()), false);
+                self.tell(&format!("Cancelled: {} is not written", path.display()), false);
             }
             Outcome::Filmed(_, Err(error)) => self.refuse("Nothing was exported", &error),
             Outcome::Printed(path, Ok(())) => self.tell(&format!("Wrote {}", path.display()), false),

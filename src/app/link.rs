@@ -9,7 +9,8 @@ use eframe::egui::Context;
 
 use crate::acoustics::Aperture;
 use crate::device::calibration::Calibration;
-use crate::device::link::{Content, Event, Settings};
+use crate::device::health::State;
+use crate::device::link::{Content, Event, Link, Settings};
 use crate::device::port;
 use crate::device::profile::Profile;
 use crate::device::task::{self, Task};
@@ -21,12 +22,17 @@ use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line, tested}
 use crate::studio::output::{self, note};
 use crate::studio::performance::Performance;
 use crate::studio::player::Player;
-use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports, absence};
 use crate::ui::bring_up::Surveyed;
 use crate::ui::{Editor, Notice, Panel, Shown};
 
 /// Polling interval of a link's figures.
 const LOOK: Duration = Duration::from_millis(250);
+/// Hz of modulated test sounds: for hands, and for microphones.
+const FELT: f64 = 200.0;
+const AUDIBLE: f64 = 500.0;
+/// Search (s) for a board after which Send gives up: one that appears later must not sound by surprise.
+const SEARCH: f64 = 2.0;
 /// Messages that are kept.
 const KEPT: usize = 20;
 
@@ -38,6 +44,8 @@ pub struct Board {
     hears_signals: bool,
     /// A scene or a motion is to be sent, once it is solved.
     awaits: bool,
+    /// s on the window's clock since when a board is missing that was never found.
+    missing: Option<f64>,
     compared: Option<(Arc<Solution>, Wiring)>,
     survey: Option<Receiver<Surveyed>>,
     /// Whether ports have been listed: once at the beginning, then on request.
@@ -73,9 +81,18 @@ impl Board {
             BoardCommand::ChoosePort => self.choose_port(ctx),
             BoardCommand::Connect => self.connect(editor, shown, ctx),
             BoardCommand::Disconnect => {
+                editor.board.leave_test();
                 *locked(&self.player) = None;
                 (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
                 editor.board.virtual_port = None;
+            }
+            BoardCommand::EndTest => {
+                shown.board.plays = Plays::Nothing;
+                let mut player = locked(&self.player);
+                player.iter_mut().for_each(Player::stop);
+                if player.is_none() {
+                    editor.board.virtual_port = None;
+                }
             }
             BoardCommand::TryWithout => self.try_without(editor, shown, ctx),
             BoardCommand::Send => (self.awaits, shown.board.plays) = (true, Plays::Scene),
@@ -109,7 +126,7 @@ impl Board {
     /// A separate task, since slow lines take seconds.
     fn survey(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         if let Err(error) = begin_with_own(editor) {
-            editor.board.bring_up = None;
+            editor.board.leave_test();
             return refuse(shown, error);
         }
         *locked(&self.player) = None;
@@ -164,7 +181,7 @@ impl Board {
         let path = PathBuf::from(run.file.trim());
         let own = editor.board.calibration().is_some_and(|own| own == path);
         let written = match source::exists(&path) && !own {
-            true => Err(anyhow::anyhow!("{}: there is a file of this name already", path.display())),
+            true => Err(anyhow::anyhow!("{}: this file already exists", path.display())),
             false => output::save(&path, text.as_bytes()),
         };
         shown.notice = Some(match written {
@@ -183,7 +200,9 @@ impl Board {
         }
     }
 
-    fn connect(&mut self, editor: &Editor, shown: &mut Shown, ctx: &Context) {
+    fn connect(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
+        // A test that is continued starts from it, too; an error is told below.
+        let _ = begin_with_own(editor);
         let form = &editor.board;
         let calibration = match form.calibration() {
             Some(path) => Calibration::read(&path, &tested(form.profile, editor.scene()).0)
@@ -251,9 +270,20 @@ impl Board {
         let mut held = locked(&shared);
         let Some(player) = &mut *held else { return };
         while let Some(event) = player.link.event() {
-            hear(event, player.link.settings().profile, shown);
+            hear(event, &player.link, shown);
         }
         let health = player.link.health();
+        let is_missing = health.found == 0 && matches!(health.state, State::Lost(_));
+        let now = ctx.input(|input| input.time);
+        let since = is_missing.then(|| self.missing.unwrap_or(now));
+        self.missing = since;
+        if let (Some(since), Plays::Scene | Plays::Motion) = (since, shown.board.plays)
+            && now - since > SEARCH
+        {
+            player.stop();
+            let port = player.link.settings().port.display();
+            refuse(shown, format!("Nothing was sent: no board is at {port}"));
+        }
         // After an emergency stop a drag must not start the sound again: only a button pressed while the board is
         // still stopped does.
         let was_stopped = shown.board.health.as_ref().is_some_and(|before| before.stopped);
@@ -262,9 +292,8 @@ impl Board {
         }
         shown.board.health = Some(health);
         ctx.request_repaint_after(LOOK);
-        let felt = Modulation { shape: Envelope::Sine, ..Modulation::default() };
-        let modulation = if shown.board.plays == Plays::Focus { &felt } else { &editor.scene().modulation };
-        if let Err(error) = player.modulate(modulation)
+        let modulation = modulation(editor, shown.board.plays);
+        if let Err(error) = player.modulate(&modulation)
             && matches!(shown.board.plays, Plays::Scene | Plays::Motion)
         {
             player.stop();
@@ -374,7 +403,21 @@ fn silence_on_signals(_: Arc<Mutex<Option<Player>>>) -> std::io::Result<()> {
     Ok(())
 }
 
-fn hear(event: Event, profile: Profile, shown: &mut Shown) {
+/// What the board is modulated by: tests have their own.
+fn modulation(editor: &Editor, plays: Plays) -> Modulation {
+    let sine = |frequency| Modulation { shape: Envelope::Sine, frequency, ..Modulation::default() };
+    match (plays, &editor.board.bring_up) {
+        (Plays::Focus, _) => sine(FELT),
+        (Plays::One(_), Some(run)) if run.modulates => sine(AUDIBLE),
+        (Plays::One(_), Some(_)) => Modulation { shape: Envelope::Off, ..Modulation::default() },
+        (Plays::One(_) | Plays::Nothing | Plays::Scene | Plays::Motion | Plays::Checkerboard, _) => {
+            editor.scene().modulation.clone()
+        }
+    }
+}
+
+fn hear(event: Event, link: &Link, shown: &mut Shown) {
+    let profile = link.settings().profile;
     let (text, is_error) = match event {
         Event::Ready(found) => {
             shown.board.found = Some(found);
@@ -383,17 +426,17 @@ fn hear(event: Event, profile: Profile, shown: &mut Shown) {
                 false if profile.echoes() => format!(
                     "The board sends back commands, at {} baud; {} cannot confirm what it plays",
                     found.baud,
-                    profile.name()
+                    profile.title()
                 ),
                 false => format!(
                     "The port is open, at {} baud; {} cannot confirm what it plays",
                     found.baud,
-                    profile.name()
+                    profile.title()
                 ),
             };
             (text, false)
         }
-        Event::Lost(why) => (format!("The board is lost: {why}"), true),
+        Event::Lost(why) => (absence(&why, link.health().found > 0), true),
         Event::Notice(text) => (text, false),
     };
     tell(shown, text, is_error);
@@ -416,7 +459,8 @@ fn begin_with_own(editor: &mut Editor) -> Result<(), String> {
     if let Some(run) = &mut editor.board.bring_up {
         // It is written as CSV.
         let file = path.with_extension("csv").display().to_string();
-        (run.calibration, run.file) = (own, file);
+        run.start_from(own);
+        run.file = file;
     }
     Ok(())
 }

@@ -13,6 +13,7 @@
 //! The feature `window` includes eframe, egui, egui_plot, rfd and usvg; without it `sonoglyph` writes the sheet, as
 //! it does without a display. In a browser some files are replaced by others: `src/web/mod.rs` lists them.
 
+mod board_tests;
 #[cfg(target_arch = "wasm32")]
 mod browser;
 mod comparison;

@@ -1,15 +1,56 @@
 //! Recovery files of unsaved scenes, for the case of a crash.
 
 use std::fs::{File, TryLockError};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
 
 use crate::scene::{Scene, file};
 use crate::source;
 use crate::studio::paintings::Paintings;
 use crate::studio::{opening, output};
+use crate::ui::document::Document;
 
 /// s between two files.
-const OFTEN: f64 = 5.0;
+const OFTEN: f64 = 1.0;
+/// Beginning of the lines with the [`Origin`].
+const MARK: &str = "#: ";
+
+/// The document of a recovery file: its name, its file, and the hash of that file's text as read or saved.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+struct Origin {
+    name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    path: Option<PathBuf>,
+    text: String,
+}
+
+impl Origin {
+    fn of(document: &Document) -> Self {
+        // A name that is no text cannot be written.
+        let path = document.path().filter(|path| path.to_str().is_some());
+        let path = path.map(|path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned()));
+        Self { name: document.name(), path, text: hash(document.text()) }
+    }
+
+    /// The lines at the beginning of the file.
+    fn lines(&self) -> String {
+        let text = toml::to_string(self).unwrap_or_default();
+        text.lines().map(|line| format!("{MARK}{line}\n")).collect()
+    }
+
+    fn read(text: &str) -> Option<Self> {
+        let lines: Vec<_> = text.lines().map_while(|line| line.strip_prefix(MARK)).collect();
+        toml::from_str(&lines.join("\n")).ok()
+    }
+}
+
+fn hash(text: &str) -> String {
+    let mut hasher = DefaultHasher::new();
+    text.hash(&mut hasher);
+    format!("{:x}", hasher.finish())
+}
 
 /// The file that outlives a crash. Every window that runs has its own.
 #[derive(Debug)]
@@ -19,6 +60,7 @@ pub struct Recovery {
     _lock: Option<File>,
     /// The content of the file.
     kept: Option<Scene>,
+    origin: Origin,
     /// Paintings, in files beside it.
     paintings: Paintings,
     /// s on the window's clock.
@@ -57,9 +99,11 @@ impl Recovery {
         {
             return None;
         }
-        let (kept, paintings) = read(&path).unzip();
-        let paintings = paintings.unwrap_or_default();
-        Some(Self { kept, paintings, path, _lock: lock, last: f64::NEG_INFINITY, trouble: None })
+        let (kept, origin, paintings) = match read(&path) {
+            Some((scene, origin, paintings)) => (Some(scene), origin, paintings),
+            None => <_>::default(),
+        };
+        Some(Self { kept, origin, paintings, path, _lock: lock, last: f64::NEG_INFINITY, trouble: None })
     }
 
     /// The scene left by a crashed run.
@@ -67,16 +111,23 @@ impl Recovery {
         self.kept.clone()
     }
 
+    /// The same as a document of its file.
+    pub fn left(&self) -> Option<Document> {
+        let (scene, Origin { name, path, text }) = (self.found()?, &self.origin);
+        Some(Document::recovered(scene, name, path.clone(), |now| hash(now) == *text))
+    }
+
     /// Keeps an unsaved scene at intervals; `None` if there are no unsaved changes. Returns the seconds until the
     /// next call.
-    pub fn keep(&mut self, unsaved: Option<&Scene>, now: f64) -> Option<f64> {
-        if unsaved == self.kept.as_ref() {
+    pub fn keep(&mut self, unsaved: Option<&Document>, now: f64) -> Option<f64> {
+        if unsaved.map(|document| &document.scene) == self.kept.as_ref() {
             return None;
         }
-        let Some(scene) = unsaved else {
+        let Some(document) = unsaved else {
             self.forget();
             return None;
         };
+        let scene = &document.scene;
         if now - self.last < OFTEN {
             return Some(OFTEN - (now - self.last));
         }
@@ -88,9 +139,10 @@ impl Recovery {
         // No other window has files of these names.
         let placed = self.paintings.place(scene, &self.path, |_| true);
         let written = self.paintings.write(placed.files, output::write);
-        let text = file::write(&placed.scene);
+        let origin = Origin::of(document);
+        let text = origin.lines() + &file::write(&placed.scene);
         match written.and_then(|()| output::write(&self.path, text.as_bytes())) {
-            Ok(()) => (self.kept, self.trouble) = (Some(scene.clone()), None),
+            Ok(()) => (self.kept, self.origin, self.trouble) = (Some(scene.clone()), origin, None),
             Err(error) => self.trouble = Some(format!("{error:#}")),
         }
         // Space may be available again by then.
@@ -110,9 +162,13 @@ impl Recovery {
     }
 }
 
-/// The scene of an earlier run, with its remaining files.
-fn read(path: &Path) -> Option<(Scene, Paintings)> {
-    let mut scene = file::read(path).ok()?;
+/// The scene of an earlier run, with its document and its remaining files.
+fn read(path: &Path) -> Option<(Scene, Origin, Paintings)> {
+    let text = file::read_text(path).ok()?;
+    let mut scene = file::parse(&text, path).ok()?;
+    // Files of older versions have no origin.
+    let origin =
+        Origin::read(&text).unwrap_or_else(|| Origin { name: "recovered".to_owned(), ..Origin::default() });
     let folder = path.parent().unwrap_or(Path::new(""));
     // Missing files are reported where the scene is shown.
     let _ = opening::load_elements(&mut scene.array, folder);
@@ -124,7 +180,7 @@ fn read(path: &Path) -> Option<(Scene, Paintings)> {
     let _ = opening::load_thresholds(scene.skin.as_mut(), folder);
     let mut paintings = Paintings::default();
     paintings.adopt(&mut scene, path);
-    Some((scene, paintings))
+    Some((scene, origin, paintings))
 }
 
 fn lock_of(path: &Path) -> PathBuf {
@@ -136,9 +192,10 @@ mod tests {
     use super::*;
     use crate::scene::{Shape, Target};
 
-    fn scene(y: f64) -> Scene {
+    fn document(y: f64) -> Document {
         let at = glam::DVec3::new(0.0, y, 0.1);
-        Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() }
+        let scene = Scene { targets: vec![Target::new(Shape::Point { at })], ..Scene::default() };
+        Document::new(scene, "mine")
     }
 
     fn found(folder: &Path) -> Option<Scene> {
@@ -150,37 +207,56 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut recovery = Recovery::at(folder.path()).unwrap();
         assert_eq!(recovery.found(), None);
-        let mut scene = scene(0.01);
-        assert_eq!(recovery.keep(Some(&scene), 0.0), None);
+        let mut document = document(0.01);
+        assert_eq!(recovery.keep(Some(&document), 0.0), None);
         drop(recovery);
-        assert_eq!(found(folder.path()).as_ref(), Some(&scene));
+        assert_eq!(found(folder.path()).as_ref(), Some(&document.scene));
         let mut recovery = Recovery::at(folder.path()).unwrap();
-        scene.array.pitch = 0.011;
-        recovery.keep(Some(&scene), 0.0);
-        scene.array.pitch = 0.012;
-        assert_eq!(recovery.keep(Some(&scene), 2.0), Some(3.0), "not all the time");
-        recovery.keep(Some(&scene), 6.0);
-        assert_eq!(recovery.found(), Some(scene));
+        assert_eq!(recovery.left().unwrap().name(), "mine");
+        document.scene.array.pitch = 0.011;
+        recovery.keep(Some(&document), 0.0);
+        document.scene.array.pitch = 0.012;
+        assert_eq!(recovery.keep(Some(&document), 0.75), Some(0.25), "not all the time");
+        recovery.keep(Some(&document), 1.0);
+        assert_eq!(recovery.found(), Some(document.scene));
         recovery.keep(None, 7.0);
         drop(recovery);
         assert_eq!(found(folder.path()), None);
     }
 
     #[test]
+    fn a_recovered_scene_keeps_its_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("hit \"2\".toml");
+        std::fs::write(&path, "format = 1\n# mine\n[[target]]\nat = [0, 0, 0.1]\n").unwrap();
+        let mut document = Document::read(&path).unwrap();
+        document.scene.array.pitch = 0.011;
+        Recovery::at(folder.path()).unwrap().keep(Some(&document), 0.0);
+        let left = Recovery::at(folder.path()).unwrap().left().unwrap();
+        assert_eq!((left.path(), &left.scene), (Some(path.as_path()), &document.scene));
+        assert!(left.is_unsaved() && !left.was_changed_elsewhere(&path));
+        assert!(left.text_of(&left.scene).contains("# mine"));
+        std::fs::write(&path, "format = 1\n").unwrap();
+        let left = Recovery::at(folder.path()).unwrap().left().unwrap();
+        assert!(left.was_changed_elsewhere(&path), "another program has changed it since");
+    }
+
+    #[test]
     fn windows_side_by_side_keep_apart_what_is_theirs() {
         let folder = tempfile::tempdir().unwrap();
-        let scenes = [0.01, 0.02, 0.03].map(scene);
+        let documents = [0.01, 0.02, 0.03].map(document);
         let mut windows: Vec<_> = (0..3).map(|_| Recovery::at(folder.path()).unwrap()).collect();
-        for (window, scene) in windows.iter_mut().zip(&scenes) {
+        for (window, document) in windows.iter_mut().zip(&documents) {
             assert_eq!(window.found(), None, "what another window keeps was left by nobody");
-            window.keep(Some(scene), 0.0);
+            window.keep(Some(document), 0.0);
         }
         windows[0].forget();
         drop(windows);
         // The second and the third crashed; each is offered once, and a fourth window starts afresh.
         let again: Vec<_> = (0..4).map(|_| Recovery::at(folder.path()).unwrap()).collect();
         let found: Vec<_> = again.iter().map(Recovery::found).collect();
-        assert_eq!(found, [Some(scenes[1].clone()), Some(scenes[2].clone()), None, None]);
+        let [_, second, third] = documents.map(|document| Some(document.scene));
+        assert_eq!(found, [second, third, None, None]);
     }
 
     #[test]
@@ -188,11 +264,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let mut recovery = Recovery::at(folder.path()).unwrap();
         std::fs::create_dir(folder.path().join("recovery.toml")).unwrap();
-        let scene = scene(0.01);
-        assert_eq!(recovery.keep(Some(&scene), 0.0), Some(OFTEN));
+        let document = document(0.01);
+        assert_eq!(recovery.keep(Some(&document), 0.0), Some(OFTEN));
         assert!(recovery.trouble().unwrap().contains("recovery.toml"), "{:?}", recovery.trouble());
         std::fs::remove_dir(folder.path().join("recovery.toml")).unwrap();
-        assert_eq!(recovery.keep(Some(&scene), 6.0), None);
-        assert_eq!((recovery.trouble(), recovery.found()), (None, Some(scene)));
+        assert_eq!(recovery.keep(Some(&document), 6.0), None);
+        assert_eq!((recovery.trouble(), recovery.found()), (None, Some(document.scene)));
     }
 }

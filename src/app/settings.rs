@@ -1,5 +1,6 @@
 //! Settings kept between runs: position, panels, colours, board, and recent files.
 
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -7,6 +8,7 @@ use std::path::{Path, PathBuf};
 use egui::{Context, ThemePreference};
 use serde::{Deserialize, Serialize};
 
+use crate::app::board_tests;
 use crate::device::profile::Profile;
 use crate::echo;
 use crate::field::Scale;
@@ -16,6 +18,8 @@ use crate::scene::strict::Strict;
 use crate::source;
 use crate::studio::convention::Convention;
 use crate::studio::output;
+use crate::ui::board::BoardForm;
+use crate::ui::bring_up::KeptTest;
 use crate::ui::document::Document;
 use crate::ui::{Editor, action};
 
@@ -89,13 +93,17 @@ pub struct Settings {
     /// m
     pub grid: f64,
     pub snaps: bool,
-    /// Kind of board, its port, its bit rate (0: the default) and its calibration file.
+    /// Kind of board, its port, and its calibration file.
     pub board: String,
     pub port: String,
+    /// A bit rate of any board, in old files.
+    #[serde(skip_serializing)]
     pub baud: u32,
     pub calibration: String,
     /// The last one first.
     pub recent: Vec<PathBuf>,
+    /// Bit rates that the user chose, by kind of board.
+    pub rates: BTreeMap<String, u32>,
 }
 
 impl Default for Settings {
@@ -158,7 +166,8 @@ impl Settings {
             snaps: editor.snaps,
             board: board.profile.name().to_owned(),
             port: board.port.trim().to_owned(),
-            baud: board.baud,
+            baud: 0,
+            rates: rates(board),
             calibration: board.calibration.trim().to_owned(),
             recent: Vec::new(),
         }
@@ -176,7 +185,8 @@ impl Settings {
         let board = &mut editor.board;
         board.profile = Profile::of_name(&self.board).unwrap_or(board.profile);
         board.port.clone_from(&self.port);
-        board.baud = self.baud;
+        board.rates =
+            self.rates.iter().filter_map(|(name, &baud)| Some((Profile::of_name(name)?, baud))).collect();
         board.calibration.clone_from(&self.calibration);
         let view = &mut editor.view;
         (view.section, view.marks) = (self.section, self.marks);
@@ -224,12 +234,21 @@ impl Settings {
         self.grid = between(self.grid, 1e-4, 0.1, own.grid);
         self.floor = between(self.floor, 1e-12, 0.9, own.floor);
         self.contour_level = between(self.contour_level, -60.0, -0.1, own.contour_level);
-        if !BAUDS.contains(&self.baud) {
-            self.baud = own.baud;
+        self.rates.retain(|_, baud| BAUDS.contains(baud));
+        // A silent board of a wrong rate stays silent without an error, so only boards that answer keep an old one.
+        let old = std::mem::take(&mut self.baud);
+        let is_sure = Profile::of_name(&self.board).is_some_and(Profile::answers);
+        if is_sure && BAUDS.contains(&old) {
+            self.rates.entry(self.board.clone()).or_insert(old);
         }
         self.recent.truncate(MOST_RECENT);
         self
     }
+}
+
+/// The chosen bit rates by the boards' names.
+fn rates(board: &BoardForm) -> BTreeMap<String, u32> {
+    board.rates.iter().map(|(profile, &baud)| (profile.name().to_owned(), baud)).collect()
 }
 
 /// Adds an opened or saved file to the front of the recent files.
@@ -244,10 +263,12 @@ pub fn remember(recent: &mut Vec<PathBuf>, path: &Path) {
     recent.truncate(MOST_RECENT);
 }
 
-/// The settings' file. Pending settings are written on drop.
+/// The settings' file, and that of board tests. Pending settings are written on drop.
 #[derive(Debug)]
 pub struct Memory {
     path: PathBuf,
+    /// The board tests in their file.
+    tests: Vec<KeptTest>,
     /// The settings in the file.
     kept: Settings,
     pending: Option<Settings>,
@@ -266,9 +287,26 @@ impl Memory {
         };
         let (settings, word) = match read {
             Ok(settings) => (settings, None),
-            Err(why) => (Settings::default(), Some(format!("{} is left aside: {why}", path.display()))),
+            Err(why) => (Settings::default(), Some(format!("{} was ignored: {why}", path.display()))),
         };
-        (Self { path, kept: settings.clone(), pending: None, last: f64::NEG_INFINITY }, settings, word)
+        let (tests, kept) = (board_tests::read(folder), settings.clone());
+        (Self { path, tests, kept, pending: None, last: f64::NEG_INFINITY }, settings, word)
+    }
+
+    /// The board tests that were left.
+    pub fn board_tests(&self) -> &[KeptTest] {
+        &self.tests
+    }
+
+    /// Writes the board tests, if they have changed.
+    pub fn keep_board_tests(&mut self, board: &BoardForm) {
+        let tests = board_tests::lasting(board);
+        if tests != self.tests
+            && let Some(folder) = self.path.parent()
+        {
+            board_tests::write(folder, &tests);
+            self.tests = tests;
+        }
     }
 
     /// Writes the settings at intervals. Returns the seconds until the next call.
@@ -331,7 +369,8 @@ mod tests {
         (editor.layout.panel, editor.layout.section) = (300.0, 180.0);
         (editor.grid, editor.snaps) = (0.002, true);
         let board = &mut editor.board;
-        (board.profile, board.baud) = (Profile::SonicSurface, 9600);
+        board.profile = Profile::SonicSurface;
+        board.rates = [(Profile::SonicSurface, 9600), (Profile::Native, 3_000_000)].into();
         (board.port, board.calibration) = ("/dev/ttyUSB1".to_owned(), "gains.csv".to_owned());
         let view = &mut editor.view;
         for toggle in [
@@ -410,21 +449,26 @@ mod tests {
     }
 
     #[test]
-    fn broken_files_are_left_aside_with_a_word_and_odd_numbers_come_within_their_limits() {
+    fn broken_files_are_ignored_with_a_word_and_odd_numbers_come_within_their_limits() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("settings.toml");
         for broken in ["size = [", "panel_width = \"wide\"", "\u{0}"] {
             std::fs::write(&path, broken).unwrap();
             let (_, settings, word) = Memory::at(folder.path());
             assert_eq!(settings, Settings::default());
-            assert!(word.unwrap().contains("settings.toml is left aside: "));
+            assert!(word.unwrap().contains("settings.toml was ignored: "));
         }
         let odd = "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nfloor = inf\ncontour_level = 9\nbaud = 7\nnew_key = 1\n";
         std::fs::write(&path, odd).unwrap();
         let (_, settings, word) = Memory::at(folder.path());
         assert_eq!(word, None);
         assert_eq!((settings.size, settings.position), ([1280.0, LARGEST], None));
-        assert_eq!((settings.panel_width, settings.grid, settings.baud), (100.0, 0.005, 0));
+        assert_eq!((settings.panel_width, settings.grid), (100.0, 0.005));
+        // A rate of the old form, which was that of any board.
+        for (board, rates) in [("native", 1), ("sonicsurface", 0)] {
+            let old = Settings::parse(&format!("board = {board:?}\nbaud = 3000000\n")).unwrap();
+            assert_eq!(old.rates.len(), rates, "{board}");
+        }
         assert_eq!((settings.floor, settings.contour_level), (FLOOR.into(), -0.1));
     }
 

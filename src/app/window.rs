@@ -131,6 +131,9 @@ impl Window {
             settings::remember(&mut self.shown.recent, path);
         }
         self.shown.notice = word.map(|text| Notice { text, is_error: true });
+        if let Some(memory) = &memory {
+            self.editor.board.tests = memory.board_tests().to_vec();
+        }
         self.memory = memory;
     }
 
@@ -142,11 +145,14 @@ impl Window {
 
     /// Keeps unsaved changes from now on, and offers those of the last run, if any.
     pub fn recover(&mut self, recovery: Option<Recovery>) {
-        if let Some(scene) = recovery.as_ref().and_then(Recovery::found) {
-            self.editor.dialog = Some(Dialog::Recovered(Box::new(scene)));
-            self.offers_recovery = true;
-        }
         self.recovery = recovery;
+        self.editor.dialog = self.recovery_offer();
+        self.offers_recovery = self.editor.dialog.is_some();
+    }
+
+    fn recovery_offer(&self) -> Option<Dialog> {
+        let left = self.recovery.as_ref()?.left()?;
+        Some(Dialog::Recovered { name: left.name(), targets: left.scene.targets.len() })
     }
 
     pub fn editor(&self) -> &Editor {
@@ -227,7 +233,7 @@ impl Window {
                     #[cfg(target_arch = "wasm32")]
                     let link = browser::address()
                         .map_or_else(|| link.clone(), |page| link_text::of_page(&link, &page));
-                    self.tell(&format!("A link of {} letters is on the clipboard", link.len()), false);
+                    self.tell(&format!("Link copied ({} characters)", link.len()), false);
                     ctx.copy_text(link);
                 }
                 Err(error) => self.refuse("The scene does not fit in a link", &error.into()),
@@ -248,10 +254,10 @@ impl Window {
                 serving.switch(on, editor, shown, board.silencer(), ctx);
             }
             Command::CompareMethods => self.workshop.compare_methods(self.editor.scene()),
-            Command::Recover(scene) => {
-                let mut document = Document::new(*scene, "recovered");
-                document.was_never_saved();
-                self.editor.replace(document);
+            Command::Recover => {
+                if let Some(document) = self.recovery.as_ref().and_then(Recovery::left) {
+                    self.editor.replace(document);
+                }
                 self.offers_recovery = false;
             }
             Command::Discard => {
@@ -316,22 +322,21 @@ impl Window {
 
     /// Writes unsaved changes to the recovery file, unless the recovery offer is open.
     pub(super) fn keep(&mut self, ctx: &egui::Context) {
-        let Some(recovery) = &mut self.recovery else { return };
         if self.offers_recovery && self.editor.dialog.is_none() {
-            let found = recovery.found().map(Box::new);
-            self.editor.dialog = found.map(Dialog::Recovered);
+            self.editor.dialog = self.recovery_offer();
         }
+        let Some(recovery) = &mut self.recovery else { return };
         if self.offers_recovery || self.may_close {
             return;
         }
         let document = &self.editor.document;
-        let unsaved = document.is_unsaved().then_some(&document.scene);
+        let unsaved = document.is_unsaved().then_some(document);
         let before = recovery.trouble().map(str::to_owned);
         if let Some(seconds) = recovery.keep(unsaved, ctx.input(|input| input.time)) {
             ctx.request_repaint_after_secs(seconds as f32);
         }
         if let Some(trouble) = recovery.trouble().filter(|trouble| Some(*trouble) != before.as_deref()) {
-            let text = format!("A crash would take unsaved changes: {trouble}");
+            let text = format!("Unsaved changes would be lost in a crash: {trouble}");
             self.shown.notice = Some(Notice { text, is_error: true });
         }
     }
@@ -339,6 +344,7 @@ impl Window {
     /// Writes the window's state to the settings.
     pub(super) fn keep_settings(&mut self, ctx: &egui::Context) {
         let Some(memory) = &mut self.memory else { return };
+        memory.keep_board_tests(&self.editor.board);
         let settings = Settings::of(&self.editor, &self.shown.recent, ctx);
         if let Some(seconds) = memory.keep(settings, ctx.input(|input| input.time)) {
             ctx.request_repaint_after_secs(seconds as f32);

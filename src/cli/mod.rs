@@ -48,7 +48,7 @@ const VERSION: &str = env!("SONOGLYPH_VERSION");
 #[derive(Debug, Parser)]
 #[command(name = "sonoglyph", version = VERSION, args_conflicts_with_subcommands = true, max_term_width = 100)]
 struct Cli {
-    /// Scene file (TOML; assets/scenes holds examples), or a link `sonoglyph:#…`.
+    /// Scene file (TOML; assets/scenes holds examples), a drawing to import, or a link `sonoglyph:#…`.
     scene: Option<PathBuf>,
     /// Renderer of the window
     #[arg(long, value_enum, default_value_t = Renderer::Auto)]

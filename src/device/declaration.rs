@@ -27,8 +27,10 @@ pub struct Level {
 /// One kind of board.
 #[derive(Debug)]
 pub(in crate::device) struct Declaration {
-    /// Name on the command line, in files and menus.
+    /// Name on the command line and in files.
     pub name: &'static str,
+    /// Name that its users know, in the window.
+    pub title: &'static str,
     /// Transducers, of all boards on the line.
     pub elements: usize,
     /// Columns and rows if the transducers are on the board; `None` if channels are wired to any array of at most as

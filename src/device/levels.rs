@@ -88,8 +88,12 @@ impl Levels {
 /// The notice about a drive, or a calibration, with amplitudes that a board lacks.
 pub fn amplitude_notice(profile: Profile, drive: &Drive, calibration: &Calibration) -> Option<String> {
     let weaker = drive.amplitudes.iter().any(|&amplitude| amplitude > 0.0 && amplitude < 1.0 - 1e-9);
-    (profile.strength() == Strength::Fixed && (weaker || calibration.has_gains()))
-        .then(|| format!("{} has no amplitudes: elements with reduced amplitude play fully", profile.name()))
+    (profile.strength() == Strength::Fixed && (weaker || calibration.has_gains())).then(|| {
+        format!(
+            "{} has no amplitude control: elements with reduced amplitude play at full amplitude",
+            profile.name()
+        )
+    })
 }
 
 /// The notice about a carrier that differs from the scene's frequency (Hz).

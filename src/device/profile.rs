@@ -51,6 +51,7 @@ boards! {
 /// One native board; several have as many times its elements and bytes.
 const NATIVE: Declaration = Declaration {
     name: "native",
+    title: "This project's FPGA board",
     elements: 256,
     shape: None,
     levels: 256,
@@ -67,6 +68,15 @@ const NATIVE: Declaration = Declaration {
 pub const MOST_DEVICES: u8 = 8;
 const NATIVES: [&str; 7] =
     ["native-2", "native-3", "native-4", "native-5", "native-6", "native-7", "native-8"];
+const TITLES: [&str; 7] = [
+    "2 x this project's FPGA board",
+    "3 x this project's FPGA board",
+    "4 x this project's FPGA board",
+    "5 x this project's FPGA board",
+    "6 x this project's FPGA board",
+    "7 x this project's FPGA board",
+    "8 x this project's FPGA board",
+];
 
 impl Profile {
     /// The name on the command line.
@@ -77,13 +87,23 @@ impl Profile {
         self.declaration().name
     }
 
+    /// The name that its users know.
+    #[doc(hidden)]
+    pub fn title(self) -> &'static str {
+        if let Self::Natives(count) = self {
+            return TITLES[usize::from(count).clamp(2, TITLES.len() + 1) - 2];
+        }
+        self.declaration().title
+    }
+
     /// The user's choices: every kind, and every number of native boards.
     pub fn choices() -> impl Iterator<Item = Self> {
         Self::ALL.into_iter().chain((2..=MOST_DEVICES).map(Self::Natives))
     }
 
+    /// The board of a name, in upper or lower case.
     pub fn of_name(name: &str) -> Option<Self> {
-        Self::choices().find(|profile| profile.name() == name)
+        Self::choices().find(|profile| profile.name().eq_ignore_ascii_case(name))
     }
 
     /// Transducers, of all boards on the line.
@@ -164,8 +184,7 @@ impl Profile {
         }
         scene.solver.frames = Turns::Count(1);
         Some(format!(
-            "{} changes drives {rate:.0} times per second at {baud} baud, fewer than {LEAST}: the areas have one drive instead of \
-             several in turn",
+            "{} shows {rate:.0} drives per second at {baud} baud, and alternating drives need {LEAST}: areas use a single drive",
             self.name()
         ))
     }

@@ -3,6 +3,7 @@
 use egui::{Context, Key, KeyboardShortcut, Modifiers, Theme};
 use strum::{IntoStaticStr, VariantArray};
 
+use crate::device::health::State;
 use crate::field::Quantity;
 use crate::picture::figure::Format;
 use crate::scene::motion;
@@ -193,7 +194,7 @@ impl Action {
             Self::Send => "Send to the board",
             Self::PlayMotion => "Play the motion on the board",
             Self::Stop => "Stop the board",
-            Self::Serve => "Serve other programs",
+            Self::Serve => "Allow remote control",
             Self::Palette => "All commands…",
             Self::Help => "Keys and tools",
         };
@@ -351,7 +352,7 @@ impl Action {
             ),
             (self == Self::SelectAll && editor.scene().targets.is_empty(), "The scene has no targets"),
             (
-                is_one_of(&[Self::Send, Self::PlayMotion]) && shown.board.health.is_none(),
+                self == Self::PlayMotion && shown.board.health.is_none(),
                 "Connect to a board in the Device panel first",
             ),
             (
@@ -444,7 +445,7 @@ impl Action {
                 let is_dark = ctx.theme() == Theme::Dark;
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
             }
-            Self::Send => commands.push(Command::Board(BoardCommand::Send)),
+            Self::Send => send(editor, shown, commands),
             Self::PlayMotion => commands.push(Command::Board(BoardCommand::PlayMotion)),
             Self::Stop => commands.push(Command::Board(BoardCommand::Stop)),
             Self::Serve => commands.push(Command::Serve(shown.serving.is_none())),
@@ -452,6 +453,23 @@ impl Action {
             Self::Help => editor.dialog = Some(Dialog::Help),
         }
     }
+}
+
+/// Plays the scene, with its motion. Without a board, connects to the known port, or leads to the page where one is
+/// chosen.
+fn send(editor: &mut Editor, shown: &Shown, commands: &mut Vec<Command>) {
+    let is_known = !editor.board.port().is_empty() && shown.board.unavailable.is_none();
+    match shown.board.health.as_ref().map(|health| &health.state) {
+        None if is_known => commands.push(Command::Board(BoardCommand::Connect)),
+        None | Some(State::Lost(_)) => {
+            editor.panel = Panel::Device;
+            (editor.layout.is_drawn_out, editor.layout.is_folded) = (true, false);
+            return;
+        }
+        Some(State::Connecting | State::Ready) => {}
+    }
+    let moves = motion::moves(editor.scene());
+    commands.push(Command::Board(if moves { BoardCommand::PlayMotion } else { BoardCommand::Send }));
 }
 
 /// Scales everything in the window by a factor.

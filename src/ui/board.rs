@@ -1,10 +1,12 @@
 //! The board in the window: the user's wishes, and the board's state.
 
+use std::collections::HashMap;
 use std::path::PathBuf;
 
 use crate::device::health::{Found, Health};
+use crate::device::port;
 use crate::device::profile::Profile;
-use crate::ui::bring_up::{BringUp, Surveyed};
+use crate::ui::bring_up::{BringUp, KeptTest, Surveyed};
 
 /// The settings on the Device page.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,16 +16,18 @@ pub struct BoardForm {
     /// The port of the program's own virtual board, instead.
     pub virtual_port: Option<String>,
     pub profile: Profile,
-    /// 0: the default baud rate.
-    pub baud: u32,
+    /// Bits per second that the user chose for a kind of board; the others have their own.
+    pub rates: HashMap<Profile, u32>,
     /// A CSV file, or empty.
     pub calibration: String,
     /// Whether every change of the scene is sent at once.
     pub live: bool,
     /// The element tested alone.
     pub element: u32,
-    /// The board is being brought up.
+    /// The board is being tested.
     pub bring_up: Option<Box<BringUp>>,
+    /// Tests that were left, each of a board at a port.
+    pub tests: Vec<KeptTest>,
 }
 
 impl Default for BoardForm {
@@ -32,11 +36,12 @@ impl Default for BoardForm {
             port: String::new(),
             virtual_port: None,
             profile: Profile::Native,
-            baud: 0,
+            rates: HashMap::new(),
             calibration: String::new(),
             live: true,
             element: 0,
             bring_up: None,
+            tests: Vec::new(),
         }
     }
 }
@@ -46,8 +51,45 @@ impl BoardForm {
         self.virtual_port.as_deref().unwrap_or(self.port.trim())
     }
 
+    /// The bit rate of this kind of board, if not its default: that of a test at this port, or as chosen.
     pub fn baud(&self) -> Option<u32> {
-        (self.baud > 0).then_some(self.baud)
+        let run = self.bring_up.as_deref().or_else(|| self.kept_test().map(|kept| &kept.run));
+        run.and_then(|run| run.baud).or_else(|| self.rates.get(&self.profile).copied())
+    }
+
+    /// Chooses the bit rate of this kind of board; `None`: its default.
+    pub fn set_baud(&mut self, baud: Option<u32>) {
+        let profile = self.profile;
+        match baud {
+            Some(baud) => drop(self.rates.insert(profile, baud)),
+            None => drop(self.rates.remove(&profile)),
+        }
+        let kept = self.test_place().and_then(|place| self.tests.get_mut(place));
+        let kept = kept.map(|kept| &mut kept.run);
+        kept.into_iter().chain(self.bring_up.as_deref_mut()).for_each(|run| run.baud = None);
+    }
+
+    fn test_place(&self) -> Option<usize> {
+        self.tests.iter().position(|kept| kept.profile == self.profile && kept.port == self.port())
+    }
+
+    /// The test that was left of this board at this port.
+    pub fn kept_test(&self) -> Option<&KeptTest> {
+        self.test_place().map(|place| &self.tests[place])
+    }
+
+    /// The same, to be continued.
+    pub fn take_test(&mut self) -> Option<KeptTest> {
+        self.test_place().map(|place| self.tests.remove(place))
+    }
+
+    /// Leaves the running test; its results are kept.
+    pub fn leave_test(&mut self) {
+        let Some(run) = self.bring_up.take() else { return };
+        if run.has_results() {
+            self.take_test();
+            self.tests.push(KeptTest { port: self.port().to_owned(), profile: self.profile, run: *run });
+        }
     }
 
     pub fn calibration(&self) -> Option<PathBuf> {
@@ -72,7 +114,7 @@ impl Ports {
     /// The first step before opening a port, as text.
     pub fn first(self) -> &'static str {
         match self {
-            Self::Computer => "Name a port first",
+            Self::Computer => "Choose or type a port first",
             Self::Browser => "Choose a port first",
             Self::Nowhere => "This browser has no serial ports for pages",
         }
@@ -102,6 +144,8 @@ pub enum BoardCommand {
     TakeCarrier,
     /// Surveys the port: identification and bit rates; closes the link.
     Survey,
+    /// A test has ended or is left: silences the board.
+    EndTest,
     /// A focus above the centre.
     Focus,
     /// A calibration, as a file's text, is written and used.
@@ -121,6 +165,7 @@ impl BoardCommand {
             | Self::Stop
             | Self::TakeCarrier
             | Self::Survey
+            | Self::EndTest
             | Self::SaveCalibration(_) => false,
         }
     }
@@ -146,6 +191,18 @@ pub struct PortShown {
     pub label: String,
     /// Profile of a virtual board.
     pub profile: Option<Profile>,
+}
+
+/// The reason for not having a board, as a sentence for the window.
+pub fn absence(why: &str, was_found: bool) -> String {
+    match why.strip_suffix(port::LISTED) {
+        Some(missing) => {
+            let missing = missing.replacen("there", "There", 1);
+            format!("{missing}. Plug the board in, or press “Choose…” for the ports of this computer.")
+        }
+        None if was_found => format!("The board is lost: {why}"),
+        None => format!("No board answers: {why}"),
+    }
 }
 
 /// The board's known state.

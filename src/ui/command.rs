@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use crate::drive;
 use crate::picture::figure::Format;
-use crate::scene::Scene;
 use crate::source;
 use crate::studio::animate::Kind;
 use crate::studio::opening;
@@ -66,7 +65,7 @@ pub enum Command {
     /// Requests the clipboard's content.
     Paste,
     /// Recovers the scene of the last run.
-    Recover(Box<Scene>),
+    Recover,
     /// Discards the scene of the last run.
     Discard,
     Close,
@@ -141,12 +140,12 @@ impl Purpose {
         match self {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
-            Self::Elements => "Take a table of elements (CSV, or PAT of OpenMPD)",
-            Self::Wiring => "Take a wiring (CSV with element and channel, or PAT of OpenMPD)",
+            Self::Elements => "Open a table of elements (CSV, or PAT of OpenMPD)",
+            Self::Wiring => "Open a wiring (CSV with element and channel, or PAT of OpenMPD)",
             Self::Drive => "Open a drive: phases and amplitudes of the elements (CSV)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Waveform => "Open a waveform of the modulation (WAV)",
-            Self::Thresholds => "Take thresholds (CSV with frequency in Hz and displacement in m, peak)",
+            Self::Thresholds => "Open thresholds (CSV with frequency in Hz and displacement in m, peak)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the view as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",

@@ -111,6 +111,23 @@ impl Document {
         self.path = Some(path);
     }
 
+    /// A scene that was left unsaved, of a file whose text was `known`. If the file has changed since, saving asks.
+    pub fn recovered(scene: Scene, name: &str, path: Option<PathBuf>, known: impl Fn(&str) -> bool) -> Self {
+        let mut document = Self::new(scene, name);
+        document.was_never_saved();
+        let text = path.as_deref().and_then(|path| file::read_text(path).ok()).filter(|text| known(text));
+        if let (Some(text), Some(path)) = (text, &path) {
+            document.saved = opening::parse(&text, path).unwrap_or_default();
+            document.text = text;
+        }
+        Self { path, ..document }
+    }
+
+    /// The text of its file, as read or saved; empty without one.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
     /// Marks the scene as unsaved although it has no changes: a recovered one.
     pub fn was_never_saved(&mut self) {
         self.saved = Scene::default();

@@ -1,20 +1,22 @@
-//! The menus, the tools, and the board's state with its Stop button.
+//! The menus, the tools, and the board's state with its Send and Stop button.
 
 use std::path::PathBuf;
 
 use egui::containers::menu::MenuBar;
-use egui::{Button, Color32, Context, Label, ProgressBar, RichText, Sense, Stroke, Ui, vec2};
+use egui::{Button, Color32, Context, Label, ProgressBar, RichText, Sense, Stroke, Ui, Vec2, vec2};
 use strum::VariantArray;
 
 use crate::device::health::State;
 use crate::ui::action::{self, Action, Group};
-use crate::ui::board::{BoardCommand, Plays};
+use crate::ui::board::{BoardCommand, Plays, absence};
 use crate::ui::tool::{self, Tool};
 use crate::ui::{command::Command, editor::Editor, panels, shown::Shown, theme};
 
 /// Points of the screen: a tool with the gap below it.
 const TOOL: f32 = 32.0;
 const GAP: f32 = 4.0;
+/// Size of Send and Stop.
+const SOUND: Vec2 = vec2(72.0, 22.0);
 /// Connected and silent.
 const SILENT: Color32 = Color32::from_rgb(70, 190, 110);
 
@@ -51,9 +53,9 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
     });
 }
 
-/// At the right: unsaved changes, the board's state, and Stop.
+/// At the right: unsaved changes, the board's state, and Send or Stop.
 fn state(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
-    stop(shown, ui, commands);
+    send_or_stop(editor, shown, ui, commands);
     let panel = ui.button("Panel").on_hover_text("Fold the panel away, or bring it back (F9)");
     if panel.clicked() {
         editor.layout.toggle(ui.ctx());
@@ -64,12 +66,22 @@ fn state(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Com
         Action::ShowPanel(crate::ui::Panel::Device).run(editor, shown, ui.ctx(), commands);
         editor.layout.is_folded = false;
     }
-    let (colour, name, tip) = if editor.document.is_unsaved() {
-        (theme::warning(ui.visuals()), "Unsaved", "Changes that no file holds: click to save (Ctrl S)")
-    } else {
-        (SILENT, "Saved", "Everything is saved")
+    let is_in_file = editor.document.path().is_some();
+    let (colour, name, tip) = match (editor.document.is_unsaved(), is_in_file) {
+        (true, _) => (
+            theme::warning(ui.visuals()),
+            "Unsaved",
+            "Your changes have not been saved: click to save (Ctrl S)",
+        ),
+        (false, true) => (SILENT, "Saved", "All changes are saved"),
+        (false, false) => (
+            ui.visuals().weak_text_color(),
+            "No file",
+            "The scene is in no file yet: click to save it (Ctrl S)",
+        ),
     };
-    if ui.add(dotted(colour, name)).on_hover_text(tip).clicked() && editor.document.is_unsaved() {
+    let can_save = editor.document.is_unsaved() || !is_in_file;
+    if ui.add(dotted(colour, name)).on_hover_text(tip).clicked() && can_save {
         commands.push(Command::Save);
     }
 }
@@ -84,11 +96,38 @@ fn board(shown: &Shown, ui: &Ui) -> (Color32, String) {
     match board.health.as_ref().map(|health| &health.state) {
         None => (ui.visuals().weak_text_color(), "No board is connected".to_owned()),
         Some(State::Connecting) => (theme::warning(ui.visuals()), "Looking for the board".to_owned()),
-        Some(State::Lost(why)) => (theme::error(ui.visuals()), format!("The board is lost: {why}")),
+        Some(State::Lost(why)) => {
+            let was_found = board.health.as_ref().is_some_and(|health| health.found > 0);
+            (theme::error(ui.visuals()), absence(why, was_found))
+        }
         Some(State::Ready) if board.plays == Plays::Nothing => {
             (SILENT, "The board is connected and silent".to_owned())
         }
         Some(State::Ready) => (theme::ACCENT, "The board sounds".to_owned()),
+    }
+}
+
+/// Send, or Stop while a board sounds: one place that never moves.
+fn send_or_stop(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    /// Time (s) in which clicks that were meant for Stop do not send.
+    const HASTE: f64 = 1.0;
+    let (stopped, now) = (egui::Id::unique("board stopped"), ui.input(|input| input.time));
+    if shown.board.plays != Plays::Nothing {
+        ui.data_mut(|data| data.insert_temp(stopped, now));
+        return stop(shown, ui, commands);
+    }
+    let since = ui.data(|data| data.get_temp(stopped)).map_or(f64::INFINITY, |at: f64| now - at);
+    if since < HASTE {
+        ui.ctx().request_repaint_after_secs((HASTE - since) as f32);
+    }
+    let tip = match (&shown.board.health, editor.board.port()) {
+        (Some(_), _) => "The board plays the scene, with its motion (Esc twice stops it)".to_owned(),
+        (None, "") => "Opens the Device page, where a board is chosen".to_owned(),
+        (None, port) => format!("Connects to the board at {port}, and plays the scene"),
+    };
+    let button = theme::primary("Send").min_size(SOUND);
+    if ui.add_enabled(since >= HASTE, button).on_hover_text(tip).clicked() {
+        Action::Send.run(editor, shown, ui.ctx(), commands);
     }
 }
 
@@ -97,7 +136,7 @@ fn stop(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     if shown.board.plays == Plays::Nothing {
         return;
     }
-    let button = theme::destructive("Stop").min_size(vec2(72.0, 22.0));
+    let button = theme::destructive("Stop").min_size(SOUND);
     if ui.add(button).on_hover_text("Silences the board (Esc twice)").clicked() {
         commands.push(Command::Board(BoardCommand::Stop));
     }
@@ -118,7 +157,7 @@ fn export(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let bar = ProgressBar::new(*part).desired_width(120.0).text(format!("{:.0} %", part * 100.0));
     ui.add(bar).on_hover_text(format!("Writing {name}"));
     let tip = format!("Ends the export; {name} is not written");
-    if ui.button("Call off").on_hover_text(tip).clicked() {
+    if ui.button("Cancel export").on_hover_text(tip).clicked() {
         commands.push(Command::CallOff);
     }
     ui.separator();
@@ -188,7 +227,7 @@ fn recent(editor: &mut Editor, recent: &[PathBuf], ui: &mut Ui, commands: &mut V
         }
     }
     ui.separator();
-    if ui.button("Forget these").clicked() {
+    if ui.button("Clear list").clicked() {
         commands.push(Command::ForgetRecent);
     }
 }

@@ -353,7 +353,7 @@ fn scenes_are_solved_for_the_carrier_of_any_board_which_is_said_once() {
     }
     let said = ended(child);
     for once in
-        ["the board's carrier is 40000 Hz; scenes are solved for it", "sonicsurface has no amplitudes"]
+        ["the board's carrier is 40000 Hz; scenes are solved for it", "sonicsurface has no amplitude control"]
     {
         assert_eq!(said.matches(once).count(), 1, "{said}");
     }

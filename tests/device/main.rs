@@ -292,7 +292,7 @@ fn calibration_corrects_phases_and_amplitudes() {
     // An element that leads by a fifth of a period is played a fifth of a period later.
     assert_eq!(levels.channels[6], Some(Level { delay: 2, amplitude: 5 }));
     let notice = levels::amplitude_notice(Profile::SonicSurface, &drive, &calibration).unwrap();
-    assert!(notice.contains("sonicsurface has no amplitudes"), "{notice}");
+    assert!(notice.contains("sonicsurface has no amplitude control"), "{notice}");
     let notice = levels::carrier_notice(40_000.0, 25_000.0).unwrap();
     assert!(notice.contains("40000") && notice.contains("25000"), "{notice}");
 }

@@ -105,7 +105,7 @@ fn on_a_full_disk(folder: &Path) {
     screen.state_mut().recover(sonoglyph::app::recovery::Recovery::at(&folder.join("state")));
     edit(&mut screen);
     let edited = screen.state().editor().document.scene.clone();
-    assert!(screen.state().shown().notice.as_ref().unwrap().text.contains("A crash would take"));
+    assert!(screen.state().shown().notice.as_ref().unwrap().text.contains("would be lost in a crash"));
     save(&mut screen);
     assert!(refusal(&mut screen).contains("a.toml: cannot write: files may not become that large here"));
     for (export, name) in [
@@ -180,7 +180,7 @@ fn two_windows_on_one_file_do_not_overwrite_each_other() {
     fs::write(&path, crate::SCENE).unwrap();
     edit(&mut one);
     save(&mut one);
-    choose(&mut one, "Write over them");
+    choose(&mut one, "Replace");
     assert_eq!(file::read(&path).unwrap(), one.state().editor().document.scene);
     assert!(!one.state().editor().document.is_unsaved());
 }

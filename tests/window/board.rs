@@ -148,7 +148,7 @@ fn a_dragged_target_is_played() {
             lost.is_some_and(|notice| notice.is_error && notice.text.contains("lost"))
         };
         until(&mut screen, "a word", is_lost);
-        for name in ["Send", "Single element", "Checkerboard"] {
+        for name in ["Send scene", "Single element", "Checkerboard"] {
             assert!(screen.get_by_label(name).accesskit_node().is_disabled(), "{name}: there is no board");
         }
         let to = place(&screen, 20.0, 5.0);
@@ -325,19 +325,21 @@ fn a_virtual_board_is_a_port_that_is_remembered_and_reported_as_unconfirmed() {
         let mut screen = open_there();
         screen.get_by_label("Device").click();
         screen.run_steps(4);
-        screen.get_by_label("Ports").click();
+        screen.get_by_label("Choose…").click();
         screen.run_steps(4);
         screen.get_by_label(&format!("{name} (virtual board, sonicsurface)")).click();
         screen.run_steps(4);
         let form = &mut screen.state_mut().editor_mut().board;
         assert_eq!((&form.port, form.profile), (&name, Profile::SonicSurface));
-        (form.baud, form.calibration) = (230_400, "mine.csv".to_owned());
+        form.set_baud(Some(9600));
+        form.calibration = "mine.csv".to_owned();
         screen.run_steps(2);
     }
     let mut screen = open_there();
     let form = &mut screen.state_mut().editor_mut().board;
     assert_eq!((&form.port, form.profile), (&name, Profile::SonicSurface));
-    assert_eq!((form.baud, std::mem::take(&mut form.calibration)), (230_400, "mine.csv".to_owned()));
+    assert_eq!((form.baud(), std::mem::take(&mut form.calibration)), (Some(9600), "mine.csv".to_owned()));
+    form.set_baud(None);
     screen.run_steps(2);
     screen.get_by_label("Connect").click();
     let confirms_nothing = "port open, unconfirmed";
@@ -388,16 +390,31 @@ pub fn press(screen: &mut Screen, name: &str) {
 fn a_board_is_brought_up_step_by_step() {
     let folder = tempfile::tempdir().unwrap();
     let (mut screen, board, _shown) = connected(Profile::Native);
-    press(&mut screen, "Bring up a board");
-    press(&mut screen, "Next: the elements");
+    press(&mut screen, "Test a board…");
+    press(&mut screen, "Next: elements");
     until(&mut screen, "element 0", |screen| screen.state().shown().board.plays == Plays::One(0));
     until(&mut screen, "sound", |_| !is_silent(&board));
-    press(&mut screen, "Heard");
-    press(&mut screen, "Silent");
-    press(&mut screen, "Silent");
+    press(&mut screen, "Signal seen");
+    press(&mut screen, "No signal");
+    press(&mut screen, "No signal");
     press(&mut screen, "Back");
     until(&mut screen, "element 2", |screen| screen.state().shown().board.plays == Plays::One(2));
-    press(&mut screen, "Heard");
+    press(&mut screen, "Signal seen");
+    press(&mut screen, "Rest of row seen");
+    until(&mut screen, "the next row", |screen| screen.state().shown().board.plays == Plays::One(16));
+    // Esc Esc silences the board, and the test says how to go on.
+    screen.key_press(egui::Key::Escape);
+    screen.key_press(egui::Key::Escape);
+    until(&mut screen, "silence", |_| is_silent(&board));
+    screen.run_steps(3);
+    assert!(is_silent(&board) && screen.query_by_label_contains("The board is silent.").is_some());
+    // Left and continued, with its results.
+    press(&mut screen, "Pause test");
+    assert!(screen.query_by_label_contains("16 elements tested, 1 without signal").is_some());
+    press(&mut screen, "Continue test");
+    until(&mut screen, "element 16", |screen| screen.state().shown().board.plays == Plays::One(16));
+    press(&mut screen, "Cancel test");
+    press(&mut screen, "Keep testing");
     press(&mut screen, "Skip the rest");
     until(&mut screen, "a focus", |screen| screen.state().shown().board.plays == Plays::Focus);
     until(&mut screen, "all elements", |_| {
@@ -420,9 +437,12 @@ fn a_board_is_brought_up_step_by_step() {
     until(&mut screen, "the report", |screen| screen.query_by_label("Copy the report").is_some());
     let run = screen.state().editor().board.bring_up.clone().unwrap();
     let report = run.report.text(Profile::Native, "here");
-    for part in
-        ["protocol 2", "FAILED  1 elements are silent: 1", "a focus was felt", "emergency stop: silent until"]
-    {
+    for part in [
+        "protocol 2",
+        "FAILED  1 of 16 elements gave no signal: 1; 240 not tested",
+        "a focus was felt",
+        "emergency stop: silent until",
+    ] {
         assert!(report.contains(part), "{part} in {report}");
     }
     let file = folder.path().join("mine.csv");
@@ -431,9 +451,68 @@ fn a_board_is_brought_up_step_by_step() {
     press(&mut screen, "Save");
     assert_eq!(Calibration::read(&file, &Scene::default()).unwrap().off(), [1]);
     assert_eq!(screen.state().editor().board.calibration, file.display().to_string());
-    press(&mut screen, "End");
+    press(&mut screen, "Switch off in the scene");
+    assert_eq!(screen.state().editor().scene().array.off, [1]);
+    press(&mut screen, "Close");
     until(&mut screen, "silence", |_| is_silent(&board));
-    assert!(screen.query_by_label("Send").is_some());
+    assert!(screen.query_by_label("Send scene").is_some() && screen.query_by_label("Show report").is_some());
+}
+
+#[test]
+fn a_tested_virtual_board_lends_its_rate_to_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let there = folder.path().to_owned();
+    let mut screen = Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(move |context| {
+        let mut opened = window(&context.egui_ctx);
+        opened.remember_in(&there, &context.egui_ctx);
+        opened
+    });
+    let editor = screen.state_mut().editor_mut();
+    (editor.panel, editor.was_warned) = (Panel::Device, true);
+    screen.run_steps(4);
+    press(&mut screen, "Try without a board");
+    press(&mut screen, "Test a board…");
+    press(&mut screen, "Next: elements");
+    until(&mut screen, "element 0", |screen| screen.state().shown().board.plays == Plays::One(0));
+    assert!(screen.state().editor().board.baud().is_some_and(|baud| baud > 2_000_000));
+    press(&mut screen, "Disconnect");
+    super::pick(&mut screen, "Board", "SonicSurface");
+    assert!(screen.query_by_label_contains("89 frames/s at 230400 baud").is_some());
+    drop(screen);
+    let settings = std::fs::read_to_string(folder.path().join("settings.toml")).unwrap();
+    assert!(settings.contains("board = \"sonicsurface\"\nport = \"\"\n"), "{settings}");
+    assert!(!settings.contains("baud") && !settings.contains("000000"), "{settings}");
+    assert!(!folder.path().join("board-tests.toml").exists());
+}
+
+#[test]
+fn send_stays_in_place_and_finds_the_known_port() {
+    let board = Board::start(Setup::new(Profile::SonicSurface), Box::new(|_| {})).unwrap();
+    let mut screen =
+        Harness::builder().with_size(vec2(1280.0, 800.0)).build_eframe(|context| window(&context.egui_ctx));
+    screen.run_steps(4);
+    // Without a port it leads to the page.
+    let (place, neighbour) = (screen.get_by_label("Send").rect(), screen.get_by_label("Panel").rect());
+    press(&mut screen, "Send");
+    assert_eq!(screen.state().editor().panel, Panel::Device);
+    // A port without a board: no sound later by surprise.
+    let form = &mut screen.state_mut().editor_mut().board;
+    (form.profile, form.port) = (Profile::SonicSurface, "/dev/not-there".to_owned());
+    press(&mut screen, "Send");
+    press(&mut screen, "Start sound");
+    until(&mut screen, "waiting", |screen| screen.query_by_label("Waiting for /dev/not-there").is_some());
+    until(&mut screen, "no sound", |screen| screen.state().shown().board.plays == Plays::Nothing);
+    assert!(screen.query_by_label_contains("press “Choose…”").is_some());
+    press(&mut screen, "Disconnect");
+    screen.state_mut().editor_mut().board.port = board.path().display().to_string();
+    press(&mut screen, "Send");
+    until(&mut screen, "sound", |_| !is_silent(&board));
+    assert_eq!((screen.get_by_label("Stop").rect(), screen.get_by_label("Panel").rect()), (place, neighbour));
+    screen.get_by_label("Stop").click();
+    until(&mut screen, "silence", |_| is_silent(&board));
+    screen.run_steps(2);
+    // A second click on the same place does not start the sound again.
+    assert!(screen.get_by_label("Send").accesskit_node().is_disabled());
 }
 
 #[test]

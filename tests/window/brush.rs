@@ -269,7 +269,7 @@ fn paintings_survive_a_crash_and_the_clipboard() {
     let mut screen = open_painted();
     let unsaved = scene(&screen).clone();
     let mut recovery = Recovery::at(folder.path()).unwrap();
-    assert_eq!(recovery.keep(Some(&unsaved), 0.0), None);
+    assert_eq!(recovery.keep(Some(&Document::new(unsaved.clone(), "mine")), 0.0), None);
     assert_eq!(recovery.trouble(), None);
     drop(recovery);
     let mut recovery = Recovery::at(folder.path()).unwrap();

@@ -1,6 +1,7 @@
 //! The real window on an X server: drawing, saving and closing by pointer and keys.
 
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -33,24 +34,22 @@ fn xdotool(display: &str, args: &[&str]) -> String {
     String::from_utf8_lossy(&output.stdout).trim().to_owned()
 }
 
-#[test]
-fn a_session_draws_saves_and_quits() {
-    let Some((_server, display)) = display() else { return };
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("drawn.toml");
+/// The program in a folder, with its window's number.
+fn open(display: &str, folder: &Path, args: &[&str]) -> Running {
     let program = Command::new(env!("CARGO_BIN_EXE_sonoglyph"))
-        .current_dir(folder.path())
-        .env("DISPLAY", &display)
+        .args(args)
+        .current_dir(folder)
+        .env("DISPLAY", display)
         .env_remove("WAYLAND_DISPLAY")
-        .env("XDG_RUNTIME_DIR", folder.path())
-        .env("XDG_STATE_HOME", folder.path())
+        .env("XDG_RUNTIME_DIR", folder)
+        .env("XDG_STATE_HOME", folder)
         .env("NODEVICE_SELECT", "1")
         .spawn()
         .unwrap();
     let mut program = Running(program);
     let start = Instant::now();
     let window = loop {
-        let found = xdotool(&display, &["search", "--name", "Sonoglyph"]);
+        let found = xdotool(display, &["search", "--name", "Sonoglyph"]);
         if let Some(window) = found.lines().last() {
             break window.to_owned();
         }
@@ -59,7 +58,50 @@ fn a_session_draws_saves_and_quits() {
     };
     sleep(Duration::from_secs(2));
     // Without a window manager the window has to be given the keyboard focus.
-    xdotool(&display, &["windowfocus", &window]);
+    xdotool(display, &["windowfocus", &window]);
+    program
+}
+
+fn until_there(path: &Path) {
+    let start = Instant::now();
+    while !path.exists() {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing was saved");
+        sleep(Duration::from_millis(200));
+    }
+}
+
+#[test]
+fn a_drawing_or_a_broken_file_opens_the_window() {
+    let Some((_server, display)) = display() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let svg = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 10 10'><path d='M0 0 L10 10' stroke='black' fill='none'/></svg>";
+    std::fs::write(folder.path().join("a.svg"), svg).unwrap();
+    std::fs::write(folder.path().join("broken.toml"), "format = 1\n[array]\npitch = nan\n").unwrap();
+    let path = folder.path().join("imported.toml");
+    let mut program = open(&display, folder.path(), &["a.svg"]);
+    let act = |args: &[&str]| xdotool(&display, args);
+    act(&["key", "Return"]);
+    act(&["key", "ctrl+shift+s"]);
+    act(&["key", "ctrl+a"]);
+    act(&["type", path.to_str().unwrap()]);
+    act(&["key", "Return"]);
+    until_there(&path);
+    act(&["key", "ctrl+q"]);
+    assert!(program.ended().success());
+    assert_eq!(file::read(&path).unwrap().targets.len(), 1);
+    // A message, then an empty scene.
+    let mut program = open(&display, folder.path(), &["broken.toml"]);
+    act(&["key", "Return"]);
+    act(&["key", "ctrl+q"]);
+    assert!(program.ended().success());
+}
+
+#[test]
+fn a_session_draws_saves_and_quits() {
+    let Some((_server, display)) = display() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drawn.toml");
+    let mut program = open(&display, folder.path(), &[]);
     let act = |args: &[&str]| xdotool(&display, args);
     act(&["key", "ctrl+a"]);
     act(&["key", "Delete"]);
@@ -79,11 +121,7 @@ fn a_session_draws_saves_and_quits() {
     act(&["key", "ctrl+a"]);
     act(&["type", path.to_str().unwrap()]);
     act(&["key", "Return"]);
-    let start = Instant::now();
-    while !path.exists() {
-        assert!(start.elapsed() < Duration::from_secs(60), "nothing was saved");
-        sleep(Duration::from_millis(200));
-    }
+    until_there(&path);
     act(&["key", "ctrl+q"]);
     let status = program.ended();
     assert!(status.success(), "{status}");

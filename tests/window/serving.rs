@@ -26,7 +26,7 @@ fn serving() -> (Screen, UdpSocket) {
     screen.state_mut().editor_mut().panel = Panel::Device;
     screen.run_steps(4);
     assert!(screen.state().shown().serving.is_none(), "off by default");
-    screen.get_by_label("Serve other programs").click();
+    screen.get_by_label("Allow OSC and WebSocket control").click();
     screen.run_steps(4);
     let addresses = screen.state().shown().serving.clone().unwrap().addresses;
     let address = addresses[0].strip_prefix("OSC on udp://").unwrap().to_owned();
@@ -96,7 +96,7 @@ fn remote_edits_are_shown_solved_and_undone_as_one_step() {
     place(&socket, 2, [0.0, 0.0, 0.1]);
     let refused = |screen: &Screen| screen.state().shown().serving.as_ref().unwrap().refused == 1;
     until(&mut screen, "the count of refused packets", refused);
-    screen.get_by_label("Serve other programs").click();
+    screen.get_by_label("Allow OSC and WebSocket control").click();
     screen.run_steps(3);
     assert!(screen.state().shown().serving.is_none());
     place(&socket, 1, [0.0, 0.0, 0.15]);
@@ -119,7 +119,7 @@ fn clients_start_and_stop_the_board_after_the_user_confirmed() {
     say(&socket, "send", &[]);
     until(&mut screen, "the question", |screen| screen.state().editor().dialog.is_some());
     assert_eq!(screen.state().shown().board.plays, Plays::Nothing);
-    screen.get_by_label("Sound").click();
+    screen.get_by_label("Start sound").click();
     until(&mut screen, "the scene", |screen| screen.state().shown().board.plays == Plays::Scene);
     say(&socket, "stop", &[]);
     until(&mut screen, "silence", |screen| screen.state().shown().board.plays == Plays::Nothing);

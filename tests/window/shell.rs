@@ -28,13 +28,14 @@ fn open_after_a_crash(folder: &Path) -> Screen {
 #[test]
 fn a_recovered_scene_is_offered_until_taken_or_discarded() {
     let folder = tempfile::tempdir().unwrap();
-    Recovery::at(folder.path()).unwrap().keep(Some(&point(0.02)), 0.0);
+    Recovery::at(folder.path()).unwrap().keep(Some(&Document::new(point(0.02), "mine")), 0.0);
     let left = || Recovery::at(folder.path()).unwrap().found();
     {
         let mut screen = open_after_a_crash(folder.path());
         key(&mut screen, Key::Escape);
         click(&mut screen, Pos2::new(20.0, 700.0));
-        assert!(matches!(screen.state().editor().dialog, Some(Dialog::Recovered(_))));
+        assert!(matches!(screen.state().editor().dialog, Some(Dialog::Recovered { .. })));
+        assert!(screen.query_by_label_contains("“mine” (1 target) was not saved.").is_some());
     }
     assert_eq!(left(), Some(point(0.02)), "kept if the window is killed with the dialog open");
     {

@@ -10,14 +10,18 @@ use crate::device::profile::Profile;
 /// Time after which a blocked port counts as lost.
 pub const WRITE_TIMEOUT: Duration = Duration::from_millis(500);
 
+/// Advice of the command line about a missing port; the window names its button instead.
+#[doc(hidden)]
+pub const LISTED: &str = "; `sonoglyph ports` lists the ports";
+
 #[derive(Debug, thiserror::Error)]
 pub enum PortError {
-    #[cfg_attr(not(target_arch = "wasm32"), error("there is no port {0}; `sonoglyph ports` lists the ports"))]
+    #[cfg_attr(not(target_arch = "wasm32"), error("there is no port {0}{advice}", advice = LISTED))]
     #[cfg_attr(target_arch = "wasm32", error("there is no port {0} that this page may use"))]
     Missing(String),
     #[cfg_attr(
         not(target_arch = "wasm32"),
-        error("{0} may not be opened by you; on Debian, members of the group dialout may")
+        error("no permission to open {0}; on Debian, add yourself to the group dialout")
     )]
     #[cfg_attr(target_arch = "wasm32", error("the browser does not let this page open {0}"))]
     NoPermission(String),

@@ -26,7 +26,7 @@ use crate::device::pace::Pace;
 use crate::device::profile::Profile;
 use crate::device::task;
 
-pub use crate::device::port::error::{Listed, PortError};
+pub use crate::device::port::error::{LISTED, Listed, PortError};
 #[cfg(unix)]
 #[doc(hidden)]
 pub use crate::device::port::guardian::guard;

@@ -4,6 +4,7 @@ use crate::device::declaration::{Declaration, Emulation, Heard, Level, Protocol,
 
 pub const ACOUSTOPHORETIC_512: Declaration = Declaration {
     name: "acoustophoretic-512",
+    title: "Acoustophoretic board (UCL, OpenMPD)",
     elements: CHANNELS,
     shape: Some([16, 16]),
     levels: 128,
@@ -16,8 +17,8 @@ pub const ACOUSTOPHORETIC_512: Declaration = Declaration {
     ),
     uncalibrated: Some(
         "acoustophoretic-512 is played without the measured phases of its transducers, which are mounted in both \
-         polarities: 0 to 19 % of the focus is left on the boards that OpenMPD publishes. Give the board's own file with \
-         `--calibration board_N.pat`, or name it as the scene's `array.elements`",
+         polarities: 0 to 19 % of the focus is left on the boards that OpenMPD publishes. Give the board's own file \
+         board_N.pat as the calibration, or name it as the scene's `array.elements`",
     ),
     protocol: Some(Protocol {
         load,

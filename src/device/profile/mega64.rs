@@ -14,6 +14,7 @@ use crate::device::declaration::{
 
 pub const ULTRAINO_MEGA64: Declaration = Declaration {
     name: "ultraino-mega64",
+    title: "Ultraino, Arduino Mega of 64",
     elements: ELEMENTS,
     shape: Some([8, 8]),
     levels: DIVISIONS as u16,

@@ -21,6 +21,7 @@ macro_rules! protocol {
 
 pub const SONICSURFACE: Declaration = Declaration {
     name: "sonicsurface",
+    title: "SonicSurface",
     elements: CHANNELS,
     shape: Some([16, 16]),
     levels: 32,
@@ -35,6 +36,7 @@ pub const SONICSURFACE: Declaration = Declaration {
 
 pub const SONICSURFACE_2: Declaration = Declaration {
     name: "sonicsurface-2",
+    title: "2 x SonicSurface",
     elements: 2 * CHANNELS,
     // The second board continues the rows of the first.
     shape: Some([16, 32]),
@@ -46,6 +48,7 @@ pub const SONICSURFACE_2: Declaration = Declaration {
 
 pub const SONICSURFACE_TACTILE: Declaration = Declaration {
     name: "sonicsurface-tactile",
+    title: "SonicSurface, tactile gateware",
     levels: 16,
     remark: Some(
         "the phase corrections of its published gateware are compensated; for gateware built without them use the \
@@ -58,6 +61,7 @@ pub const SONICSURFACE_TACTILE: Declaration = Declaration {
 
 pub const ULTRAINO_SIMPLEFPGA: Declaration = Declaration {
     name: "ultraino-simplefpga",
+    title: "Ultraino, FPGA of 256",
     shape: None,
     strength: Strength::Duty(FULL),
     order: None,

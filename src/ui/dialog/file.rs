@@ -7,6 +7,7 @@ use egui::{Button, Key, RichText, ScrollArea, TextEdit, Ui};
 use crate::echo;
 use crate::ui::command::{Command, Purpose};
 use crate::ui::dialog::answer::{answer, is_entered};
+use crate::ui::dialog::state::Entry;
 use crate::ui::{IN_PAGE, dialog::state::Folder, editor::Editor, shown::Shown, theme};
 
 /// Sizes of the file list and its surroundings in points.
@@ -22,14 +23,20 @@ pub(super) fn show(
     ui.heading(purpose.title());
     let is_new = !std::mem::replace(&mut editor.asking.is_open, true);
     if is_new {
-        commands.push(Command::List(None));
+        // The list shows the folder of the suggestion, if it names one.
+        let folder = Path::new(text.as_str()).parent().filter(|folder| !folder.as_os_str().is_empty());
+        commands.push(Command::List(folder.map(Path::to_owned)));
     }
     let label = ui.label("File");
     let field = ui.add(TextEdit::singleline(text).desired_width(f32::INFINITY)).labelled_by(label.id);
+    if field.changed() && text.ends_with(std::path::MAIN_SEPARATOR) {
+        commands.push(Command::List(Some(PathBuf::from(text.as_str()))));
+    }
     let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
     if is_new || (entered && ui.memory(|memory| memory.focused().is_none())) {
         field.request_focus();
     }
+    let below = ui.cursor().top();
     if let Some((_, problem)) = editor.asking.problem.as_ref().filter(|(of, _)| of == text) {
         ui.label(RichText::new(echo::message(problem)).color(theme::error(ui.visuals())));
     }
@@ -39,7 +46,11 @@ pub(super) fn show(
         ui.weak("It becomes a download, and the page keeps a copy");
     }
     let folder = shown.folder.as_ref().filter(|_| is_listed);
-    let chosen = folder.is_some_and(|folder| list(purpose, text, folder, shown, ui, commands));
+    // The list gives way to the error, so that the dialog keeps its height.
+    let room = LIST - (ui.cursor().top() - below);
+    let is_typed = field.changed();
+    let chosen =
+        folder.is_some_and(|folder| list((purpose, text), (room, is_typed), folder, shown, ui, commands));
     ui.add_space(8.0);
     let wanted = !text.trim().is_empty();
     let (mut stays, mut browses) = (true, false);
@@ -67,10 +78,11 @@ pub(super) fn show(
     stays
 }
 
-/// The folder and its files. Returns whether a file was confirmed.
+/// The folder and its files, in this room (points); typing scrolls to the first of that name. Returns whether a file was
+/// confirmed.
 fn list(
-    purpose: Purpose,
-    text: &mut String,
+    (purpose, text): (Purpose, &mut String),
+    (room, is_typed): (f32, bool),
     folder: &Folder,
     shown: &Shown,
     ui: &mut Ui,
@@ -118,15 +130,30 @@ fn list(
     if !IN_PAGE {
         ui.horizontal(row);
     }
+    let below = ui.cursor().top();
     if let Some(problem) = &folder.problem {
         ui.label(RichText::new(echo::message(problem)).color(theme::error(ui.visuals())));
     }
-    let height = (ui.ctx().content_rect().height() - AROUND).clamp(60.0, LIST);
+    let room = room - (ui.cursor().top() - below);
+    let height = room.min(ui.ctx().content_rect().height() - AROUND).max(60.0);
     let entries: Vec<_> =
         folder.entries.iter().filter(|entry| entry.is_folder || purpose.takes(&entry.name)).collect();
     let mut chosen = false;
     let area = ScrollArea::vertical().max_height(height).auto_shrink([false, false]);
     let area = area.id_salt(&folder.path);
+    if entries.is_empty() {
+        let endings: Vec<_> = purpose.extensions().iter().map(|ending| ending.to_uppercase()).collect();
+        area.show(ui, |ui| ui.weak(format!("No {} files here", endings.join(", "))));
+        return false;
+    }
+    let typed = Path::new(text.as_str()).file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let begins = |entry: &&Entry| entry.name.to_lowercase().starts_with(&typed);
+    let place = entries.iter().position(|entry| begins(entry)).filter(|_| is_typed && !typed.is_empty());
+    let row_height = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
+    let area = match place {
+        Some(place) => area.vertical_scroll_offset(place as f32 * row_height),
+        None => area,
+    };
     area.show_rows(ui, ui.spacing().interact_size.y, entries.len(), |ui, rows| {
         for entry in &entries[rows] {
             let path = folder.path.join(&entry.name);
@@ -143,9 +170,6 @@ fn list(
             }
         }
     });
-    if entries.is_empty() && folder.problem.is_none() {
-        ui.weak(format!("No {} here", purpose.extensions().join(", ")));
-    }
     chosen
 }
 

@@ -15,7 +15,7 @@ use egui::{Context, Id, Modal, RichText, ScrollArea, Ui};
 use strum::VariantArray;
 
 use crate::echo;
-use crate::scene::{Scene, Target};
+use crate::scene::Target;
 use crate::ui::action::{Action, Group};
 use crate::ui::board::BoardCommand;
 use crate::ui::command::{Command, Purpose};
@@ -52,7 +52,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
                 ui.add_space(8.0);
                 stays = !answer(ui, ("Close", true), |_| ());
             }
-            Dialog::Recovered(scene) => stays = recovered(scene, ui, commands),
+            Dialog::Recovered { name, targets } => stays = recovered(name, *targets, ui, commands),
             Dialog::Loud(command) => stays = loud(command, editor, ui, commands),
             Dialog::Palette { text, chosen } => {
                 stays = palette::show((text, chosen), (editor, shown), ui, commands);
@@ -103,7 +103,7 @@ fn replace(
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     ui.heading(format!("Replace “{}”?", echo::value(&name)));
     ui.label(format!(
-        "{} is there already; its content would be lost.",
+        "{} already exists; its content would be lost.",
         echo::message(&path.display().to_string())
     ));
     ui.add_space(8.0);
@@ -121,8 +121,8 @@ fn replace(
 }
 
 fn unsaved(then: &Command, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
-    ui.heading("Save the changes?");
-    ui.label(format!("“{}” has changes that no file holds.", editor.document.name()));
+    ui.heading("Save changes?");
+    ui.label(format!("Your changes to “{}” have not been saved.", editor.document.name()));
     ui.add_space(8.0);
     let mut stays = true;
     let saves = answer(ui, ("Save", true), |ui| {
@@ -143,15 +143,15 @@ fn unsaved(then: &Command, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<
 }
 
 fn changed(path: &Path, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
-    ui.heading("Write over the other changes?");
+    ui.heading("Replace the newer file?");
     ui.label(format!(
-        "“{}” was changed elsewhere since it was opened or saved here.",
+        "“{}” was changed by another program since it was opened or saved here.",
         editor.document.name()
     ));
     ui.add_space(8.0);
     let mut stays = true;
     let saves_as = answer(ui, ("Save as…", true), |ui| {
-        if ui.button("Write over them").clicked() {
+        if ui.button("Replace").clicked() {
             commands.push(Command::Overwrite(path.to_owned()));
             stays = false;
         }
@@ -166,12 +166,12 @@ fn changed(path: &Path, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Com
     stays && !saves_as
 }
 
-fn recovered(scene: &Scene, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
-    ui.heading("Go on where you were?");
-    let count = scene.targets.len();
+fn recovered(name: &str, targets: usize, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
+    ui.heading("Recover unsaved work?");
     ui.label(format!(
-        "The last run ended without saving a scene with {count} {}.",
-        if count == 1 { "target" } else { "targets" }
+        "Sonoglyph closed unexpectedly; “{}” ({targets} {}) was not saved.",
+        echo::value(name),
+        if targets == 1 { "target" } else { "targets" }
     ));
     ui.add_space(8.0);
     let mut discards = false;
@@ -180,7 +180,7 @@ fn recovered(scene: &Scene, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
         discards = ui.button("Discard").on_hover_text(tip).clicked();
     });
     if recovers {
-        commands.push(Command::Recover(Box::new(scene.clone())));
+        commands.push(Command::Recover);
     } else if discards {
         commands.push(Command::Discard);
     }
@@ -232,14 +232,14 @@ pub(super) fn warn_of_loudness(editor: &mut Editor, commands: &mut Vec<Command>)
 }
 
 fn loud(command: &BoardCommand, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
-    ui.heading("The array will be loud");
+    ui.heading("The array will be loud.");
     ui.label(
         "Ultrasound of this strength can harm hearing although it is hardly heard. Protect your ears, keep your head out of the beam, \
          and mind other people and animals in the room. Esc twice stops the board.",
     );
     ui.add_space(8.0);
     let mut stays = true;
-    let sends = answer(ui, ("Sound", true), |ui| stays = !ui.button("Cancel").clicked());
+    let sends = answer(ui, ("Start sound", true), |ui| stays = !ui.button("Cancel").clicked());
     if sends {
         editor.was_warned = true;
         commands.push(Command::Board(command.clone()));

@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::scene::Scene;
 use crate::studio::opening;
 use crate::ui::board::BoardCommand;
 use crate::ui::command::{Command, Purpose};
@@ -34,7 +33,10 @@ pub enum Dialog {
         text: String,
     },
     /// A scene that the last run did not save.
-    Recovered(Box<Scene>),
+    Recovered {
+        name: String,
+        targets: usize,
+    },
     /// The loudness warning.
     Loud(BoardCommand),
     /// All actions, searched by name.
@@ -54,7 +56,7 @@ pub enum Dialog {
 impl Dialog {
     /// Whether it requires an answer, since data may be lost: Escape and clicks outside do not close it.
     pub(super) fn insists(&self) -> bool {
-        matches!(self, Self::Recovered(_))
+        matches!(self, Self::Recovered { .. })
     }
 }
 

@@ -1,51 +1,150 @@
-//! The bring-up panel: line, elements, a focus, the emergency stop, and a report.
+//! The board test: serial link, every element, a focus, the emergency stop, and a report. Each step says what to look
+//! at and with what.
 
 use egui::{RichText, Ui};
 
 use crate::device::health::{Health, State};
 use crate::device::profile::Profile;
+use crate::device::wiring::{Share, Wiring};
+use crate::scene::Scene;
 use crate::studio::bring_up::{Finding, Verdict, named, tested};
 use crate::ui::board::{BoardCommand, BoardShown, Plays};
-use crate::ui::bring_up::{BringUp, Step};
+use crate::ui::bring_up::{self, BringUp, Step};
 use crate::ui::panels::form::heading;
 use crate::ui::{editor::Editor, theme};
+
+const LOOK: &str = "Hold a spare 40 kHz transducer, connected to an oscilloscope, over the element, at some millimetres: a sine of \
+                    40 kHz, strongest right above the element, is the signal.";
+
+/// Aids besides an oscilloscope, and what does not work.
+const WITHOUT: [&str; 4] = [
+    "A sound card that records at 96 or 192 kHz shows 40 kHz as a line in a spectrum program, with the spare transducer at its \
+     line input.",
+    "At 44.1 or 48 kHz no microphone or sound card shows 40 kHz: it lies above half the sampling rate and is filtered out.",
+    "With “For microphones” the element is modulated at 500 Hz. Some microphones, also of laptops and telephones, turn this into \
+     a tone of 500 Hz when held at 1 to 2 cm: a tone shows that the element works, silence shows nothing.",
+    "Ears and hands notice no single element. Driving at 20 kHz does not help: the boards' carrier is 40 kHz, and the transducers \
+     hardly radiate elsewhere.",
+];
 
 /// The steps, or a button that starts them.
 pub fn show(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let Some(mut run) = editor.board.bring_up.take() else { return begin(editor, board, ui, ask) };
-    heading(ui, &format!("Bring-up, step {}", run.step.title()));
+    heading(ui, &format!("Board test, {}", run.step.title()));
     let profile = editor.board.profile;
     let was = run.step;
     match run.step {
         Step::Line => line(editor, &mut run, board, ui, ask),
         Step::Elements => elements(editor, &mut run, board, ui, ask),
-        Step::Focus => focus(&mut run, profile, ui, ask),
+        Step::Focus => focus(&mut run, profile, board, ui, ask),
         Step::EmergencyStop => emergency_stop(&mut run, board, ui, ask),
         Step::Done => done(editor, &mut run, ui, ask),
     }
     if was != run.step {
         enter(run.step, ask);
     }
-    let ends = ui.button("End").on_hover_text("Ends the bring-up; the board falls silent").clicked();
-    if ends {
-        ask(BoardCommand::Stop);
-    }
+    let end = end(&mut run, ui);
     // Below the buttons, which keep their position while it grows.
     findings(ui, &run.report.findings);
     if let (Step::Line, Some(surveyed)) = (run.step, &board.surveyed) {
         findings(ui, &surveyed.findings);
     }
     // Commands run after the panel is drawn, and need it here.
-    editor.board.bring_up = (!ends).then_some(run);
+    editor.board.bring_up = Some(run);
+    match end {
+        None => return,
+        Some(End::Keep) => editor.board.leave_test(),
+        Some(End::Discard) => editor.board.bring_up = None,
+    }
+    ask(BoardCommand::EndTest);
+}
+
+/// The end of a test before its last step, or after it.
+enum End {
+    Keep,
+    Discard,
+}
+
+/// The buttons that end the test; discarding results is confirmed.
+fn end(run: &mut BringUp, ui: &mut Ui) -> Option<End> {
+    if run.is_asked {
+        ui.label("Discard the results of this test?");
+    }
+    ui.horizontal(|ui| {
+        if run.is_asked {
+            let discards = ui.add(theme::destructive("Discard results")).clicked();
+            run.is_asked = !ui.button("Keep testing").clicked();
+            return discards.then_some(End::Discard);
+        }
+        if run.step == Step::Done {
+            let tip = "Closes the report, which is kept; the board is silent";
+            return ui.button("Close").on_hover_text(tip).clicked().then_some(End::Keep);
+        }
+        let tip = "The board falls silent; the results are kept for later";
+        let pauses = run.has_results() && ui.button("Pause test").on_hover_text(tip).clicked();
+        if ui.button("Cancel test").on_hover_text("The board falls silent").clicked() {
+            run.is_asked = run.has_results();
+            return (!run.is_asked).then_some(End::Discard);
+        }
+        pauses.then_some(End::Keep)
+    })
+    .inner
 }
 
 fn begin(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let named = !editor.board.port().is_empty();
-    let button = ui.add_enabled(named, egui::Button::new("Bring up a board"));
-    let tip = "Tests the line, every element, a focus and the emergency stop, step by step";
-    if button.on_hover_text(tip).on_disabled_hover_text(board.ports_from.first()).clicked() {
-        editor.board.bring_up = Some(Box::default());
-        ask(BoardCommand::Survey);
+    let kept = editor.board.kept_test().map(|kept| {
+        let run = &kept.run;
+        let (marked, silent) = (run.signals.iter().flatten().count(), run.silent().len());
+        let text = match run.step {
+            Step::Done => format!("Last test of this board: {}", run.report.conclusion()),
+            Step::Line | Step::Elements | Step::Focus | Step::EmergencyStop => {
+                format!("Unfinished test of this board: {marked} elements tested, {silent} without signal.")
+            }
+        };
+        (run.step, text)
+    });
+    let (name, tip) = match &kept {
+        Some((Step::Done, text)) => {
+            ui.label(text);
+            ("Show report", "The findings, and the calibration without silent elements")
+        }
+        Some((_, text)) => {
+            ui.label(text);
+            ("Continue test", "From the step where it was left")
+        }
+        None => (
+            "Test a board…",
+            "Tests the serial link, every element, a focus and the emergency stop, step by step",
+        ),
+    };
+    ui.horizontal(|ui| {
+        let first = ui.add_enabled(named, egui::Button::new(name)).on_hover_text(tip);
+        if first.on_disabled_hover_text(board.ports_from.first()).clicked() {
+            let run = editor.board.take_test().map(|kept| kept.run).unwrap_or_default();
+            start(run, editor, board, ask);
+        }
+        let tip = "From the beginning; the last results are kept until there are new ones";
+        if kept.is_some() && ui.button("Test again").on_hover_text(tip).clicked() {
+            start(BringUp::default(), editor, board, ask);
+        }
+    });
+}
+
+/// Starts a test, or continues one.
+fn start(run: BringUp, editor: &mut Editor, board: &BoardShown, ask: &mut impl FnMut(BoardCommand)) {
+    let step = run.step;
+    editor.board.element = run.element as u32;
+    editor.board.bring_up = Some(Box::new(run));
+    match step {
+        Step::Line => ask(BoardCommand::Survey),
+        Step::Done => {}
+        Step::Elements | Step::Focus | Step::EmergencyStop => {
+            if board.health.is_none() {
+                ask(BoardCommand::Connect);
+            }
+            enter(step, ask);
+        }
     }
 }
 
@@ -79,27 +178,52 @@ fn line(
     ask: &mut impl FnMut(BoardCommand),
 ) {
     let Some(surveyed) = &board.surveyed else {
-        ui.horizontal(|ui| {
-            ui.spinner();
-            ui.label("testing the line and its bit rates");
-        });
+        ui.label("The board is asked for its identity, and bit rates are tried. Nothing sounds; keep the transducers' supply off.");
         return;
     };
     let failed = surveyed.findings.iter().any(|finding| finding.verdict == Verdict::Failed);
+    let next = match (failed, editor.board.profile.answers()) {
+        (true, _) => "Look at cable, adapter, ground, port and kind of board, then try again.",
+        (false, true) => {
+            "Next, each element plays alone: switch on the transducers' supply, at a low voltage."
+        }
+        (false, false) => {
+            "This kind of board cannot be verified over its line. Next, each element plays alone: switch on the transducers' supply, \
+             at a low voltage."
+        }
+    };
+    ui.label(next);
     ui.horizontal(|ui| {
         if ui.button("Try again").clicked() {
             ask(BoardCommand::Survey);
         }
-        let next = ui.add_enabled(!failed, egui::Button::new("Next: the elements"));
+        let next = ui.add_enabled(!failed, egui::Button::new("Next: elements"));
         if next.on_disabled_hover_text("The line has to carry frames first").clicked() {
             run.report.findings.clone_from(&surveyed.findings);
-            editor.board.baud = surveyed.baud.unwrap_or(editor.board.baud);
+            run.baud = surveyed.baud;
             run.element = tested(editor.board.profile, editor.scene()).1.wired().next().unwrap_or(0);
             editor.board.element = run.element as u32;
             run.step = Step::Elements;
             ask(BoardCommand::Connect);
         }
     });
+}
+
+/// Whether the board is silent although a step plays: after Stop, or its emergency stop.
+fn is_silent(board: &BoardShown) -> bool {
+    board.plays == Plays::Nothing || board.health.as_ref().is_some_and(|health| health.stopped)
+}
+
+/// A word about a silent board, and the way on.
+fn silence(board: &BoardShown, again: BoardCommand, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
+    let is_silent = is_silent(board);
+    if is_silent {
+        let text = "The board is silent. “Play again” goes on.";
+        ui.label(RichText::new(text).color(theme::warning(ui.visuals())));
+    }
+    if ui.add_enabled(is_silent, egui::Button::new("Play again")).clicked() {
+        ask(again);
+    }
 }
 
 fn elements(
@@ -114,39 +238,98 @@ fn elements(
         return;
     }
     let (scene, wiring) = tested(editor.board.profile, editor.scene());
-    let name = named(&scene, run.element);
-    ui.label(format!("Of {} elements, {name} sounds alone.", wiring.wired().count()));
-    let before = run.element;
+    let wired: Vec<_> = wiring.wired().collect();
+    let (marked, before) = (run.signals.iter().flatten().count(), run.element);
+    ui.label(format!("Plays alone: {}", named(&scene, run.element)));
+    ui.label(LOOK);
+    egui::CollapsingHeader::new("Without an oscilloscope").show(ui, |ui| {
+        WITHOUT.iter().for_each(|text| drop(ui.label(*text)));
+        let tip = "Modulates the element at 500 Hz; an oscilloscope then shows bursts";
+        ui.checkbox(&mut run.modulates, "For microphones").on_hover_text(tip);
+    });
     ui.horizontal_wrapped(|ui| {
-        if ui.button("Heard").clicked() {
-            run.heard(&wiring, Some(true));
+        if ui.add(theme::primary("Signal seen")).clicked() {
+            run.mark([run.element], &wiring, true);
         }
-        if ui.button("Silent").on_hover_text("It is left out by the calibration").clicked() {
-            run.heard(&wiring, Some(false));
+        if ui.button("No signal").on_hover_text("The calibration will switch it off").clicked() {
+            run.mark([run.element], &wiring, false);
         }
-        let back = wiring.wired().rev().find(|&n| n < run.element);
+        let back = wired.iter().copied().rfind(|&n| n < run.element);
         if ui.add_enabled(back.is_some(), egui::Button::new("Back")).clicked() {
             run.element = back.unwrap_or(run.element);
         }
-        if ui.button("Skip the rest").clicked() {
-            run.heard(&wiring, None);
+        silence(board, BoardCommand::One, ui, ask);
+    });
+    ui.label(format!("{marked} of {} tested, {} without signal", wired.len(), run.silent().len()));
+    several(&scene, run, &wiring, ui);
+    ui.horizontal_wrapped(|ui| {
+        let columns = scene.array.columns as usize;
+        let row = run.element / columns.max(1);
+        let is_grid = scene.array.file.is_none();
+        let tip = "Marks the rest of the row of this element: those that are not marked yet";
+        if is_grid && ui.button("Rest of row seen").on_hover_text(tip).clicked() {
+            let open = |n: &usize| run.signals.get(*n).copied().flatten().is_none();
+            let row: Vec<_> = (row * columns..(row + 1) * columns).filter(open).collect();
+            run.mark(row, &wiring, true);
+        }
+        if ui.button("Skip the rest").on_hover_text("To the next step").clicked() {
+            run.end_elements(&wiring);
         }
     });
-    let element = run.element as u32;
-    if run.step == Step::Elements && (before != run.element || board.plays != Plays::One(element)) {
-        editor.board.element = element;
+    if run.step == Step::Elements && before != run.element {
+        editor.board.element = run.element as u32;
         ask(BoardCommand::One);
     }
 }
 
-fn focus(run: &mut BringUp, profile: Profile, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
-    ui.label("A focus 100 mm above the centre, modulated at 200 Hz. Hold a hand there.");
+/// Marks for several elements, typed.
+fn several(scene: &Scene, run: &mut BringUp, wiring: &Wiring, ui: &mut Ui) {
+    let last = scene.elements().saturating_sub(1);
+    let mut marked = None;
     ui.horizontal(|ui| {
+        let label = ui.label("Elements");
+        let field =
+            egui::TextEdit::singleline(&mut run.range).desired_width(90.0).hint_text(format!("0-{last}"));
+        let tip = "Numbers and ranges to mark together, such as 0-15, 32";
+        ui.add(field).labelled_by(label.id).on_hover_text(tip);
+        if ui.button("Mark seen").clicked() {
+            marked = Some(true);
+        }
+        if ui.button("Mark no signal").clicked() {
+            marked = Some(false);
+        }
+    });
+    let named = bring_up::elements(&run.range, wiring);
+    match (marked, named) {
+        (Some(signal), Ok(elements)) => {
+            run.mark(elements, wiring, signal);
+            run.range.clear();
+        }
+        (_, Err(why)) if marked.is_some() || !run.range.trim().is_empty() => {
+            ui.label(RichText::new(why).color(theme::warning(ui.visuals())));
+        }
+        (_, Ok(_) | Err(_)) => {}
+    }
+}
+
+fn focus(
+    run: &mut BringUp,
+    profile: Profile,
+    board: &BoardShown,
+    ui: &mut Ui,
+    ask: &mut impl FnMut(BoardCommand),
+) {
+    ui.label(
+        "All elements make a focus 100 mm above the centre, modulated at 200 Hz. Hold a hand there: it buzzes. The whole array is \
+         also heard as a quiet hum.",
+    );
+    ui.horizontal_wrapped(|ui| {
         let felt = ui.button("Felt").clicked();
         let unfelt = ui.button("Not felt").clicked();
-        if ui.button("Once more").clicked() {
-            ask(BoardCommand::Focus);
+        if ui.button("Back to elements").clicked() {
+            run.step = Step::Elements;
         }
+        silence(board, BoardCommand::Focus, ui, ask);
         if felt {
             run.report.note(Verdict::Passed, "a focus was felt 100 mm above the centre");
         }
@@ -163,21 +346,24 @@ fn emergency_stop(run: &mut BringUp, board: &BoardShown, ui: &mut Ui, ask: &mut 
     let health = board.health.as_ref();
     run.pressed |= health.is_some_and(|health| health.stopped);
     let sounds = health.is_some_and(|health| health.in_place && !health.stopped);
-    if run.pressed && sounds {
+    if run.pressed && sounds && board.plays != Plays::Nothing {
         run.report
             .note(Verdict::Passed, "emergency stop: silent until the next send, and sounds again after it");
         run.step = Step::Done;
         return;
     }
-    ui.label(match run.pressed {
-        true => "The board noticed, and is silent. Release the emergency stop and play again.",
-        false => "One element sounds. Press the emergency stop now.",
-    });
-    ui.horizontal(|ui| {
-        if ui.add_enabled(run.pressed, egui::Button::new("Play again")).clicked() {
-            ask(BoardCommand::One);
+    let is_stopped = health.is_some_and(|health| health.stopped);
+    ui.label(match (is_stopped, is_silent(board)) {
+        (true, _) => "The board noticed its emergency stop. Release it, then play again.",
+        (false, true) => "The board was stopped here, not by its emergency stop. Play again, then press the emergency stop.",
+        (false, false) => {
+            "One element plays. Press the board's emergency stop now: the signal on the oscilloscope disappears, and the board \
+             reports it."
         }
-        if ui.button("Leave it out").clicked() {
+    });
+    ui.horizontal_wrapped(|ui| {
+        silence(board, BoardCommand::One, ui, ask);
+        if ui.button("Skip").on_hover_text("For boards without an emergency stop").clicked() {
             run.report.note(Verdict::Noted, "emergency stop: not tried");
             run.step = Step::Done;
         }
@@ -189,20 +375,28 @@ fn done(editor: &mut Editor, run: &mut BringUp, ui: &mut Ui, ask: &mut impl FnMu
     if ui.button("Copy the report").on_hover_text("As a text, to send to others").clicked() {
         ui.ctx().copy_text(run.report.text(editor.board.profile, editor.board.port()));
     }
-    let off = run.calibration.off().len();
-    if off == 0 {
+    if run.calibration.off().is_empty() {
         return;
     }
+    let (_, wiring) = tested(editor.board.profile, editor.scene());
     ui.horizontal(|ui| {
         let label = ui.label("Calibration");
         ui.add(egui::TextEdit::singleline(&mut run.file).desired_width(150.0)).labelled_by(label.id);
-        let tip = "Leaves the silent elements out from the next connection on";
+        let tip = "Leaves the elements without a signal out from the next connection on";
         if ui.button("Save").on_hover_text(tip).clicked() {
-            let (_, wiring) = tested(editor.board.profile, editor.scene());
             let text = run.calibration.to_csv(wiring.elements());
             ask(BoardCommand::SaveCalibration(text));
         }
     });
+    let is_scene = Wiring::of(editor.board.profile, editor.scene(), Share::default()).is_ok();
+    let off = &editor.scene().array.off;
+    let silent: Vec<_> = run.silent().into_iter().filter(|n| !off.contains(n)).collect();
+    let tip = "Adds the elements without a signal to the scene's array.off: the solver does without them";
+    if is_scene && !silent.is_empty() && ui.button("Switch off in the scene").on_hover_text(tip).clicked() {
+        let off = &mut editor.document.scene.array.off;
+        off.extend(silent);
+        off.sort_unstable();
+    }
 }
 
 fn is_ready(health: Option<&Health>) -> bool {

@@ -1,4 +1,4 @@
-//! The Device page: connecting to a board, sending to it, testing its elements, and the state of its line.
+//! The Device page: connecting to a board, playing on it, testing it, and the state of its line.
 
 use egui::{RichText, Ui};
 
@@ -9,25 +9,15 @@ use crate::rounding;
 use crate::scene::{UNCERTAINTY, motion};
 use crate::studio::bring_up::tested;
 use crate::studio::felt::Offer;
-use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports, absence};
+use crate::ui::bring_up::Step;
 use crate::ui::panels::form::{choice, count, heading};
 use crate::ui::panels::{bring_up, caption, fact, felt, form, others};
 use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
 /// Bits per second that the most usual adapters have.
-const BAUDS: [(u32, &str); 11] = [
-    (0, "default baud rate"),
-    (115_200, "115200"),
-    (230_400, "230400"),
-    (921_600, "921600"),
-    (1_000_000, "1000000"),
-    (2_000_000, "2000000"),
-    (3_000_000, "3000000"),
-    (4_000_000, "4000000"),
-    (6_000_000, "6000000"),
-    (8_000_000, "8000000"),
-    (1_462_857, "1462857"),
-];
+const BAUDS: [u32; 10] =
+    [115_200, 230_400, 921_600, 1_000_000, 1_462_857, 2_000_000, 3_000_000, 4_000_000, 6_000_000, 8_000_000];
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let board = &shown.board;
@@ -55,15 +45,15 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
 }
 
 fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
-    heading(ui, "Board");
+    heading(ui, "Connection");
     let is_open = board.health.is_some();
-    ui.add_enabled_ui(!is_open, |ui| {
+    let is_testing = editor.board.bring_up.is_some();
+    ui.add_enabled_ui(!is_open && !is_testing, |ui| {
         form(ui, "board", |ui| {
-            let profiles: Vec<_> = Profile::choices().map(|profile| (profile, profile.name())).collect();
-            choice(ui, ("Kind", "Of board"), &mut editor.board.profile, &profiles);
+            let profiles: Vec<_> = Profile::choices().map(|profile| (profile, profile.title())).collect();
+            choice(ui, ("Board", "Kind of board"), &mut editor.board.profile, &profiles);
             port(editor, board, ui, ask);
-            let tip = "Bits per second, of board and adapter";
-            choice(ui, ("Bit rate", tip), &mut editor.board.baud, &BAUDS);
+            rate(editor, ui);
             // A page has the files that it has written, and no others to name.
             if board.ports_from == Ports::Computer || !editor.board.calibration.is_empty() {
                 calibration(editor, ui);
@@ -81,7 +71,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
         .weak(),
     );
     if let Some(remark) = profile.remark() {
-        ui.label(RichText::new(format!("{}: {remark}", profile.name())).color(theme::warning(ui.visuals())));
+        ui.label(RichText::new(format!("{}: {remark}", profile.title())).color(theme::warning(ui.visuals())));
     }
     let has_corrections =
         !editor.board.calibration.trim().is_empty() || editor.scene().array.placed.corrections().is_some();
@@ -93,7 +83,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
             if ui.button("Disconnect").on_hover_text("The board falls silent").clicked() {
                 ask(BoardCommand::Disconnect);
             }
-        } else {
+        } else if !is_testing {
             let named = !editor.board.port().is_empty();
             let button = ui.add_enabled(named, egui::Button::new("Connect"));
             let button = button
@@ -107,8 +97,25 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
                 ask(BoardCommand::TryWithout);
             }
         }
-        state(board, profile, ui);
+        state(editor, board, ui);
     });
+}
+
+/// The bit rate: the board's own, or another of board and adapter.
+fn rate(editor: &mut Editor, ui: &mut Ui) {
+    let own = editor.board.profile.baud();
+    // A test may have found the default, too.
+    let before = editor.board.baud().filter(|baud| *baud != own);
+    let odd = before.filter(|other| !BAUDS.contains(other));
+    let others = BAUDS.into_iter().filter(|&other| other != own).chain(odd);
+    let mut names = vec![(None, format!("{own} (default)"))];
+    names.extend(others.map(|other| (Some(other), other.to_string())));
+    let choices: Vec<_> = names.iter().map(|(value, name)| (*value, name.as_str())).collect();
+    let mut baud = before;
+    choice(ui, ("Bit rate", "Bits per second, of this kind of board and its adapter"), &mut baud, &choices);
+    if baud != before {
+        editor.board.set_baud(baud);
+    }
 }
 
 fn calibration(editor: &mut Editor, ui: &mut Ui) {
@@ -135,13 +142,13 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
             ui.horizontal(|ui| {
                 let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
                 ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
-                listed(editor, board, "Ports", "Serial ports of this computer", ui, ask);
+                listed(editor, board, "Choose…", "Serial ports of this computer", ui, ask);
             });
         }
         Ports::Browser => {
             let chosen = editor.board.port.trim();
             if !board.ports.is_empty() {
-                let name = if chosen.is_empty() { "Ports" } else { chosen }.to_owned();
+                let name = if chosen.is_empty() { "Choose…" } else { chosen }.to_owned();
                 ui.horizontal(|ui| {
                     listed(editor, board, &name, "Serial ports that this page may use", ui, ask);
                 });
@@ -149,7 +156,7 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
                 ui.label("");
             }
             let tip = "The browser asks which port this page may use";
-            if ui.button("Choose a port…").on_hover_text(tip).clicked() {
+            if ui.button("Allow a port…").on_hover_text(tip).clicked() {
                 ask(BoardCommand::ChoosePort);
             }
         }
@@ -186,11 +193,21 @@ fn listed(
     }
 }
 
-fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
+fn state(editor: &Editor, board: &BoardShown, ui: &mut Ui) {
+    let profile = editor.board.profile;
     match board.health.as_ref().map(|health| &health.state) {
-        None => {
-            ui.weak("not connected");
-        }
+        None => match &editor.board.bring_up {
+            Some(run) if run.step == Step::Line && board.surveyed.is_none() => {
+                ui.spinner();
+                ui.label("testing the serial link");
+            }
+            Some(_) => {
+                ui.weak("serial link tested");
+            }
+            None => {
+                ui.weak("not connected");
+            }
+        },
         Some(State::Connecting) => {
             ui.spinner();
             ui.label("searching");
@@ -208,7 +225,12 @@ fn state(board: &BoardShown, profile: Profile, ui: &mut Ui) {
         }
         // A board may be missing for hours: no spinner meanwhile.
         Some(State::Lost(_)) => {
-            ui.label(RichText::new("lost, searching").color(theme::error(ui.visuals())));
+            let was_found = board.health.as_ref().is_some_and(|health| health.found > 0);
+            let text = match was_found {
+                true => "lost, reconnecting".to_owned(),
+                false => format!("Waiting for {}", editor.board.port()),
+            };
+            ui.label(RichText::new(text).color(theme::error(ui.visuals())));
         }
     }
 }
@@ -222,11 +244,13 @@ fn sending(
 ) {
     heading(ui, "Play");
     if let State::Lost(why) = &health.state {
-        ui.label(RichText::new(why).color(theme::error(ui.visuals())));
+        let text = absence(why, health.found > 0);
+        ui.label(RichText::new(text).color(theme::error(ui.visuals())));
     }
     ui.horizontal(|ui| {
         let obstacle = obstacle(health);
-        if button(ui, "Send", "The board plays the scene from now on", obstacle.as_deref()) {
+        let tip = "The board plays the scene at rest from now on";
+        if button(ui, "Send scene", tip, obstacle.as_deref()) {
             ask(BoardCommand::Send);
         }
         let rests = (!motion::moves(editor.scene())).then(|| "The scene is static".to_owned());
@@ -327,7 +351,7 @@ fn obstacle(health: &Health) -> Option<String> {
     match &health.state {
         State::Ready => None,
         State::Connecting => Some("The board is not ready yet".to_owned()),
-        State::Lost(why) => Some(format!("The board is lost: {why}")),
+        State::Lost(why) => Some(absence(why, health.found > 0)),
     }
 }
 
@@ -410,23 +434,24 @@ fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
 
 /// The drive as played by the board.
 fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
-    heading(ui, "Quantised scene");
+    heading(ui, "On this board");
     let levels = u32::from(editor.board.profile.levels());
     let mut as_played = editor.levels == Some(levels);
-    let tip = "Map and pressures of the drive in the board's phase steps";
+    let tip = "Map and pressures with the board's phase steps";
     if ui.checkbox(&mut as_played, "Show what the board plays").on_hover_text(tip).changed() {
         editor.levels = as_played.then_some(levels);
     }
     let convention = editor.view.convention;
     match board.pressures {
         Some((ideal, played)) => form(ui, "played", |ui| {
-            fact(ui, ("Ideal", "Mean pressure over the foci"), convention.pressure(ideal));
+            let tip = "Mean pressure over the foci, with the phases of the solution";
+            fact(ui, ("Exact", tip), convention.pressure(ideal));
             let part = match ideal > 0.0 {
                 true => format!("{} ({:.1} %)", convention.pressure(played), 100.0 * played / ideal),
                 false => "no sound reaches the foci".to_owned(),
             };
             let tip = "With the board's phases and amplitudes, without its calibration";
-            fact(ui, ("As played", tip), part);
+            fact(ui, (&format!("With {levels} phase steps"), tip), part);
         }),
         None => {
             let wiring = Wiring::of(editor.board.profile, editor.scene(), Share::default());
@@ -480,10 +505,10 @@ mod tests {
             panel.query_by_label("Calibration").is_none()
                 && panel.get_by_label("Connect").accesskit_node().is_disabled()
         );
-        panel.get_by_label("Choose a port…").click();
+        panel.get_by_label("Allow a port…").click();
         panel.run_steps(2);
         assert_eq!(asked.take(), [Command::Board(BoardCommand::ChoosePort)]);
-        panel.get_by_label("Ports").click();
+        panel.get_by_label("Choose…").click();
         panel.run_steps(2);
         panel.get_by_label("USB 0403:6010").click();
         panel.run_steps(2);
@@ -503,7 +528,7 @@ mod tests {
     #[test]
     fn where_a_browser_has_no_ports_a_virtual_board_is_left() {
         let (mut panel, asked) = panel(Ports::Nowhere, &[]);
-        assert!(panel.query_by_label("Choose a port…").is_none() && panel.query_by_label("Ports").is_none());
+        assert!(panel.query_by_label("Allow a port…").is_none() && panel.query_by_label("Choose…").is_none());
         assert!(panel.query_by_label_contains("This browser has no serial ports").is_some());
         panel.get_by_label("Try without a board").click();
         panel.run_steps(2);

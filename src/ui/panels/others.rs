@@ -1,4 +1,4 @@
-//! The panel of live control by other programs: on or off, addresses, and counts.
+//! The panel of remote control by other programs: on or off, addresses, and counts.
 
 use egui::{RichText, Ui};
 
@@ -12,10 +12,10 @@ pub fn show(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
         return;
     }
     ui.separator();
-    heading(ui, "Other programs");
+    heading(ui, "Remote control");
     let mut serves = shown.serving.is_some();
     let tip = "Programs of this computer may move targets, and start and stop a connected board, over OSC and WebSocket";
-    if ui.checkbox(&mut serves, "Serve other programs").on_hover_text(tip).changed() {
+    if ui.checkbox(&mut serves, "Allow OSC and WebSocket control").on_hover_text(tip).changed() {
         commands.push(Command::Serve(serves));
     }
     let Some(serving) = &shown.serving else { return };

@@ -55,6 +55,7 @@ fn invalid_settings_and_recovery_files_are_refused() {
     use sonoglyph::app::recovery::Recovery;
     use sonoglyph::app::settings::{Memory, Settings};
     use sonoglyph::scene::Scene;
+    use sonoglyph::ui::document::Document;
 
     for kind in ["pipe", "zero", "dir", "large"] {
         let folder = folder_with(&[]);
@@ -65,13 +66,13 @@ fn invalid_settings_and_recovery_files_are_refused() {
         let (mut memory, settings, word) = Memory::at(folder.path());
         assert_eq!(settings, Settings::default());
         let word = word.unwrap();
-        assert!(word.contains("settings.toml is left aside: "), "{word}");
+        assert!(word.contains("settings.toml was ignored: "), "{word}");
         // Writing must not block on a pipe without a reader.
         memory.keep(Settings { section: true, ..Settings::default() }, 0.0);
         drop(memory);
         let mut recovery = Recovery::at(folder.path()).unwrap();
         assert_eq!(recovery.found(), None);
-        recovery.keep(Some(&Scene::default()), 0.0);
+        recovery.keep(Some(&Document::new(Scene::default(), "a")), 0.0);
         assert_eq!(recovery.trouble().is_some(), kind != "large", "{kind}");
     }
 }

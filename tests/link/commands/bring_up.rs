@@ -90,7 +90,7 @@ fn silent_elements_are_written_into_the_calibration() {
     // A silent element, and a focus that is not felt.
     assert!(!output.status.success(), "{}", said(&output));
     assert!(
-        said(&output).contains("1 elements are silent: 2") && said(&output).contains("not felt"),
+        said(&output).contains("1 elements gave no signal: 2") && said(&output).contains("not felt"),
         "{}",
         said(&output)
     );

@@ -45,13 +45,13 @@ pub struct CheckArgs {
     /// Bits per second, instead of the fastest rate without loss
     #[arg(long, value_parser = clap::value_parser!(u32).range(1200..=12_000_000))]
     baud: Option<u32>,
-    /// Ask after each element whether it is audible; answers are read from standard input
+    /// Ask after each element whether it gives a signal; answers are read from standard input
     #[arg(long)]
     listen: bool,
     /// Scene with the tested array and its wiring [default: the board's own array]
     #[arg(long)]
     scene: Option<PathBuf>,
-    /// Calibration: read if it exists, and written with the silent elements
+    /// Calibration: read if it exists, and written with the elements without a signal
     #[arg(long, value_name = "FILE.csv")]
     calibration: Option<PathBuf>,
     /// Also write the report
@@ -194,7 +194,8 @@ impl Check {
         let wired: Vec<_> = self.wiring.wired().collect();
         if self.answers.listen() {
             say!(
-                "One element plays at a time. Enter: audible, n: silent, r: repeat, b: back, q: skip the rest."
+                "One element plays at a time: hold a spare transducer with an oscilloscope over it. Enter: signal seen, n: no \
+                 signal, r: repeat, b: back, q: skip the rest."
             )?;
         }
         let mut next = 0;
@@ -228,20 +229,20 @@ impl Check {
         match (self.answers.listen(), silent.is_empty()) {
             (false, _) => self.note(
                 self.of_sent(),
-                format!("{} elements were sent one by one; --listen asks which are audible", wired.len()),
+                format!("{} elements were sent one by one; --listen asks which give a signal", wired.len()),
             ),
             (true, true) if next < wired.len() => self.note(
                 Verdict::Unverified,
-                format!("{next} of {} elements were heard, and the rest skipped", wired.len()),
+                format!("{next} of {} elements gave a signal, and the rest were skipped", wired.len()),
             ),
             (true, true) => {
-                self.note(Verdict::Passed, format!("{next} of {} elements were heard", wired.len()))
+                self.note(Verdict::Passed, format!("{next} of {} elements gave a signal", wired.len()))
             }
             (true, false) => {
                 let list: Vec<_> = silent.iter().map(ToString::to_string).collect();
                 self.note(
                     Verdict::Failed,
-                    format!("{} elements are silent: {}", silent.len(), list.join(", ")),
+                    format!("{} elements gave no signal: {}", silent.len(), list.join(", ")),
                 )
             }
         }
