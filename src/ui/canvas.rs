@@ -13,7 +13,7 @@ use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
-    context, cursor, editor::Editor, guides, legend, map::Map, marks, measure, path_marks, pointer,
+    context, cursor, editor::Editor, guides, legend, map::Map, marks, measure, path_marks, pen, pointer,
     shown::Shown, sound::Sound, theme, ticks,
 };
 
@@ -76,6 +76,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
         | Tool::Rectangle
         | Tool::Triangle
         | Tool::Polygon
+        | Tool::Pen
         | Tool::Freehand
         | Tool::Brush
         | Tool::Erase
@@ -121,13 +122,16 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
         path_marks::paint(editor, shown, &painter, lens);
     }
     marks::gesture(editor, &painter, lens);
+    pen::paint(editor, &painter, lens, canvas.response.hover_pos());
     if let Some(at) = canvas.response.hover_pos() {
         marks::brush(editor, &painter, lens, at);
     }
     if editor.view.section || editor.is_measuring() {
         marks::line(editor, &painter, lens);
     }
-    guides::paint(&editor.guides, &painter, lens);
+    if editor.gesture.is_some() {
+        guides::paint(&editor.guides, &painter, lens);
+    }
     if canvas.response.has_focus() {
         cursor::paint(editor, &painter, lens);
     }

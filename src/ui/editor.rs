@@ -12,7 +12,7 @@ use crate::ui::dialog::options::{FigureForm, FilmForm};
 use crate::ui::dialog::state::{Asking, Dialog};
 use crate::ui::document::Document;
 use crate::ui::fitted::Fitted;
-use crate::ui::gesture::{Gesture, Typing, Vertex};
+use crate::ui::gesture::{Gesture, Pen, Typing, Vertex};
 use crate::ui::guides::Guide;
 use crate::ui::layout::{Layout, Panel};
 use crate::ui::parts::Parts;
@@ -46,6 +46,7 @@ pub struct Editor {
     /// The current guides during a drag.
     pub(super) guides: Vec<Guide>,
     pub(super) typing: Option<Typing>,
+    pub(super) pen: Option<Pen>,
     /// Keyboard cursor, or position of the context menu, m in the plane.
     pub(super) cursor: Option<DVec2>,
     pub(super) asked: DVec2,
@@ -102,6 +103,7 @@ impl Editor {
             gesture: None,
             guides: Vec::new(),
             typing: None,
+            pen: None,
             cursor: None,
             asked: DVec2::ZERO,
             dialog: None,
@@ -158,8 +160,22 @@ impl Editor {
         self.selection.clear();
         self.vertex = None;
         self.typing = None;
+        self.pen = None;
         self.gesture = None;
         self.space.let_go();
+    }
+
+    /// Puts a target being drawn into the scene, replacing its previous state.
+    pub(super) fn put(&mut self, index: &mut Option<usize>, target: Target) {
+        let targets = &mut self.document.scene.targets;
+        match index.and_then(|index| targets.get_mut(index)) {
+            Some(place) => *place = target,
+            None => {
+                targets.push(target);
+                *index = Some(targets.len() - 1);
+            }
+        }
+        self.selection = index.iter().copied().collect();
     }
 
     /// Whether two maps are seen.
@@ -192,6 +208,6 @@ impl Editor {
 
     /// Whether an edit is in progress, to become one undo step.
     pub fn is_in_gesture(&self) -> bool {
-        self.gesture.is_some() || self.typing.is_some() || self.space.is_held()
+        self.gesture.is_some() || self.typing.is_some() || self.pen.is_some() || self.space.is_held()
     }
 }

@@ -7,6 +7,7 @@ use crate::ui::action::{self, Action};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::clipboard;
 use crate::ui::cursor;
+use crate::ui::pen;
 use crate::ui::shown::{Notice, Shown};
 use crate::ui::tool::Tool;
 use crate::ui::typing;
@@ -53,6 +54,9 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
         return;
     }
     let in_field = is_in_field(ctx);
+    if !in_field && pen::keys(editor, ctx) {
+        return;
+    }
     let mut actions: Vec<_> =
         Action::all().into_iter().flat_map(|a| a.keys().into_iter().map(move |k| (k, a))).collect();
     // More modifiers first: a shortcut also matches with extra modifiers.

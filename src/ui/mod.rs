@@ -44,6 +44,7 @@ pub mod part;
 pub mod parts;
 mod path_marks;
 mod playback;
+mod pen;
 mod pointer;
 pub mod section;
 mod segments;

@@ -10,40 +10,96 @@ pub type Segment<'a, T> = (T, &'a str, String);
 const BETWEEN: f32 = 13.0;
 const PADDING: f32 = 6.0;
 const AROUND: f32 = 4.0;
+/// Width of a list with the gap before it.
+const LIST: f32 = 120.0;
 /// More choices become a list in narrow windows.
 const FEW: usize = 2;
 
 /// Shows the choices side by side, or as a list if space is short. Returns whether the choice changed.
 pub fn show<T: Copy + PartialEq>(ui: &mut Ui, name: &str, value: &mut T, choices: &[Segment<'_, T>]) -> bool {
-    let before = *value;
-    let width = choices.iter().map(|(_, name, _)| text_width(ui, name) + BETWEEN).sum::<f32>() + AROUND;
+    show_before(ui, name, value, choices, 0.0)
+}
+
+/// The same with this space left at its right, in points.
+pub fn show_before<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    value: &mut T,
+    choices: &[Segment<'_, T>],
+    after: f32,
+) -> bool {
     let is_long = choices.len() > FEW && theme::is_narrow(ui.ctx());
-    if is_long || width > ui.max_rect().width() {
-        let current = choices.iter().find(|(choice, ..)| choice == value).map_or("", |(_, name, _)| name);
+    let has_room = width(ui, choices) <= ui.available_size_before_wrap().x - after;
+    let count = if has_room && !is_long { choices.len() } else { 0 };
+    folded(ui, name, value, choices, count)
+}
+
+/// As many choices side by side as leave this space at their right, in points, and a list of the others.
+pub fn show_folded<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    value: &mut T,
+    choices: &[Segment<'_, T>],
+    after: f32,
+) -> bool {
+    let room = ui.available_size_before_wrap().x - after;
+    let fits = |count: &usize| width(ui, &choices[..*count]) <= room - LIST;
+    let count = match theme::is_narrow(ui.ctx()) {
+        true => 0,
+        false if width(ui, choices) <= room => choices.len(),
+        false => (0..choices.len()).take_while(fits).last().unwrap_or(0),
+    };
+    folded(ui, name, value, choices, count)
+}
+
+/// The first `count` choices side by side, and a list of the others.
+fn folded<T: Copy + PartialEq>(
+    ui: &mut Ui,
+    name: &str,
+    value: &mut T,
+    choices: &[Segment<'_, T>],
+    count: usize,
+) -> bool {
+    let before = *value;
+    let (first, others) = choices.split_at(count);
+    if !first.is_empty() {
+        row(ui, value, first);
+    }
+    if !others.is_empty() {
+        let otherwise = if count > 0 { "More" } else { "" };
+        let current =
+            others.iter().find(|(choice, ..)| choice == value).map_or(otherwise, |(_, name, _)| name);
         let list = ComboBox::from_id_salt(name).selected_text(current).height(360.0).show_ui(ui, |ui| {
-            for (choice, name, tip) in choices {
+            for (choice, name, tip) in others {
                 ui.selectable_value(value, *choice, *name).on_hover_text(tip);
             }
         });
         list.response.accessible_name(name);
-    } else {
-        let ground =
-            Frame::new().fill(ui.visuals().faint_bg_color).corner_radius(6).inner_margin(Margin::same(2));
-        ground.show(ui, |ui| {
-            ui.set_max_width(width);
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 1.0;
-                ui.spacing_mut().button_padding.x = PADDING;
-                for (choice, name, tip) in choices {
-                    let button = Button::selectable(value == choice, *name).corner_radius(4);
-                    if ui.add(button).on_hover_text(tip).clicked() {
-                        *value = *choice;
-                    }
-                }
-            });
-        });
     }
     *value != before
+}
+
+fn row<T: Copy + PartialEq>(ui: &mut Ui, value: &mut T, choices: &[Segment<'_, T>]) {
+    let width = width(ui, choices);
+    let ground =
+        Frame::new().fill(ui.visuals().faint_bg_color).corner_radius(6).inner_margin(Margin::same(2));
+    ground.show(ui, |ui| {
+        ui.set_max_width(width);
+        ui.horizontal(|ui| {
+            ui.spacing_mut().item_spacing.x = 1.0;
+            ui.spacing_mut().button_padding.x = PADDING;
+            for (choice, name, tip) in choices {
+                let button = Button::selectable(value == choice, *name).corner_radius(4);
+                if ui.add(button).on_hover_text(tip).clicked() {
+                    *value = *choice;
+                }
+            }
+        });
+    });
+}
+
+fn width<T>(ui: &Ui, choices: &[Segment<'_, T>]) -> f32 {
+    choices.iter().map(|(_, name, _)| text_width(ui, name) + BETWEEN).sum::<f32>() + AROUND
 }
 
 /// Width of a text on a button in points.

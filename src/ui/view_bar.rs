@@ -16,6 +16,14 @@ use crate::ui::{compare, editor::Editor, panels, segments, space, tool};
 
 /// Range of the plane slider, m.
 const FARTHEST: f64 = 0.3;
+/// Points of the screen: what stands behind the quantities, so that another quantity moves neither them nor the map.
+const OF_QUANTITY: f32 = 320.0;
+/// Points of the screen in the second row: the numbers of a plane, the slider beside them, overlays, and the brush.
+const POSITION: f32 = 112.0;
+const SLIDER: f32 = 148.0;
+const OBLIQUE: f32 = 500.0;
+const OVERLAYS: f32 = 264.0;
+const BRUSH: f32 = 300.0;
 
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
     if editor.space.is_on {
@@ -46,10 +54,11 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         }
     });
     ui.horizontal_wrapped(|ui| {
-        cuts(editor, ui);
+        let has_brush = matches!(editor.tool, Tool::Brush | Tool::Erase);
+        cuts(editor, OVERLAYS + if has_brush { BRUSH } else { 0.0 }, ui);
         ui.add_space(8.0);
         overlays(editor, ui);
-        if matches!(editor.tool, Tool::Brush | Tool::Erase) {
+        if has_brush {
             ui.add_space(8.0);
             brush(editor, ui);
         }
@@ -88,7 +97,7 @@ fn quantities(editor: &mut Editor, ui: &mut Ui) {
         (quantity, declaration.title, format!("{}{key}", declaration.help))
     };
     let choices: Vec<_> = Quantity::ALL.into_iter().map(choice).collect();
-    segments::show(ui, "Quantity", &mut editor.view.quantity, &choices);
+    segments::show_folded(ui, "Quantity", &mut editor.view.quantity, &choices, OF_QUANTITY);
 }
 
 /// The convention of pressures in the whole window.
@@ -158,19 +167,22 @@ fn surface(editor: &mut Editor, ui: &mut Ui) {
     segments::show(ui, "Surface", &mut editor.view.shaded, &choices);
 }
 
-fn cuts(editor: &mut Editor, ui: &mut Ui) {
+/// The plane, with this space left for what follows, in points.
+fn cuts(editor: &mut Editor, after: f32, ui: &mut Ui) {
     let choice = |&cut: &Cut| (cut, cut.into_str(), cut.tooltip().to_owned());
     let choices: Vec<_> = Cut::VARIANTS.iter().map(choice).collect();
-    if segments::show(ui, "Plane", &mut editor.view.cut, &choices) {
+    let numbers = if editor.view.cut == Cut::Free { OBLIQUE } else { POSITION };
+    if segments::show_before(ui, "Plane", &mut editor.view.cut, &choices, numbers + after) {
         editor.look_at(editor.view.cut);
     }
-    height(editor, ui);
+    height(editor, ui.available_size_before_wrap().x >= POSITION + SLIDER + after, ui);
     if editor.view.cut == Cut::Free {
         free_plane(&mut editor.view.free, ui);
     }
 }
 
-fn height(editor: &mut Editor, ui: &mut Ui) {
+/// The position of the plane, with a slider where that has room.
+fn height(editor: &mut Editor, has_slider: bool, ui: &mut Ui) {
     let cut = editor.view.cut;
     let (Some(name), Some(height)) = (cut.normal(), editor.view.height_mut()) else { return };
     let least = if cut == Cut::Xy { 0.01 } else { -FARTHEST / 2.0 };
@@ -180,13 +192,15 @@ fn height(editor: &mut Editor, ui: &mut Ui) {
          the scene."
     );
     let label = ui.label(name);
-    let slider = Slider::new(&mut shown, least * 1e3..=(least + FARTHEST) * 1e3)
-        .clamping(egui::SliderClamping::Never)
-        .step_by(0.5)
-        .show_value(false);
-    let response = ui.add(slider).accessible_name(format!("Position along {name}")).on_hover_text(&tip);
-    if response.changed() && shown.is_finite() {
-        *height = (shown * 1e-3).clamp(-10.0, 10.0);
+    if has_slider {
+        let slider = Slider::new(&mut shown, least * 1e3..=(least + FARTHEST) * 1e3)
+            .clamping(egui::SliderClamping::Never)
+            .step_by(0.5)
+            .show_value(false);
+        let response = ui.add(slider).accessible_name(format!("Position along {name}")).on_hover_text(&tip);
+        if response.changed() && shown.is_finite() {
+            *height = (shown * 1e-3).clamp(-10.0, 10.0);
+        }
     }
     panels::bare_number(ui, height, MM, -10.0..=10.0).labelled_by(label.id).on_hover_text(tip);
 }
