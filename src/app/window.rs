@@ -83,7 +83,7 @@ impl Window {
         ctx.options_mut(|options| options.max_passes = NonZeroUsize::MIN.saturating_add(PASSES - 1));
         let workshop = Workshop::new(evaluator, screen);
         let shown = Shown {
-            examples: EXAMPLES.iter().map(|example| example.title.to_owned()).collect(),
+            examples: EXAMPLES.iter().map(|example| example.card).collect(),
             evaluator: workshop.mapping.evaluator(),
             board: Board::shown(),
             ..Shown::default()

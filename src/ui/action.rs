@@ -25,6 +25,7 @@ pub const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 pub enum Action {
     New,
     Open,
+    Examples,
     Save,
     SaveAs,
     Import,
@@ -42,6 +43,7 @@ pub enum Action {
     Group,
     Ungroup,
     Snap,
+    Grid,
     Export(Export),
     Tool(Tool),
     SmallerBrush,
@@ -57,13 +59,16 @@ pub enum Action {
     Larger,
     Smaller,
     UsualScale,
-    SwitchTheme,
+    DarkTheme,
+    WhiteBackground,
     Send,
     PlayMotion,
     Stop,
     Serve,
     Palette,
+    Manual,
     Help,
+    About,
 }
 
 /// Position of an action in the menus and in the help.
@@ -98,6 +103,7 @@ impl Action {
         let mut all = vec![
             A::New,
             A::Open,
+            A::Examples,
             A::Save,
             A::SaveAs,
             A::Import,
@@ -108,7 +114,7 @@ impl Action {
             A::Redo,
             A::Cut,
         ];
-        all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Group, A::Ungroup, A::Snap]);
+        all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Group, A::Ungroup, A::Snap, A::Grid]);
         all.extend(
             [
                 Export::Figure(Format::Pdf),
@@ -127,8 +133,9 @@ impl Action {
         all.extend(Quantity::ALL.map(A::Quantity));
         all.extend([A::ShowEverything, A::Space, A::Targets, A::Profile]);
         all.extend(Panel::VARIANTS.iter().copied().map(A::ShowPanel));
-        all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale, A::SwitchTheme]);
-        all.extend([A::Send, A::PlayMotion, A::Stop, A::Serve, A::Palette, A::Help]);
+        all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale]);
+        all.extend([A::DarkTheme, A::WhiteBackground]);
+        all.extend([A::Send, A::PlayMotion, A::Stop, A::Serve, A::Palette, A::Manual, A::Help, A::About]);
         // A page ends as the browser ends it, and has no sockets.
         all.retain(|action| !(IN_PAGE && [A::Quit, A::Serve].contains(action)));
         all
@@ -138,6 +145,7 @@ impl Action {
         let name = match self {
             Self::New => "New",
             Self::Open => "Open…",
+            Self::Examples => "Examples…",
             Self::Save => "Save",
             Self::SaveAs => "Save as…",
             Self::Import => "Import drawing…",
@@ -155,6 +163,7 @@ impl Action {
             Self::Group => "Group",
             Self::Ungroup => "Ungroup",
             Self::Snap => "Snap to the grid",
+            Self::Grid => "Show the grid",
             Self::Export(Export::Figure(_)) => "Figure…",
             Self::Export(Export::Map) => "Map as PNG…",
             Self::Export(Export::Sheet) => "Sheet as PNG…",
@@ -172,18 +181,21 @@ impl Action {
             Self::Targets => "Show targets",
             Self::Profile => "Line profile",
             Self::ShowPanel(panel) => return format!("{} panel", panel.into_str()),
-            Self::TogglePanel => "Panel on or off",
+            Self::TogglePanel => "Show panel",
             Self::Present => "Presentation mode",
             Self::Larger => "Larger window scale",
             Self::Smaller => "Smaller window scale",
             Self::UsualScale => "Usual window scale",
-            Self::SwitchTheme => "Light or dark",
+            Self::DarkTheme => "Dark theme",
+            Self::WhiteBackground => "White background",
             Self::Send => "Send to the board",
             Self::PlayMotion => "Play the motion on the board",
             Self::Stop => "Stop the board",
             Self::Serve => "Serve other programs",
             Self::Palette => "All commands…",
-            Self::Help => "Keys and tools",
+            Self::Manual => "Manual…",
+            Self::Help => "Keys and tools…",
+            Self::About => "About Sonoglyph…",
         };
         name.to_owned()
     }
@@ -192,6 +204,7 @@ impl Action {
         match self {
             Self::New
             | Self::Open
+            | Self::Examples
             | Self::Save
             | Self::SaveAs
             | Self::Import
@@ -208,7 +221,8 @@ impl Action {
             | Self::SelectAll
             | Self::Group
             | Self::Ungroup
-            | Self::Snap => Group::Edit,
+            | Self::Snap
+            | Self::Grid => Group::Edit,
             Self::Export(_) => Group::Export,
             Self::Tool(_) | Self::SmallerBrush | Self::LargerBrush => Group::Tools,
             Self::Quantity(_)
@@ -222,9 +236,10 @@ impl Action {
             | Self::Larger
             | Self::Smaller
             | Self::UsualScale
-            | Self::SwitchTheme => Group::View,
+            | Self::DarkTheme
+            | Self::WhiteBackground => Group::View,
             Self::Send | Self::PlayMotion | Self::Stop | Self::Serve => Group::Board,
-            Self::Palette | Self::Help => Group::Help,
+            Self::Palette | Self::Manual | Self::Help | Self::About => Group::Help,
         }
     }
 
@@ -262,12 +277,17 @@ impl Action {
             Self::UsualScale => vec![ctrl(Key::Num0)],
             Self::Palette => vec![ctrl(Key::P)],
             Self::Help => vec![plain(Key::F1)],
-            Self::Import
+            Self::Examples
+            | Self::Grid
+            | Self::WhiteBackground
+            | Self::Manual
+            | Self::About
+            | Self::Import
             | Self::OpenDrive
             | Self::CopyLink
             | Self::Export(_)
             | Self::ShowPanel(_)
-            | Self::SwitchTheme
+            | Self::DarkTheme
             | Self::Send
             | Self::PlayMotion
             | Self::Stop
@@ -280,7 +300,7 @@ impl Action {
         if self == Self::Stop {
             return "Esc Esc".to_owned();
         }
-        self.keys().first().map_or_else(String::new, |keys| ctx.format_shortcut(keys))
+        self.keys().first().map_or_else(String::new, |keys| written(keys, ctx))
     }
 
     /// Whether its keys also act while a widget has the keyboard: neither letters nor text editing keys.
@@ -300,6 +320,22 @@ impl Action {
                 | Self::Palette
                 | Self::Help
         )
+    }
+
+    /// Whether what it switches is on; `None` of an action that switches nothing.
+    pub fn is_on(self, editor: &Editor, ctx: &Context) -> Option<bool> {
+        let switches = [
+            (Self::Snap, editor.snaps),
+            (Self::Grid, editor.view.grid),
+            (Self::Space, editor.space.is_on),
+            (Self::Targets, editor.view.marks),
+            (Self::Profile, editor.view.section),
+            (Self::TogglePanel, editor.layout.has_panel(ctx)),
+            (Self::Present, editor.layout.presents),
+            (Self::DarkTheme, ctx.theme() == Theme::Dark),
+            (Self::WhiteBackground, editor.view.is_light),
+        ];
+        switches.into_iter().find(|(action, _)| *action == self).map(|(_, is_on)| is_on)
     }
 
     /// Why it cannot be done now.
@@ -353,6 +389,7 @@ impl Action {
         match self {
             Self::New => editor.ask(Command::New, commands),
             Self::Open => ask_for_file(Purpose::Open),
+            Self::Examples => editor.dialog = Some(Dialog::Examples),
             Self::Save => commands.push(Command::Save),
             Self::SaveAs => ask_for_file(Purpose::SaveAs),
             Self::Import => ask_for_file(Purpose::Import),
@@ -373,6 +410,7 @@ impl Action {
             Self::Ungroup => group::rename(&mut editor.document.scene, &editor.selection, ""),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
+            Self::Grid => editor.view.grid = !editor.view.grid,
             Self::Export(Export::Figure(_)) => {
                 editor.figure.follow(&editor.view);
                 editor.dialog = Some(Dialog::Figure);
@@ -393,7 +431,8 @@ impl Action {
             Self::Larger => scale(ctx, ctx.zoom_factor() * SCALE_STEP),
             Self::Smaller => scale(ctx, ctx.zoom_factor() / SCALE_STEP),
             Self::UsualScale => scale(ctx, 1.0),
-            Self::SwitchTheme => {
+            Self::WhiteBackground => editor.view.is_light = !editor.view.is_light,
+            Self::DarkTheme => {
                 let is_dark = ctx.theme() == Theme::Dark;
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
             }
@@ -402,9 +441,18 @@ impl Action {
             Self::Stop => commands.push(Command::Board(BoardCommand::Stop)),
             Self::Serve => commands.push(Command::Serve(shown.serving.is_none())),
             Self::Palette => editor.dialog = Some(Dialog::Palette { text: String::new(), chosen: 0 }),
+            Self::Manual => editor.dialog = Some(Dialog::Manual(0)),
             Self::Help => editor.dialog = Some(Dialog::Help),
+            Self::About => editor.dialog = Some(Dialog::About),
         }
     }
+}
+
+/// A shortcut by the signs on the keys, such as "Ctrl +".
+fn written(keys: &KeyboardShortcut, ctx: &Context) -> String {
+    let text = ctx.format_shortcut(keys);
+    let modifiers = text.strip_suffix(keys.logical_key.name()).unwrap_or_default();
+    format!("{}{}", modifiers.replace('+', " "), keys.logical_key.symbol_or_name())
 }
 
 /// Scales everything in the window by a factor.

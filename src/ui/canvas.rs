@@ -13,7 +13,7 @@ use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
-    context, cursor, editor::Editor, guides, legend, map::Map, marks, measure, path_marks, pen, pointer,
+    context, cursor, editor::Editor, gallery, guides, legend, map::Map, marks, measure, path_marks, pen, pointer,
     shown::Shown, sound::Sound, theme, ticks,
 };
 
@@ -211,6 +211,9 @@ fn shaded(editor: &Editor, shown: &Shown, ui: &Ui, painter: &Painter, lens: &Len
 pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect, notes: f32) {
     let middle = rect.center();
     if editor.scene().targets.is_empty() && !editor.is_in_gesture() {
+        if gallery::is_open(editor) {
+            return;
+        }
         let text = "Nothing to focus on yet.\nPick a tool on the left and draw, or open an example.";
         marks::chip(painter, middle, Align2::CENTER_CENTER, text, 15.0, Color32::WHITE);
         return;

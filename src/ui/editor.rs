@@ -54,6 +54,8 @@ pub struct Editor {
     pub asking: Asking,
     /// Whether the hints of the first start are shown.
     pub hints: bool,
+    /// Whether the gallery over the empty scene was closed.
+    pub has_closed_gallery: bool,
     /// Time (s) of the last Escape while a board sounds.
     pub(super) escaped: Option<f64>,
     /// Whether the loudness warning was answered in this run.
@@ -109,6 +111,7 @@ impl Editor {
             dialog: None,
             asking: Asking::default(),
             hints: false,
+            has_closed_gallery: false,
             escaped: None,
             was_warned: false,
             figure: FigureForm::default(),
@@ -131,6 +134,7 @@ impl Editor {
         self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
         self.fitted = None;
         self.space.camera = None;
+        self.has_closed_gallery = false;
         self.document = document;
         self.forget_places();
         self.playback = Playback::default();

@@ -167,13 +167,9 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
             .on_hover_text("Phases are dark at low pressure, where they mean little");
         ui.end_row();
     }
-    label(ui, "Ground");
-    let mut is_light = view.is_light;
-    let tip = "Silence is white, as in print; on by default in the light theme";
-    if ui.checkbox(&mut is_light, "Light").on_hover_text(tip).accessible_name("Light ground").changed() {
-        let of_theme = !ui.visuals().dark_mode;
-        view.ground = (is_light != of_theme).then_some(is_light);
-    }
+    label(ui, "Background");
+    let white = ui.checkbox(&mut view.is_light, "White").on_hover_text("Silence is white, as in print");
+    white.accessible_name("White background");
     ui.end_row();
     if view.quantity.declaration().is_level() {
         ui.checkbox(&mut view.threshold_contours, "Contours")

@@ -11,6 +11,7 @@ use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::ui::beside;
 use crate::ui::board::BoardShown;
+use crate::ui::gallery::Card;
 use crate::ui::map::{Map, Texture};
 use crate::ui::sound::Sound;
 use crate::ui::space::view::SpaceShown;
@@ -41,8 +42,7 @@ pub struct Shown {
     pub recent: Vec<PathBuf>,
     /// The folder in the file dialog.
     pub folder: Option<Folder>,
-    /// Titles of the example scenes.
-    pub examples: Vec<String>,
+    pub examples: Vec<Card>,
     /// Thumbnails of displayed examples, by index.
     pub thumbnails: BTreeMap<usize, Texture>,
     /// The field evaluator.

@@ -184,9 +184,7 @@ pub struct View {
     pub low: Option<f64>,
     /// The part of the largest value that gets the first colour of a logarithmic scale.
     pub floor: f64,
-    /// Whether colours are for a light ground; `None`: as the theme.
-    pub ground: Option<bool>,
-    /// The resulting ground.
+    /// Whether silence is white, as in print.
     pub is_light: bool,
     /// The brightness of a phase map follows the amplitude.
     pub fades: bool,
@@ -234,7 +232,6 @@ impl View {
             full: None,
             low: None,
             floor: FLOOR.into(),
-            ground: None,
             is_light: false,
             fades: false,
             shaded: false,
@@ -372,11 +369,6 @@ impl View {
     pub fn veil(&self) -> Option<Colouring> {
         let is_wanted = self.fades && self.quantity.declaration().range == Range::Cyclic;
         is_wanted.then(|| Colouring::new(Quantity::Rms, veil(self.is_light)))
-    }
-
-    /// Follows the theme unless the ground is chosen.
-    pub fn follow_theme(&mut self, is_dark: bool) {
-        self.is_light = self.ground.unwrap_or(!is_dark);
     }
 
     /// Colours over the whole range of the map.

@@ -27,6 +27,12 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     ui.collapsing("Reflectors", |ui| boards::reflectors(editor, ui));
     ui.collapsing("Bead", |ui| levitation::panel::show(editor, ui));
     ui.collapsing("Air", |ui| air(editor, ui));
+    ui.collapsing("Grid", |ui| {
+        form(ui, "grid", |ui| {
+            let tip = "Distance of its lines; to show it and to snap to it, see the menu Edit";
+            number(ui, ("Grid spacing", tip), &mut editor.grid, MM, 5e-4..=0.05);
+        });
+    });
 }
 
 fn targets(editor: &mut Editor, ui: &mut Ui) {
