@@ -77,7 +77,7 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// # Errors
 /// The errors of [`read`], and bytes that are no UTF-8.
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
-    let no_text = |_| io::Error::new(ErrorKind::InvalidData, "this is no UTF-8 text");
+    let no_text = |_| io::Error::new(ErrorKind::InvalidData, "this is not a text file (UTF-8)");
     String::from_utf8(read(path, most)?).map_err(no_text)
 }
 

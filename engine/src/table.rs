@@ -213,7 +213,7 @@ fn head(csv: &mut impl BufRead) -> io::Result<(Vec<u8>, u8)> {
 /// The reader's error without its position.
 fn reason(error: &csv::Error) -> String {
     match error.kind() {
-        csv::ErrorKind::Utf8 { .. } => "this is no UTF-8 text".to_owned(),
+        csv::ErrorKind::Utf8 { .. } => "this is not a text file (UTF-8)".to_owned(),
         _ => error.to_string(),
     }
 }
@@ -273,7 +273,7 @@ mod tests {
         }
         let mut table = Table::<_, 1, 0>::open(&b"x\n1\n\xff\n"[..], ["x"], []).unwrap();
         table.next_row().unwrap();
-        assert_eq!(table.next_row().unwrap_err().to_string(), "3: this is no UTF-8 text");
+        assert_eq!(table.next_row().unwrap_err().to_string(), "3: this is not a text file (UTF-8)");
         let long = format!("x,y\n1,{}\n", "9e".repeat(1000));
         assert!(rows(&long).unwrap_err().to_string().len() < 200);
     }

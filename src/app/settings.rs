@@ -266,7 +266,7 @@ impl Memory {
         };
         let (settings, word) = match read {
             Ok(settings) => (settings, None),
-            Err(why) => (Settings::default(), Some(format!("{} is left aside: {why}", path.display()))),
+            Err(why) => (Settings::default(), Some(format!("{} was ignored: {why}", path.display()))),
         };
         (Self { path, kept: settings.clone(), pending: None, last: f64::NEG_INFINITY }, settings, word)
     }
@@ -417,7 +417,7 @@ mod tests {
             std::fs::write(&path, broken).unwrap();
             let (_, settings, word) = Memory::at(folder.path());
             assert_eq!(settings, Settings::default());
-            assert!(word.unwrap().contains("settings.toml is left aside: "));
+            assert!(word.unwrap().contains("settings.toml was ignored: "));
         }
         let odd = "size = [nan, 1e30]\nposition = [inf, 0]\npanel_width = -5\ngrid = nan\nfloor = inf\ncontour_level = 9\nbaud = 7\nnew_key = 1\n";
         std::fs::write(&path, odd).unwrap();

@@ -225,7 +225,7 @@ impl Window {
                     #[cfg(target_arch = "wasm32")]
                     let link = browser::address()
                         .map_or_else(|| link.clone(), |page| link_text::of_page(&link, &page));
-                    self.tell(&format!("A link of {} letters is on the clipboard", link.len()), false);
+                    self.tell(&format!("Link copied ({} characters)", link.len()), false);
                     ctx.copy_text(link);
                 }
                 Err(error) => self.refuse("The scene does not fit in a link", &error.into()),

@@ -47,12 +47,9 @@ const OSCILLATION_PERIOD: f64 = 2.0;
 /// Interval between two of its pictures.
 const OSCILLATION_STEP: Duration = Duration::from_millis(33);
 
-const BEING_SOLVED: &str =
-    "Many focal points are being solved. Until that is done, the map is of those before.";
-const AT_REST: &str =
-    "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
-const BEFORE: &str =
-    "The frames of the motion are being solved. Until they are there, the map is of those before.";
+const BEING_SOLVED: &str = "Solving… the map still shows the previous drawing.";
+const AT_REST: &str = "Solving the frames of the motion… the map shows the scene at rest.";
+const BEFORE: &str = "Solving the frames of the motion… the map still shows the previous ones.";
 
 /// Time of the last update of a running animation, in seconds on the window's clock; `None` at rest.
 #[derive(Debug, Default)]

@@ -114,7 +114,17 @@ impl Action {
             A::Redo,
             A::Cut,
         ];
-        all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Group, A::Ungroup, A::Snap, A::Grid]);
+        all.extend([
+            A::Copy,
+            A::Paste,
+            A::Duplicate,
+            A::Delete,
+            A::SelectAll,
+            A::Group,
+            A::Ungroup,
+            A::Snap,
+            A::Grid,
+        ]);
         all.extend(
             [
                 Export::Figure(Format::Pdf),

@@ -13,8 +13,8 @@ use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
-    context, cursor, editor::Editor, gallery, guides, legend, map::Map, marks, measure, path_marks, pen, pointer,
-    shown::Shown, sound::Sound, theme, ticks,
+    context, cursor, editor::Editor, gallery, guides, legend, map::Map, marks, measure, path_marks, pen,
+    pointer, shown::Shown, sound::Sound, theme, ticks,
 };
 
 /// Points of the screen around the plot.
@@ -219,9 +219,10 @@ pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect, note
         return;
     }
     let (text, colour) = match &shown.problem {
-        Some(problem) => {
-            (format!("Not solved, the last picture stays: {problem}"), Color32::from_rgb(255, 170, 160))
-        }
+        Some(problem) => (
+            format!("{}. The map still shows the previous drawing.", problem.trim_end_matches('.')),
+            Color32::from_rgb(255, 170, 160),
+        ),
         None => match &shown.pending {
             Some(pending) => (pending.clone(), theme::MARK),
             None if is_unmoved(shown) => {
@@ -262,12 +263,24 @@ pub fn axes(view: &View, ui: &Ui, lens: &Lens) {
     for x in ticks::between(low.x, high.x, step) {
         let at = pos2(lens.screen(DVec2::new(x * 1e-3, 0.0)).x, rect.bottom());
         painter.line_segment([at, at + vec2(0.0, 5.0)], stroke);
-        painter.text(at + vec2(0.0, 6.0), Align2::CENTER_TOP, format!("{x:.decimals$}"), font.clone(), ink);
+        painter.text(
+            at + vec2(0.0, 6.0),
+            Align2::CENTER_TOP,
+            ticks::signed(&format!("{x:.decimals$}")),
+            font.clone(),
+            ink,
+        );
     }
     for y in ticks::between(low.y, high.y, step) {
         let at = pos2(rect.left(), lens.screen(DVec2::new(0.0, y * 1e-3)).y);
         painter.line_segment([at, at - vec2(5.0, 0.0)], stroke);
-        painter.text(at - vec2(8.0, 0.0), Align2::RIGHT_CENTER, format!("{y:.decimals$}"), font.clone(), ink);
+        painter.text(
+            at - vec2(8.0, 0.0),
+            Align2::RIGHT_CENTER,
+            ticks::signed(&format!("{y:.decimals$}")),
+            font.clone(),
+            ink,
+        );
     }
     let (across, up) = view.cut.axes();
     painter.text(pos2(rect.center().x, rect.bottom() + 22.0), Align2::CENTER_TOP, across, font.clone(), ink);
@@ -310,9 +323,9 @@ fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> 
     let of_map = match quantity.declaration().range {
         Range::Amount => value.map(|value| {
             let to_peak = quantity.decibels(value / map.largest.max(1e-30)).max(-99.9);
-            format!("   {to_peak:.1} dB of the peak")
+            format!("   {} dB of the peak", ticks::signed(&format!("{to_peak:.1}")))
         }),
-        Range::Signed => value.map(|value| format!("   {}", quantity.with_unit(value))),
+        Range::Signed => value.map(|value| format!("   {}", ticks::signed(&quantity.with_unit(value)))),
         Range::Cyclic => None,
     };
     let of_map = of_map.unwrap_or_default();
@@ -321,9 +334,9 @@ fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> 
         return format!("{value}{of_map}");
     }
     format!(
-        "{}   {:.1} dB SPL{of_map}   phase {:.0}°",
+        "{}   {} dB SPL{of_map}   phase {}",
         editor.view.convention.pressure(reading.peak()),
-        reading.spl().max(-99.9),
-        reading.phase().to_degrees()
+        ticks::signed(&format!("{:.1}", reading.spl().max(-99.9))),
+        ticks::signed(&format!("{:.0}°", reading.phase().to_degrees()))
     )
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::{Scene, Target};
+use crate::scene::{Scene, Target, motion};
 use crate::ui::beside;
 use crate::ui::board::BoardForm;
 use crate::ui::command::Command;
@@ -180,6 +180,14 @@ impl Editor {
             }
         }
         self.selection = index.iter().copied().collect();
+    }
+
+    /// Shows the page with the numbers of a target just drawn, unless the page of its motion is open.
+    pub(super) fn show_target(&mut self) {
+        let moves = self.panel == Panel::Motion && motion::moves(self.scene());
+        if !self.selection.is_empty() && !moves {
+            self.panel = Panel::Scene;
+        }
     }
 
     /// Whether two maps are seen.

@@ -55,13 +55,7 @@ pub(super) fn show(canvas: Rect, editor: &mut Editor, shown: &Shown, ui: &Ui, co
     }
 }
 
-fn over_canvas(
-    canvas: Rect,
-    editor: &mut Editor,
-    shown: &Shown,
-    ui: &mut Ui,
-    commands: &mut Vec<Command>,
-) {
+fn over_canvas(canvas: Rect, editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let height = (canvas.height() - 100.0).clamp(80.0, 420.0);
     let width = canvas.width() - MARGIN;
     ui.set_max_width(width);

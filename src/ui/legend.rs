@@ -299,14 +299,16 @@ impl Law {
     fn ticks(self, quantity: Quantity, full: f64) -> Vec<(f64, String)> {
         match self {
             Self::Turn => [-180.0, -90.0, 0.0, 90.0, 180.0]
-                .map(|degrees| (degrees / 360.0 + 0.5, format!("{degrees:.0}")))
+                .map(|degrees| (degrees / 360.0 + 0.5, ticks::signed(&format!("{degrees:.0}"))))
                 .to_vec(),
             Self::Decibels(floor) => {
                 let least = quantity.decibels(floor);
                 let step = round_step(-least / STEPS);
                 let levels = (0..).map(|i| -step * f64::from(i)).take_while(|level| *level > least - 1e-6);
                 let decimals = ticks::decimals(step);
-                levels.map(|level| (1.0 - level / least, format!("{:.decimals$}", level + 0.0))).collect()
+                levels
+                    .map(|level| (1.0 - level / least, ticks::signed(&format!("{level:.decimals$}"))))
+                    .collect()
             }
             Self::Linear(low) => amounts(low * full, full),
         }
@@ -321,8 +323,8 @@ fn amounts(low: f64, full: f64) -> Vec<(f64, String)> {
     let decimals = ticks::decimals(step).min(6);
     let within = ticks::between(low, full, step).map(|value| ((value - low) / (full - low), value));
     let within = within.filter(|(part, _)| (NEAR..1.0 - NEAR).contains(part));
-    let mut ticks = vec![(0.0, figures(low))];
-    ticks.extend(within.map(|(part, value)| (part, format!("{:.decimals$}", value + 0.0))));
+    let mut ticks = vec![(0.0, ticks::signed(&figures(low)))];
+    ticks.extend(within.map(|(part, value)| (part, ticks::signed(&format!("{value:.decimals$}")))));
     ticks.push((1.0, figures(full)));
     ticks
 }
@@ -333,7 +335,7 @@ mod tests {
 
     #[test]
     fn decibels_stand_where_their_colours_are() {
-        for (quantity, floor) in [(Quantity::Rms, "-60"), (Quantity::Depression, "-30")] {
+        for (quantity, floor) in [(Quantity::Rms, "−60"), (Quantity::Depression, "−30")] {
             let law = Law::Decibels(1e-3);
             let ticks = law.ticks(quantity, 7.0);
             assert_eq!(ticks.last().unwrap(), &(0.0, floor.to_owned()));

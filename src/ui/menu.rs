@@ -3,16 +3,14 @@
 use std::path::PathBuf;
 
 use egui::containers::menu::MenuBar;
-use egui::{
-    Atom, Button, Color32, Context, IdSalt, Label, ProgressBar, RichText, Sense, Stroke, Ui, vec2,
-};
+use egui::{Atom, Button, Color32, Context, IdSalt, Label, ProgressBar, RichText, Sense, Stroke, Ui, vec2};
 use strum::VariantArray;
 
 use crate::device::health::State;
 use crate::ui::action::{self, Action, Group};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::tool::{self, Tool};
-use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
+use crate::ui::{command::Command, editor::Editor, shown::Shown, theme, tip};
 
 /// Points of the screen: a tool with the gap below it.
 const TOOL: f32 = 32.0;
@@ -153,7 +151,8 @@ fn item(action: Action, editor: &mut Editor, shown: &Shown, ui: &mut Ui, command
     let response = drawn.response;
     if let Some(is_on) = is_on {
         let enabled = possible.is_ok();
-        response.widget_info(|| egui::WidgetInfo::selected(egui::Role::MenuItemCheckBox, enabled, is_on, &name));
+        response
+            .widget_info(|| egui::WidgetInfo::selected(egui::Role::MenuItemCheckBox, enabled, is_on, &name));
     }
     if response.on_disabled_hover_text(possible.err().unwrap_or_default()).clicked() {
         action.run(editor, shown, ui.ctx(), commands);
@@ -208,7 +207,9 @@ fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
 fn recent(editor: &mut Editor, recent: &[PathBuf], ui: &mut Ui, commands: &mut Vec<Command>) {
     for path in recent {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+        let button = ui.button(name);
+        tip::beside(&button, &path.display().to_string());
+        if button.clicked() {
             editor.ask(Command::Open(path.clone()), commands);
         }
     }

@@ -24,9 +24,13 @@ pub fn press(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, uv: DVec2)
     match &pen.knots[..] {
         [first, _, _, ..] if is_near(first) => {
             draw(editor, &mut pen, axes, true);
+            editor.show_target();
             return None;
         }
-        [.., last] if is_near(last) => return None,
+        [.., last] if is_near(last) => {
+            editor.show_target();
+            return None;
+        }
         _ => {}
     }
     pen.knots.push(Knot { at: uv, handle: DVec2::ZERO });
@@ -55,7 +59,9 @@ pub fn bend(editor: &mut Editor, axes: &Axes, lens: &Lens, to: DVec2) {
 
 /// Ends the path as it is.
 pub fn end(editor: &mut Editor) {
-    editor.pen = None;
+    if editor.pen.take().is_some() {
+        editor.show_target();
+    }
 }
 
 /// Acts on the keys of a path being drawn. Returns whether there was one.

@@ -160,6 +160,7 @@ impl<'a> Press<'a> {
                 self.editor.document.scene.targets.push(target.clone());
                 let index = self.editor.scene().targets.len() - 1;
                 self.editor.selection = BTreeSet::from([index]);
+                self.editor.show_target();
                 Some(Gesture::Move { from, before: vec![(index, target)], beside: false })
             }
             Tool::Text => {
@@ -280,7 +281,7 @@ impl<'a> Press<'a> {
                 if is_far && points.len() < MOST_VERTICES {
                     points.push(uv);
                     if points.len() > 1 {
-                        self.editor.put(index, tool::path(&self.axes, points, false));
+                        self.editor.put(index, by_hand(tool::path(&self.axes, points, false)));
                     }
                 }
             }
@@ -360,6 +361,11 @@ impl<'a> Press<'a> {
     }
 }
 
+/// The name of a path drawn with the button held.
+fn by_hand(path: Target) -> Target {
+    Target { name: "Freehand".to_owned(), ..path }
+}
+
 /// The selected targets, with their indices.
 fn selected(editor: &Editor) -> Vec<(usize, Target)> {
     let targets = &editor.scene().targets;
@@ -391,7 +397,7 @@ fn end(editor: &mut Editor, lens: &Lens, response: &Response) {
     if let Gesture::Stroke { points, index: Some(index) } = &gesture
         && closes(points, lens)
     {
-        editor.put(&mut Some(*index), tool::path(&axes, &points[..points.len() - 1], true));
+        editor.put(&mut Some(*index), by_hand(tool::path(&axes, &points[..points.len() - 1], true)));
     }
     if let Gesture::Draw { index: None, .. } = gesture
         && response.clicked()
@@ -409,6 +415,9 @@ fn end(editor: &mut Editor, lens: &Lens, response: &Response) {
     }
     if let Gesture::Erase { .. } = gesture {
         brush::clear_away(editor);
+    }
+    if let Gesture::Draw { .. } | Gesture::Stroke { .. } = gesture {
+        editor.show_target();
     }
     if let (Gesture::Move { beside: true, .. }, true) = (&gesture, response.clicked()) {
         editor.selection.clear();

@@ -149,9 +149,8 @@ fn in_front(map: &Map, sound: &Sound, [from, to]: [DVec2; 2]) -> Option<[DVec2; 
 
 /// A value as it is read.
 fn told(quantity: Quantity, value: f64, convention: Convention) -> String {
-    format!("{} {}", quantity.with_unit(value * convention.factor(quantity)), name(quantity, convention))
-        .trim_end()
-        .to_owned()
+    let value = ticks::signed(&quantity.with_unit(value * convention.factor(quantity)));
+    format!("{value} {}", name(quantity, convention)).trim_end().to_owned()
 }
 
 /// The convention's name, of quantities that have one.
@@ -371,7 +370,7 @@ impl<'a> Plot<'a> {
             painter.text(
                 at + vec2(0.0, 5.0),
                 Align2::CENTER_TOP,
-                format!("{x:.decimals$}"),
+                ticks::signed(&format!("{x:.decimals$}")),
                 font.clone(),
                 ink,
             );
@@ -386,7 +385,7 @@ impl<'a> Plot<'a> {
             painter.text(
                 at - vec2(6.0, 0.0),
                 Align2::RIGHT_CENTER,
-                format!("{value:.decimals$}"),
+                ticks::signed(&format!("{value:.decimals$}")),
                 font.clone(),
                 ink,
             );

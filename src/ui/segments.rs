@@ -1,6 +1,6 @@
 //! A segmented control: one choice of a few side by side.
 
-use crate::ui::theme;
+use crate::ui::{theme, tip};
 use egui::{Button, ComboBox, Frame, Margin, TextStyle, TextWrapMode, Ui, WidgetText};
 
 /// One choice: the value, its name, and a sentence about it.
@@ -71,7 +71,7 @@ fn folded<T: Copy + PartialEq>(
             others.iter().find(|(choice, ..)| choice == value).map_or(otherwise, |(_, name, _)| name);
         let list = ComboBox::from_id_salt(name).selected_text(current).height(360.0).show_ui(ui, |ui| {
             for (choice, name, tip) in others {
-                ui.selectable_value(value, *choice, *name).on_hover_text(tip);
+                tip::beside(&ui.selectable_value(value, *choice, *name), tip);
             }
         });
         list.response.accessible_name(name);

@@ -180,7 +180,7 @@ fn two_windows_on_one_file_do_not_overwrite_each_other() {
     fs::write(&path, crate::SCENE).unwrap();
     edit(&mut one);
     save(&mut one);
-    choose(&mut one, "Write over them");
+    choose(&mut one, "Replace");
     assert_eq!(file::read(&path).unwrap(), one.state().editor().document.scene);
     assert!(!one.state().editor().document.is_unsaved());
 }

@@ -157,7 +157,7 @@ fn a_motion_is_exported_and_can_be_cancelled() {
     let never = folder.path().join("never.gif");
     export_motion(&mut screen, &never);
     screen.run_steps(3);
-    screen.get_by_label("Call off").click();
+    screen.get_by_label("Cancel").click();
     rest(&mut screen);
     let notice = screen.state().shown().notice.as_ref().unwrap();
     assert!(notice.text.contains("never.gif is not written"), "{notice:?}");

@@ -119,7 +119,7 @@ fn clients_start_and_stop_the_board_after_the_user_confirmed() {
     say(&socket, "send", &[]);
     until(&mut screen, "the question", |screen| screen.state().editor().dialog.is_some());
     assert_eq!(screen.state().shown().board.plays, Plays::Nothing);
-    screen.get_by_label("Sound").click();
+    screen.get_by_label("Start sound").click();
     until(&mut screen, "the scene", |screen| screen.state().shown().board.plays == Plays::Scene);
     say(&socket, "stop", &[]);
     until(&mut screen, "silence", |screen| screen.state().shown().board.plays == Plays::Nothing);

@@ -20,9 +20,12 @@ pub(super) fn show(shown: &Shown, ui: &mut Ui) {
     ui.add_space(6.0);
     for (name, text) in LICENCES {
         ui.collapsing(format!("Licence: {name}"), |ui| {
-            ScrollArea::vertical().id_salt(name).max_height(220.0).auto_shrink([false, true]).show(ui, |ui| {
-                ui.label(RichText::new(text).small());
-            });
+            ScrollArea::vertical().id_salt(name).max_height(220.0).auto_shrink([false, true]).show(
+                ui,
+                |ui| {
+                    ui.label(RichText::new(text).small());
+                },
+            );
         });
     }
     ui.add_space(8.0);

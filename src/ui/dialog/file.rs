@@ -144,7 +144,8 @@ fn list(
         }
     });
     if entries.is_empty() && folder.problem.is_none() {
-        ui.weak(format!("No {} here", purpose.extensions().join(", ")));
+        let kinds = purpose.extensions().join(", ").to_uppercase();
+        ui.weak(format!("No {kinds} files in this folder"));
     }
     chosen
 }

@@ -81,7 +81,8 @@ fn blocks(text: &str) -> Vec<Block> {
             goes_on = false;
             continue;
         }
-        let begins = !goes_on || line.starts_with("- ") || line.starts_with(|first: char| first.is_ascii_digit());
+        let begins =
+            !goes_on || line.starts_with("- ") || line.starts_with(|first: char| first.is_ascii_digit());
         match (blocks.last_mut(), line) {
             (Some(Block::Code(code)), _) if is_code && goes_on => {
                 code.push('\n');
@@ -101,7 +102,8 @@ fn blocks(text: &str) -> Vec<Block> {
                 let cells = line.trim_matches('|').split('|').map(|cell| plain(cell.trim()));
                 let cells: Vec<String> = cells.collect();
                 match last {
-                    Some(Block::Table(_)) if cells.iter().all(|cell| cell.trim_matches(['-', ':']).is_empty()) => {}
+                    Some(Block::Table(_))
+                        if cells.iter().all(|cell| cell.trim_matches(['-', ':']).is_empty()) => {}
                     Some(Block::Table(rows)) if goes_on => rows.push(cells),
                     _ => blocks.push(Block::Table(vec![cells])),
                 }
@@ -136,7 +138,8 @@ mod tests {
 
     #[test]
     fn a_page_has_headings_paragraphs_code_and_tables() {
-        let text = "# A\none\ntwo [b](c.md)\n\n- x\n- `y`\n```\nk = 1\n\nl\n```\n| n | m |\n|---|---|\n| 1 | 2 |";
+        let text =
+            "# A\none\ntwo [b](c.md)\n\n- x\n- `y`\n```\nk = 1\n\nl\n```\n| n | m |\n|---|---|\n| 1 | 2 |";
         let words = |text: &str| Block::Text(text.to_owned());
         let row = |cells: [&str; 2]| cells.map(str::to_owned).to_vec();
         let expected = [

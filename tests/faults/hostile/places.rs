@@ -65,7 +65,7 @@ fn invalid_settings_and_recovery_files_are_refused() {
         let (mut memory, settings, word) = Memory::at(folder.path());
         assert_eq!(settings, Settings::default());
         let word = word.unwrap();
-        assert!(word.contains("settings.toml is left aside: "), "{word}");
+        assert!(word.contains("settings.toml was ignored: "), "{word}");
         // Writing must not block on a pipe without a reader.
         memory.keep(Settings { section: true, ..Settings::default() }, 0.0);
         drop(memory);
