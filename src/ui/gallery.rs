@@ -133,6 +133,7 @@ fn example(
         return false;
     }
     let card_ui = |ui: &mut Ui| {
+        ui.set_min_size(size);
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.spacing_mut().button_padding = egui::Vec2::ZERO;
         let response = match shown.thumbnails.get(&index) {

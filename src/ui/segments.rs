@@ -29,7 +29,10 @@ pub fn show_before<T: Copy + PartialEq>(
     after: f32,
 ) -> bool {
     let is_long = choices.len() > FEW && theme::is_narrow(ui.ctx());
-    let has_room = width(ui, choices) <= ui.available_size_before_wrap().x - after;
+    // Elsewhere than in a row, the rest of a line tells nothing.
+    let room =
+        if ui.layout().main_wrap() { ui.available_size_before_wrap().x } else { ui.max_rect().width() };
+    let has_room = width(ui, choices) <= room - after;
     let count = if has_room && !is_long { choices.len() } else { 0 };
     folded(ui, name, value, choices, count)
 }

@@ -17,7 +17,7 @@ use crate::ui::{compare, editor::Editor, panels, segments, space, tool};
 /// Range of the plane slider, m.
 const FARTHEST: f64 = 0.3;
 /// Points of the screen: what stands behind the quantities, so that another quantity moves neither them nor the map.
-const OF_QUANTITY: f32 = 320.0;
+const OF_QUANTITY: f32 = 312.0;
 /// Points of the screen in the second row: the numbers of a plane, the slider beside them, overlays, and the brush.
 const POSITION: f32 = 112.0;
 const SLIDER: f32 = 148.0;

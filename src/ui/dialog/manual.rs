@@ -129,7 +129,12 @@ fn plain(line: &str) -> String {
         rest = &rest[start + end + 1..];
     }
     text.push_str(rest);
-    text.replace(['`', '['], "").replace("**", "").replace("\\|", "|").replace('*', "").replace(']', "")
+    text.replace(['`', '['], "")
+        .replace("**", "")
+        .replace("\\|", "|")
+        .replace("&#124;", "|")
+        .replace('*', "")
+        .replace(']', "")
 }
 
 #[cfg(test)]
