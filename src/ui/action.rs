@@ -382,7 +382,7 @@ impl Action {
             (
                 is_one_of(&[Self::Export(Export::Numbers), Self::Export(Export::Profile), Self::Profile])
                     && editor.space.is_on,
-                "Leave the 3D view: this is of the map",
+                "Only for the map: leave the 3D view first",
             ),
             (self == Self::Stop && shown.board.plays == Plays::Nothing, "The board is silent"),
         ];

@@ -41,8 +41,8 @@ impl Cut {
             Self::Xy => "Parallel to the array, at a distance z from it",
             Self::Xz => "Upright, seen from the front: the array lies along the bottom",
             Self::Yz => "Upright, seen from the side: the array lies along the bottom",
-            Self::Free => "Through any point, tilted and turned as you say",
-            Self::Own => "The plane that the scene file gives, however it lies",
+            Self::Free => "Through any point, at any tilt and turn",
+            Self::Own => "The plane of the scene file",
         }
     }
 

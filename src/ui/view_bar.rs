@@ -76,7 +76,7 @@ fn dimensions(editor: &mut Editor, ui: &mut Ui) {
 
 /// Settings of brush and eraser.
 fn brush(editor: &mut Editor, ui: &mut Ui) {
-    let tip = "Of brush and eraser ([ and ])";
+    let tip = "Diameter of brush and eraser ([ and ])";
     let label = ui.label("Diameter").on_hover_text(tip);
     let diameter = &mut editor.brush.diameter;
     panels::bare_number(ui, diameter, MM, tool::DIAMETER).labelled_by(label.id).on_hover_text(tip);

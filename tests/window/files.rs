@@ -46,7 +46,7 @@ fn a_dropped_drawing_becomes_targets_where_it_is_placed() {
     clear(&mut screen);
     drop_file(&mut screen, &path);
     assert!(question(&screen).placement.side > 0.0);
-    assert!(screen.query_by_label("1 line, evenly loud").is_some());
+    assert!(screen.query_by_label("1 line, even pressure").is_some());
     pick(&mut screen, "Stroke", "Spacing");
     assert!(screen.query_by_label_contains("focal points on 1 line").is_some());
     pick(&mut screen, "Stroke", "Continuous");

@@ -126,7 +126,7 @@ fn replace(
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     ui.heading(format!("Replace “{}”?", echo::value(&name)));
     ui.label(format!(
-        "{} is there already; its content would be lost.",
+        "{} already exists; its content would be lost.",
         echo::message(&path.display().to_string())
     ));
     ui.add_space(8.0);

@@ -121,7 +121,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
         ui.spacing_mut().item_spacing.x = 4.0;
         let visible = &mut editor.document.scene.targets[index].visible;
         ui.checkbox(visible, "")
-            .on_hover_text("On; a target that is off stays in the file")
+            .on_hover_text("Played; a target that is not ticked stays in the file")
             .accessible_name(format!("Target {} is played", index + 1));
         let text = if *visible { RichText::new(name) } else { RichText::new(name).weak() };
         // Fills the row, so that the name is left-aligned.
@@ -132,7 +132,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
         let button = egui::Button::selectable(chosen, row).sense(Sense::click_and_drag()).truncate();
         ui.add(button.min_size(egui::vec2(ui.available_width(), 0.0)))
     });
-    let response = row.inner.on_hover_text("Drag it to another place in the list");
+    let response = row.inner.on_hover_text("Drag to reorder the list");
     if response.clicked() {
         match (several, chosen) {
             (false, _) => editor.selection = [index].into(),
@@ -302,7 +302,7 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
         let models: Vec<_> = ElementModel::VARIANTS.iter().map(described).collect();
         choice(ui, ("Directivity", "Of one element"), &mut array.element, &models);
         response(array, ui);
-        let tip = "Random differences of gain between elements, rms; the Solver page shows what they do";
+        let tip = "Random differences of gain between elements, rms; the Solver page shows their effect";
         number(ui, ("Spread of gain", tip), &mut array.spread.gain, PERCENT, 0.0..=1.0);
         let tip = "Random differences of phase between elements, rms";
         number(ui, ("Spread of phase", tip), &mut array.spread.phase, DEGREES, 0.0..=PI);

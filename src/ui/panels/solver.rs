@@ -108,7 +108,7 @@ fn quality(editor: &Editor, shown: &Shown, solution: &Solution, ui: &mut Ui) {
     let quality = &solution.quality;
     heading(ui, "Quality");
     if solution.foci.is_empty() {
-        ui.label("No targets at which the drive could be judged");
+        ui.label("No targets: the quality of the drive is not defined");
         return;
     }
     if quality.is_silent() {
@@ -159,7 +159,7 @@ fn nonlinear(editor: &Editor, ui: &mut Ui) {
         _ => String::new(),
     };
     fact(ui, ("Second harmonic", tip), format!("{:.0} %{linear}", 100.0 * found.harmonic));
-    let tip = "Bound of the air's speed along the beam, which absorbed sound drives";
+    let tip = "Upper bound of the air speed along the beam, driven by absorbed sound";
     fact(ui, ("Streaming", tip), format!("at most {:.1} m/s", found.streaming));
     if let Some(audible) = found.audible {
         let tip = format!(
@@ -186,8 +186,8 @@ fn ranges(editor: &Editor, ui: &mut Ui) {
         for (name, values) in spread::rows(ranges, |pressure| convention.pressure(pressure)) {
             fact(ui, (name, "5, 50 and 95 % of arrays with such elements"), values);
         }
-        let tip = "Over the median: what elements that are measured and corrected would win";
-        fact(ui, ("Calibration wins", tip), spread::won(ranges));
+        let tip = "Over the median: the gain if every element were measured and corrected";
+        fact(ui, ("Gain by calibration", tip), spread::won(ranges));
     });
     ui.label(egui::RichText::new(spread::faults(scene)).weak());
 }
@@ -268,7 +268,7 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
                 ("Method", "Click to use it"),
                 ("Weakest", "Pressure at the weakest focal point"),
                 ("std/mean", "Standard deviation over mean of the focal pressures"),
-                ("Time", "Of the solve, without quality figures"),
+                ("Time", "Solving time, without quality figures"),
             ] {
                 ui.strong(title).on_hover_text(tip);
             }
