@@ -3,8 +3,8 @@
 #[cfg(target_arch = "wasm32")]
 use crate::app::browser;
 use crate::studio::link;
+use crate::ui::Card;
 use crate::ui::document::Document;
-use crate::ui::gallery::Card;
 
 /// A scene to begin with.
 #[derive(Debug)]

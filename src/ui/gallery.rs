@@ -3,7 +3,7 @@
 use egui::{Align2, Area, Button, Frame, Id, Image, Order, Rect, RichText, ScrollArea, Ui, vec2};
 
 use crate::ui::tool::Tool;
-use crate::ui::{command::Command, editor::Editor, shown::Shown};
+use crate::ui::{command::Command, editor::Editor, shown::Card, shown::Shown, theme};
 
 /// Points of the screen: a card's picture, its caption, and the gap between cards.
 const PICTURE: egui::Vec2 = vec2(132.0, 88.0);
@@ -21,13 +21,6 @@ const HINTS: [(&str, &str); 3] = [
     ("Look", "Turn the wheel to zoom, press 1 to 9 for another quantity, and XZ for the side view."),
     ("Find", "Ctrl P lists every command; F1 the keys."),
 ];
-
-/// An example in menus and galleries.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Card {
-    pub group: &'static str,
-    pub title: &'static str,
-}
 
 /// Whether the gallery is over the canvas: the scene is empty, nothing is being drawn, and it was not closed.
 pub fn is_open(editor: &Editor) -> bool {
@@ -105,7 +98,7 @@ pub fn show_cards(
     ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
         ui.spacing_mut().item_spacing = vec2(GAP, GAP);
         for group in cards.chunk_by(|(_, a), (_, b)| a.group == b.group) {
-            ui.label(crate::ui::theme::heading(group[0].1.group));
+            ui.label(theme::heading(group[0].1.group));
             for row in group.chunks(columns) {
                 ui.horizontal(|ui| {
                     for &(index, card) in row {

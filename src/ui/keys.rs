@@ -64,7 +64,7 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
         return;
     }
     let in_field = is_in_field(ctx);
-    if !in_field && pen::keys(editor, ctx) {
+    if !in_field && pen::keys(editor, ctx, !cursor::has_focus(ctx)) {
         return;
     }
     let mut actions: Vec<_> =

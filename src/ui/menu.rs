@@ -17,6 +17,7 @@ const TOOL: f32 = 32.0;
 const GAP: f32 = 4.0;
 /// Points of the screen: a check mark.
 const CHECK: f32 = 10.0;
+const MARK: &str = "check mark";
 /// Connected and silent.
 const SILENT: Color32 = Color32::from_rgb(70, 190, 110);
 
@@ -134,16 +135,21 @@ fn examples(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     }
 }
 
+/// The place of a check mark.
+fn check() -> Atom<'static> {
+    Atom::custom(IdSalt::new(MARK), vec2(CHECK, CHECK))
+}
+
 /// An action in a menu, with a check mark if it switches something on.
 fn item(action: Action, editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let possible = action.possible(editor, shown);
     let keys = action.shortcut(ui.ctx());
     let is_on = action.is_on(editor, ui.ctx());
-    let (mark, name) = (IdSalt::new("check mark"), action.name());
-    let button = Button::new((Atom::custom(mark, vec2(CHECK, CHECK)), name.clone()));
+    let name = action.name();
+    let button = Button::new((check(), name.clone()));
     let button = if keys.is_empty() { button } else { button.shortcut_text(keys) };
     let drawn = ui.add_enabled_ui(possible.is_ok(), |ui| button.atom_ui(ui)).inner;
-    if let (Some(true), Some(rect)) = (is_on, drawn.rect(mark)) {
+    if let (Some(true), Some(rect)) = (is_on, drawn.rect(IdSalt::new(MARK))) {
         let at = |x: f32, y: f32| rect.center() + vec2(x, y) * (CHECK / 2.0);
         let line = vec![at(-0.8, 0.0), at(-0.25, 0.6), at(0.8, -0.65)];
         ui.painter().line(line, Stroke::new(1.6, ui.visuals().text_color()));
@@ -173,7 +179,7 @@ fn file(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
         item(action, editor, shown, ui, commands);
         if action == Action::Open {
             ui.add_enabled_ui(!shown.recent.is_empty(), |ui| {
-                ui.menu_button("Open recent", |ui| recent(editor, &shown.recent, ui, commands));
+                ui.menu_button((check(), "Open recent"), |ui| recent(editor, &shown.recent, ui, commands));
             });
         }
     }
@@ -194,7 +200,7 @@ fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
         item(action, editor, shown, ui, commands);
     }
     ui.separator();
-    ui.menu_button("Scale", |ui| {
+    ui.menu_button((check(), "Scale"), |ui| {
         for factor in action::SCALES {
             let is_chosen = (ui.ctx().zoom_factor() - factor).abs() < 0.01;
             if ui.selectable_label(is_chosen, format!("{:.0} %", factor * 100.0)).clicked() {

@@ -71,7 +71,7 @@ pub use layout::Layout;
 pub use layout::Panel;
 pub use map::{Map, Texture};
 pub use playback::{Oscillation, Playback};
-pub use shown::{MethodRow, Notice, ServingShown, Shown};
+pub use shown::{Card, MethodRow, Notice, ServingShown, Shown};
 pub use sound::Sound;
 
 /// Whether the window is a page of a browser.

@@ -7,7 +7,7 @@ use crate::import::curve::{Knot, flattened};
 use crate::ui::gesture::{Gesture, Pen};
 use crate::ui::tool::Tool;
 use crate::ui::view::{Axes, Lens};
-use crate::ui::{cursor, edit, editor::Editor, handle, theme, tool};
+use crate::ui::{edit, editor::Editor, handle, theme, tool};
 
 /// Pick distance of the first and the last knot in points.
 const REACH: f32 = 8.0;
@@ -64,13 +64,14 @@ pub fn end(editor: &mut Editor) {
     }
 }
 
-/// Acts on the keys of a path being drawn. Returns whether there was one.
-pub fn keys(editor: &mut Editor, ctx: &Context) -> bool {
+/// Acts on the keys of a path being drawn; Enter ends it unless it draws at the keyboard's cross. Returns whether
+/// there was one.
+pub fn keys(editor: &mut Editor, ctx: &Context, ends_by_enter: bool) -> bool {
     if editor.pen.is_none() {
         return false;
     }
     let pressed = |key: Key| ctx.input(|input| input.key_pressed(key));
-    if pressed(Key::Escape) || (pressed(Key::Enter) && !cursor::has_focus(ctx)) {
+    if pressed(Key::Escape) || (pressed(Key::Enter) && ends_by_enter) {
         end(editor);
         return true;
     }

@@ -30,8 +30,9 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     let is_meant = response.is_pointer_button_down_on() || response.clicked();
     let pressed = is_meant && ui.input(|input| input.pointer.primary_pressed());
     if !is_meant && ui.input(|input| input.pointer.any_pressed()) {
-        // A click outside the canvas may change the list that contains the text.
+        // A click outside the canvas may change the list that contains the text or the path.
         typing::end(editor);
+        pen::end(editor);
     }
     if editor.tool != Tool::Pen {
         pen::end(editor);

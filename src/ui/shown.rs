@@ -11,7 +11,6 @@ use crate::solver::Solution;
 use crate::solver::frames::Sequence;
 use crate::ui::beside;
 use crate::ui::board::BoardShown;
-use crate::ui::gallery::Card;
 use crate::ui::map::{Map, Texture};
 use crate::ui::sound::Sound;
 use crate::ui::space::view::SpaceShown;
@@ -61,6 +60,13 @@ pub struct Shown {
     pub export: Option<(String, f32)>,
     /// The preview in the figure dialog, or an error; `None` while pending.
     pub figure: Option<Result<Preview, String>>,
+}
+
+/// An example in menus and galleries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Card {
+    pub group: &'static str,
+    pub title: &'static str,
 }
 
 /// Addresses of live control, and message counts.
