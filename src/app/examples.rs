@@ -3,6 +3,7 @@
 #[cfg(target_arch = "wasm32")]
 use crate::app::browser;
 use crate::studio::link;
+use crate::ui::Card;
 use crate::ui::document::Document;
 
 /// A scene to begin with.
@@ -10,58 +11,63 @@ use crate::ui::document::Document;
 pub struct Example {
     /// The file's, without its ending.
     pub name: &'static str,
-    /// Title in menus and in the gallery.
-    pub title: &'static str,
+    /// Group and title in menus and in the gallery.
+    pub card: Card,
     pub text: &'static str,
 }
 
+const HAPTICS: &str = "Haptics";
+const PAPER: &str = "Figures of the paper";
+const WATER: &str = "Water and light";
+const LEVITATION: &str = "Boards and levitation";
+
 macro_rules! example {
-    ($name:literal, $title:literal) => {
+    ($group:expr, $name:literal, $title:literal) => {
         Example {
             name: $name,
-            title: $title,
+            card: Card { group: $group, title: $title },
             text: include_str!(concat!("../../assets/scenes/", $name, ".toml")),
         }
     };
 }
 
-/// The first one is shown at the start.
+/// The first one is shown at the start; those of a group follow each other.
 pub const EXAMPLES: &[Example] = &[
-    example!("hit", "The word HIT"),
-    example!("heart", "A heart"),
-    example!("heart-and-hit", "A heart around HIT"),
-    example!("star", "A star"),
-    example!("filled-star", "A filled star"),
-    example!("broad-h", "A broad H"),
-    example!("letter-h", "The letter H"),
-    example!("letter-i", "The letter I"),
-    example!("letter-t", "The letter T"),
-    example!("hit-vertical", "HIT, standing upright"),
-    example!("hit-letter-by-letter", "HIT, letter by letter"),
-    example!("focus-centre", "One focus"),
-    example!("focus-off-centre", "One focus off the axis"),
-    example!("points-2", "Two foci"),
-    example!("points-4", "Four foci"),
-    example!("five-points", "Five foci"),
-    example!("line", "A line"),
-    example!("circle", "A circle"),
-    example!("circle-figure-eight", "A ring on a figure-eight"),
-    example!("rectangle", "A rectangle"),
-    example!("triangle", "A triangle"),
-    example!("two-boards", "Two boards face to face"),
-    example!("standing-wave", "A standing wave over a liquid"),
-    example!("levitated-beads", "Two levitated beads"),
-    example!("water-two-points", "Water: two depressions"),
-    example!("water-three-points", "Water: three depressions"),
-    example!("water-moving-square", "Water: a moving square"),
-    example!("water-up-down-left-right", "Water: up, down, left, right"),
-    example!("caustic-circle", "Caustic: a ring"),
-    example!("caustic-hit", "Caustic: HIT"),
-    example!("water-heart", "Water: a heart"),
-    example!("water-circle", "Water: a circle"),
-    example!("water-line", "Water: a line"),
-    example!("water-rectangle", "Water: a rectangle"),
-    example!("water-triangle", "Water: a triangle"),
+    example!(HAPTICS, "hit", "The word HIT"),
+    example!(HAPTICS, "heart", "A heart"),
+    example!(HAPTICS, "heart-and-hit", "A heart around HIT"),
+    example!(HAPTICS, "star", "A star"),
+    example!(HAPTICS, "filled-star", "A filled star"),
+    example!(HAPTICS, "broad-h", "A broad H"),
+    example!(HAPTICS, "hit-vertical", "HIT, standing upright"),
+    example!(HAPTICS, "circle-figure-eight", "A ring on a figure-eight"),
+    example!(PAPER, "focus-centre", "Figure 2: one focus"),
+    example!(PAPER, "focus-off-centre", "Figure 2: off the axis"),
+    example!(PAPER, "points-2", "Figure 3: two foci"),
+    example!(PAPER, "points-4", "Figure 3: four foci"),
+    example!(PAPER, "circle", "Figure 4: a circle"),
+    example!(PAPER, "rectangle", "Figure 4: a rectangle"),
+    example!(PAPER, "triangle", "Figure 4: a triangle"),
+    example!(PAPER, "letter-h", "Figure 5: the letter H"),
+    example!(PAPER, "letter-i", "Figure 5: the letter I"),
+    example!(PAPER, "letter-t", "Figure 5: the letter T"),
+    example!(PAPER, "hit-letter-by-letter", "Figure 5: H, I, T in turn"),
+    example!(PAPER, "five-points", "Figures 6, 7: five foci"),
+    example!(PAPER, "water-two-points", "Figure 12: two depressions"),
+    example!(PAPER, "water-three-points", "Figure 12: three depressions"),
+    example!(PAPER, "line", "Figure 13: a line"),
+    example!(PAPER, "water-line", "Figure 13: a line on water"),
+    example!(PAPER, "water-moving-square", "Moving point: a square"),
+    example!(PAPER, "water-up-down-left-right", "Moving point: four ways"),
+    example!(WATER, "water-heart", "A heart on water"),
+    example!(WATER, "water-circle", "A circle on water"),
+    example!(WATER, "water-rectangle", "A rectangle on water"),
+    example!(WATER, "water-triangle", "A triangle on water"),
+    example!(WATER, "caustic-circle", "Caustic: a ring"),
+    example!(WATER, "caustic-hit", "Caustic: HIT"),
+    example!(WATER, "standing-wave", "A standing wave over a liquid"),
+    example!(LEVITATION, "two-boards", "Two boards face to face"),
+    example!(LEVITATION, "levitated-beads", "Two levitated beads"),
 ];
 
 /// An example scene as a document without a file.
@@ -95,7 +101,7 @@ mod tests {
         let mut titles = std::collections::BTreeSet::new();
         for example in EXAMPLES {
             file::parse(example.text, example.name.as_ref()).unwrap();
-            assert!(titles.insert(example.title), "{} is called as another", example.name);
+            assert!(titles.insert(example.card.title), "{} is called as another", example.name);
         }
     }
 }

@@ -576,19 +576,6 @@ impl Mapping {
     }
 }
 
-/// Position of a shaded surface on the canvas.
-fn place(width: usize, height: usize) -> Place {
-    let (high, ground) = (height as f64, theme::ground(false));
-    Place {
-        width,
-        height,
-        side: SHADED_SIDE * high,
-        top: SHADED_TOP * high,
-        bottom: SHADED_BOTTOM * high,
-        ground: [ground.r(), ground.g(), ground.b()],
-    }
-}
-
 /// A picture with its lowest row first, as maps are.
 fn from_top(picture: &Picture) -> ColorImage {
     let mut pixels = Vec::with_capacity(picture.width * picture.height);

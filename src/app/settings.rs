@@ -38,7 +38,7 @@ const LARGEST: f32 = 16_384.0;
 const THEMES: [(ThemePreference, &str); 3] =
     [(ThemePreference::System, "system"), (ThemePreference::Dark, "dark"), (ThemePreference::Light, "light")];
 
-const GROUNDS: [(Option<bool>, &str); 3] = [(None, "theme"), (Some(false), "dark"), (Some(true), "light")];
+const GROUNDS: [(bool, &str); 2] = [(false, "dark"), (true, "light")];
 
 /// The name of a value in the file; the first one by default.
 fn name<T: PartialEq>(names: &[(T, &'static str)], value: &T) -> String {
@@ -86,7 +86,7 @@ pub struct Settings {
     pub floor: f64,
     /// The brightness of phase maps follows the amplitude.
     pub fades: bool,
-    /// Ground of maps: that of the theme, dark or light.
+    /// Ground of maps: dark or light.
     pub ground: String,
     /// Pressures are stated as peak amplitudes.
     pub peak: bool,
@@ -160,7 +160,7 @@ impl Settings {
             decibels: view.scale == Scale::Logarithmic,
             floor: view.floor,
             fades: view.fades,
-            ground: name(&GROUNDS, &view.ground),
+            ground: name(&GROUNDS, &view.is_light),
             peak: view.convention == Convention::Peak,
             grid: editor.grid,
             snaps: editor.snaps,
@@ -194,7 +194,7 @@ impl Settings {
         (view.elements, view.extremes, view.palm) = (self.elements, self.extremes, self.palm);
         (view.contour_level, view.threshold_contours) = (self.contour_level, self.threshold_contours);
         (view.floor, view.fades) = (self.floor, self.fades);
-        view.ground = value(&GROUNDS, &self.ground).unwrap_or(None);
+        view.is_light = value(&GROUNDS, &self.ground).unwrap_or(false);
         (view.contours, view.shaded) = (self.contours, self.shaded);
         view.scale = if self.decibels { Scale::Logarithmic } else { Scale::Linear };
         view.convention = if self.peak { Convention::Peak } else { Convention::Rms };
@@ -388,7 +388,7 @@ mod tests {
         ] {
             *toggle = !*toggle;
         }
-        (view.contour_level, view.floor, view.ground) = (-3.0, 0.01, Some(true));
+        (view.contour_level, view.floor, view.is_light) = (-3.0, 0.01, true);
         (view.colours, view.scale) = (ColourMap::Viridis, Scale::Logarithmic);
         view.convention = Convention::Peak;
         let window = Settings {

@@ -31,10 +31,11 @@ pub struct SlowMaps {
     kept: VecDeque<Made>,
 }
 
-/// Whether a map takes longer than a frame of the window.
+/// Whether a map takes longer than a frame of the window. Those of a given surface play.
 pub fn is_slow(request: &Request) -> bool {
     let declaration = request.quantity.declaration();
-    !declaration.has_formula() || declaration.of_light || request.drives.len() > MOST_DRIVES
+    let is_long = !declaration.has_formula() || declaration.of_light || request.drives.len() > MOST_DRIVES;
+    is_long && request.depth.is_none()
 }
 
 impl SlowMaps {

@@ -85,7 +85,7 @@ impl Window {
         ctx.options_mut(|options| options.max_passes = NonZeroUsize::MIN.saturating_add(PASSES - 1));
         let workshop = Workshop::new(evaluator, screen);
         let shown = Shown {
-            examples: EXAMPLES.iter().map(|example| example.title.to_owned()).collect(),
+            examples: EXAMPLES.iter().map(|example| example.card).collect(),
             evaluator: workshop.mapping.evaluator(),
             board: Board::shown(),
             ..Shown::default()
@@ -393,11 +393,16 @@ impl eframe::App for Window {
     }
 }
 
+/// Whether the last pass was not its layout's final one: a new grid is sized in one pass and drawn in the next.
+fn is_unfinished(ctx: &egui::Context) -> bool {
+    ctx.output(egui::PlatformOutput::requested_discard)
+}
+
 impl Window {
     /// One frame: input is processed, changed values are recomputed, and everything is drawn.
     pub fn frame(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
-        let before = self.editor.seen();
+        let (before, theme) = (self.editor.seen(), ctx.theme());
         self.board.attend(&mut self.shown);
         self.serving.exchange(&mut self.editor, &self.shown, &ctx);
         let Self { editor, shown, workshop, board, .. } = self;
@@ -437,6 +442,8 @@ impl Window {
         self.name_window(&ctx);
         self.keep(&ctx);
         self.keep_settings(&ctx);
+        // The ground of the panels is cleared before the first pass of a frame.
+        self.owes_frame |= ctx.theme() != theme;
         self.settle(&ctx, before != self.editor.seen());
         #[cfg(target_arch = "wasm32")]
         browser::count_frame();
@@ -451,7 +458,7 @@ impl Window {
         let is_unsettled = passes > 1 || has_changed || ctx.input(|input| !input.events.is_empty());
         if is_unsettled && passes < PASSES {
             ctx.request_discard("settling");
-        } else if std::mem::take(&mut self.owes_frame) || has_changed {
+        } else if std::mem::take(&mut self.owes_frame) || has_changed || is_unfinished(ctx) {
             // eframe forgets requests of earlier passes.
             ctx.request_repaint();
         }

@@ -8,9 +8,16 @@ pub struct Line {
     /// One at least; of a closed line the first is not repeated at the end.
     pub points: Vec<DVec2>,
     pub closed: bool,
+    /// Its label or identifier in the drawing, or nothing.
+    pub name: String,
 }
 
 impl Line {
+    /// A line without a name.
+    pub fn new(points: Vec<DVec2>, closed: bool) -> Self {
+        Self { points, closed, name: String::new() }
+    }
+
     pub fn length(&self) -> f64 {
         self.pieces().map(|[a, b]| a.distance(b)).sum()
     }
@@ -51,7 +58,7 @@ impl Line {
         if self.closed {
             kept.pop();
         }
-        Self { points: kept, closed: self.closed }
+        Self { points: kept, closed: self.closed, name: self.name.clone() }
     }
 
     /// The same line with at most `most` points, two at least.
@@ -73,7 +80,7 @@ impl Line {
             if left < piece {
                 let mut points = vec![pair[0].lerp(pair[1], left / piece)];
                 points.extend(&self.points[i + 1..]);
-                return Some(Self { points, closed: false });
+                return Some(Self { points, closed: false, name: self.name.clone() });
             }
             left -= piece;
         }
@@ -98,7 +105,7 @@ mod tests {
 
     fn ring(points: u32) -> Line {
         let at = |i: u32| DVec2::from_angle(std::f64::consts::TAU * f64::from(i) / f64::from(points));
-        Line { points: (0..points).map(at).collect(), closed: true }
+        Line::new((0..points).map(at).collect(), true)
     }
 
     #[test]
@@ -108,18 +115,15 @@ mod tests {
         assert!(simple.closed && (70..150).contains(&simple.points.len()), "{}", simple.points.len());
         assert!(ring.points.iter().all(|&point| simple.distance(point) <= 1e-3));
         assert!((simple.length() / ring.length() - 1.0).abs() < 2e-3);
-        let bent = Line {
-            points: [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(DVec2::from).into(),
-            closed: false,
-        };
+        let corners = [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0), (2.0, 3.0)];
+        let bent = Line::new(corners.map(DVec2::from).into(), false);
         assert_eq!(bent.simplified(1e-6).points, [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(DVec2::from));
         assert!(ring.with_at_most(12, 1e-9).points.len() <= 12);
     }
 
     #[test]
     fn a_line_is_cut_off_at_its_beginning() {
-        let bent =
-            Line { points: [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(DVec2::from).into(), closed: false };
+        let bent = Line::new([(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(DVec2::from).into(), false);
         assert_eq!(bent.length(), 5.0);
         let rest = bent.without_beginning(2.5).unwrap();
         assert_eq!(rest.points, [(2.0, 0.5), (2.0, 3.0)].map(DVec2::from));

@@ -5,6 +5,7 @@
 //! drawings by the part of their grey variance between paper and ink. This module accesses neither files nor the
 //! window.
 
+pub mod curve;
 mod drawing;
 mod ink;
 mod line;

@@ -78,10 +78,11 @@ impl Placement {
         let world = |point: DVec2| self.at + (self.x * point.x + self.y * point.y) * self.side;
         if line.length() * self.side < shortest {
             let middle = line.points.iter().sum::<DVec2>() / line.points.len().max(1) as f64;
-            return Target::new(Shape::Point { at: world(middle) });
+            return Target { name: line.name.clone(), ..Target::new(Shape::Point { at: world(middle) }) };
         }
         let vertices = line.points.iter().map(|&point| world(point)).collect();
-        Target { sampling, ..Target::new(Shape::Path { vertices, closed: line.closed }) }
+        let path = Target::new(Shape::Path { vertices, closed: line.closed });
+        Target { sampling, name: line.name.clone(), ..path }
     }
 }
 
@@ -111,7 +112,7 @@ mod tests {
     }
 
     fn line(points: &[(f64, f64)]) -> Line {
-        Line { points: points.iter().map(|&point| DVec2::from(point)).collect(), closed: false }
+        Line::new(points.iter().map(|&point| DVec2::from(point)).collect(), false)
     }
 
     fn foci(targets: Vec<Target>) -> Vec<DVec3> {

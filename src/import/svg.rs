@@ -1,11 +1,14 @@
 //! The painted paths of an SVG as polylines. usvg resolves styles, units, transforms and the view box.
 
+use std::collections::BTreeMap;
+
 use glam::DVec2;
 use kurbo::{BezPath, PathEl, Point};
 use usvg::tiny_skia_path::{self, PathSegment};
 use usvg::{Group, Node, Options, Paint, Path, Transform, Tree, roxmltree};
 
 use crate::import::{ImportError, Line};
+use crate::scene::check::MOST_LETTERS;
 
 /// Largest deviation from a curve relative to the size of its path: a circle has about 100 vertices.
 const FINENESS: f64 = 2e-4;
@@ -51,7 +54,7 @@ fn lines_of(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
     let tree =
         Tree::from_xmltree(&document, &options).map_err(|error| ImportError::Svg(error.to_string()))?;
     let mut lines = Vec::new();
-    gather(tree.root(), &mut lines);
+    gather(tree.root(), "", &labels(&document), &mut lines);
     if lines.is_empty() {
         return Err(ImportError::NoPaths { has_text });
     }
@@ -63,6 +66,17 @@ fn lines_of(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
         remarks.push("Pictures inside the SVG are left out.".to_owned());
     }
     Ok((lines, remarks))
+}
+
+/// Labels of elements, as drawing programs show them, by identifier.
+type Labels = BTreeMap<String, String>;
+
+fn labels(document: &roxmltree::Document<'_>) -> Labels {
+    const INKSCAPE: &str = "http://www.inkscape.org/namespaces/inkscape";
+    let label = |node: roxmltree::Node<'_, '_>| {
+        Some((node.attribute("id")?.to_owned(), node.attribute((INKSCAPE, "label"))?.to_owned()))
+    };
+    document.descendants().filter_map(label).collect()
 }
 
 /// Number of nodes if markers are drawn at every vertex: usvg creates them individually.
@@ -84,11 +98,19 @@ fn places_of_markers(document: &roxmltree::Document<'_>) -> Option<usize> {
     nodes().any(asks).then(|| nodes().map(vertices).sum::<usize>().saturating_mul(marks))
 }
 
-fn gather(group: &Group, lines: &mut Vec<Line>) {
+/// The paths of a group; those without a name have the group's, which is `name`.
+fn gather(group: &Group, name: &str, labels: &Labels, lines: &mut Vec<Line>) {
+    let named = |id: &str| match (labels.get(id), id) {
+        (Some(label), _) => label.clone(),
+        (None, "") => name.to_owned(),
+        (None, id) => id.to_owned(),
+    };
     for node in group.children() {
         match node {
-            Node::Group(group) => gather(group, lines),
-            Node::Path(path) if path.is_visible() && !is_paper(path) => flatten(path, lines),
+            Node::Group(group) => gather(group, &named(group.id()), labels, lines),
+            Node::Path(path) if path.is_visible() && !is_paper(path) => {
+                flatten(path, &named(path.id()), lines);
+            }
             _ => {}
         }
     }
@@ -101,8 +123,9 @@ fn is_paper(path: &Path) -> bool {
 }
 
 /// The subpaths of a path.
-fn flatten(path: &Path, lines: &mut Vec<Line>) {
-    let mut line = Line { points: Vec::new(), closed: false };
+fn flatten(path: &Path, name: &str, lines: &mut Vec<Line>) {
+    let name: String = name.chars().filter(|letter| !letter.is_control()).take(MOST_LETTERS).collect();
+    let mut line = Line::new(Vec::new(), false);
     let mut end = |line: &mut Line| {
         line.points.dedup();
         if line.closed && line.points.first() == line.points.last() {
@@ -110,9 +133,9 @@ fn flatten(path: &Path, lines: &mut Vec<Line>) {
         }
         // Two points that close are a line there and back.
         line.closed &= line.points.len() > 2;
-        let done = std::mem::replace(line, Line { points: Vec::new(), closed: false });
+        let done = std::mem::replace(line, Line::new(Vec::new(), false));
         if done.points.len() > 1 {
-            lines.push(done);
+            lines.push(Line { name: name.clone(), ..done });
         }
     };
     let size = path.abs_bounding_box();

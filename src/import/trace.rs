@@ -220,7 +220,7 @@ fn line(chain: Chain) -> Line {
     if closed {
         points.pop();
     }
-    Line { points, closed }
+    Line::new(points, closed)
 }
 
 /// Corners between straight sides stay; between them pixel steps are smoothed.
@@ -237,11 +237,11 @@ fn smooth(line: &Line, width: f64) -> Line {
             let shifted: Vec<_> = corners.iter().map(|corner| corner - first).collect();
             let mut points = between(&line.points, &shifted);
             points.pop();
-            return Line { points, closed: true };
+            return Line::new(points, true);
         }
-        return Line { points: rounded(&line.points), closed: true };
+        return Line::new(rounded(&line.points), true);
     }
-    Line { points: between(&line.points, &corners), closed: false }
+    Line::new(between(&line.points, &corners), false)
 }
 
 /// Restores corners cut by thinning, to the intersection of the sides as far as these are straight.

@@ -14,8 +14,8 @@ use crate::ui::playback::Moment;
 use crate::ui::tool;
 use crate::ui::tool::Tool;
 use crate::ui::{
-    IN_PAGE, clipboard, dialog::state::Dialog, editor::Editor, figure, group, layout::Panel, level, shown::Shown,
-    timeline, way,
+    IN_PAGE, clipboard, dialog::state::Dialog, editor::Editor, figure, group, layout::Panel, level,
+    shown::Shown, timeline, way,
 };
 
 /// Factor per step of the window's scale, and its limits.
@@ -28,6 +28,7 @@ pub const SCALES: [f32; 6] = [0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 pub enum Action {
     New,
     Open,
+    Examples,
     Save,
     SaveAs,
     Import,
@@ -45,6 +46,7 @@ pub enum Action {
     Group,
     Ungroup,
     Snap,
+    Grid,
     Export(Export),
     Tool(Tool),
     SmallerBrush,
@@ -64,13 +66,16 @@ pub enum Action {
     Larger,
     Smaller,
     UsualScale,
-    SwitchTheme,
+    DarkTheme,
+    WhiteBackground,
     Send,
     PlayMotion,
     Stop,
     Serve,
     Palette,
+    Manual,
     Help,
+    About,
 }
 
 /// Position of an action in the menus and in the help.
@@ -105,6 +110,7 @@ impl Action {
         let mut all = vec![
             A::New,
             A::Open,
+            A::Examples,
             A::Save,
             A::SaveAs,
             A::Import,
@@ -115,7 +121,17 @@ impl Action {
             A::Redo,
             A::Cut,
         ];
-        all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Group, A::Ungroup, A::Snap]);
+        all.extend([
+            A::Copy,
+            A::Paste,
+            A::Duplicate,
+            A::Delete,
+            A::SelectAll,
+            A::Group,
+            A::Ungroup,
+            A::Snap,
+            A::Grid,
+        ]);
         all.extend(
             [
                 Export::Figure(Format::Pdf),
@@ -135,8 +151,9 @@ impl Action {
         all.extend([A::ShowEverything, A::Space, A::Targets, A::Profile]);
         all.extend([A::Play, A::Mean, A::Waves, A::Timeline]);
         all.extend(Panel::VARIANTS.iter().copied().map(A::ShowPanel));
-        all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale, A::SwitchTheme]);
-        all.extend([A::Send, A::PlayMotion, A::Stop, A::Serve, A::Palette, A::Help]);
+        all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale]);
+        all.extend([A::DarkTheme, A::WhiteBackground]);
+        all.extend([A::Send, A::PlayMotion, A::Stop, A::Serve, A::Palette, A::Manual, A::Help, A::About]);
         // A page ends as the browser ends it, and has no sockets.
         all.retain(|action| !(IN_PAGE && [A::Quit, A::Serve].contains(action)));
         all
@@ -146,6 +163,7 @@ impl Action {
         let name = match self {
             Self::New => "New",
             Self::Open => "Open…",
+            Self::Examples => "Examples…",
             Self::Save => "Save",
             Self::SaveAs => "Save as…",
             Self::Import => "Import drawing…",
@@ -163,6 +181,7 @@ impl Action {
             Self::Group => "Group",
             Self::Ungroup => "Ungroup",
             Self::Snap => "Snap to the grid",
+            Self::Grid => "Show the grid",
             Self::Export(Export::Figure(_)) => "Figure…",
             Self::Export(Export::Map) => "View as PNG…",
             Self::Export(Export::Sheet) => "Sheet as PNG…",
@@ -185,18 +204,21 @@ impl Action {
             Self::Timeline => "Timeline in presentation mode",
             Self::ShowPanel(Panel::Motion) => "Motion & modulation panel",
             Self::ShowPanel(panel) => return format!("{} panel", panel.into_str()),
-            Self::TogglePanel => "Panel on or off",
+            Self::TogglePanel => "Show panel",
             Self::Present => "Presentation mode",
             Self::Larger => "Larger window scale",
             Self::Smaller => "Smaller window scale",
             Self::UsualScale => "Usual window scale",
-            Self::SwitchTheme => "Light or dark",
+            Self::DarkTheme => "Dark theme",
+            Self::WhiteBackground => "White background",
             Self::Send => "Send to the board",
             Self::PlayMotion => "Play the motion on the board",
             Self::Stop => "Stop the board",
             Self::Serve => "Allow remote control",
             Self::Palette => "All commands…",
-            Self::Help => "Keys and tools",
+            Self::Manual => "Manual…",
+            Self::Help => "Keys and tools…",
+            Self::About => "About Sonoglyph…",
         };
         name.to_owned()
     }
@@ -205,6 +227,7 @@ impl Action {
         match self {
             Self::New
             | Self::Open
+            | Self::Examples
             | Self::Save
             | Self::SaveAs
             | Self::Import
@@ -221,7 +244,8 @@ impl Action {
             | Self::SelectAll
             | Self::Group
             | Self::Ungroup
-            | Self::Snap => Group::Edit,
+            | Self::Snap
+            | Self::Grid => Group::Edit,
             Self::Export(_) => Group::Export,
             Self::Tool(_) | Self::SmallerBrush | Self::LargerBrush => Group::Tools,
             Self::Quantity(_)
@@ -239,9 +263,10 @@ impl Action {
             | Self::Larger
             | Self::Smaller
             | Self::UsualScale
-            | Self::SwitchTheme => Group::View,
+            | Self::DarkTheme
+            | Self::WhiteBackground => Group::View,
             Self::Send | Self::PlayMotion | Self::Stop | Self::Serve => Group::Board,
-            Self::Palette | Self::Help => Group::Help,
+            Self::Palette | Self::Manual | Self::Help | Self::About => Group::Help,
         }
     }
 
@@ -281,14 +306,19 @@ impl Action {
             Self::UsualScale => vec![ctrl(Key::Num0)],
             Self::Palette => vec![ctrl(Key::P)],
             Self::Help => vec![plain(Key::F1)],
-            Self::Import
+            Self::Examples
+            | Self::Grid
+            | Self::WhiteBackground
+            | Self::Manual
+            | Self::About
+            | Self::Import
             | Self::OpenDrive
             | Self::CopyLink
             | Self::Export(_)
             | Self::Mean
             | Self::Waves
             | Self::ShowPanel(_)
-            | Self::SwitchTheme
+            | Self::DarkTheme
             | Self::Send
             | Self::PlayMotion
             | Self::Stop
@@ -301,7 +331,7 @@ impl Action {
         if self == Self::Stop {
             return "Esc Esc".to_owned();
         }
-        self.keys().first().map_or_else(String::new, |keys| ctx.format_shortcut(keys))
+        self.keys().first().map_or_else(String::new, |keys| written(keys, ctx))
     }
 
     /// Whether its keys also act while a widget has the keyboard: neither letters nor text editing keys.
@@ -322,6 +352,22 @@ impl Action {
                 | Self::Palette
                 | Self::Help
         )
+    }
+
+    /// Whether what it switches is on; `None` of an action that switches nothing.
+    pub fn is_on(self, editor: &Editor, ctx: &Context) -> Option<bool> {
+        let switches = [
+            (Self::Snap, editor.snaps),
+            (Self::Grid, editor.view.grid),
+            (Self::Space, editor.space.is_on),
+            (Self::Targets, editor.view.marks),
+            (Self::Profile, editor.view.section),
+            (Self::TogglePanel, editor.layout.has_panel(ctx)),
+            (Self::Present, editor.layout.presents),
+            (Self::DarkTheme, ctx.theme() == Theme::Dark),
+            (Self::WhiteBackground, editor.view.is_light),
+        ];
+        switches.into_iter().find(|(action, _)| *action == self).map(|(_, is_on)| is_on)
     }
 
     /// Why it cannot be done now.
@@ -363,7 +409,7 @@ impl Action {
             (
                 is_one_of(&[Self::Export(Export::Numbers), Self::Export(Export::Profile), Self::Profile])
                     && editor.space.is_on,
-                "Leave the 3D view: this is of the map",
+                "Only for the map: leave the 3D view first",
             ),
             (
                 self == Self::Play && !timeline::can_play(editor),
@@ -392,6 +438,7 @@ impl Action {
         match self {
             Self::New => editor.ask(Command::New, commands),
             Self::Open => ask_for_file(Purpose::Open),
+            Self::Examples => editor.dialog = Some(Dialog::Examples),
             Self::Save => commands.push(Command::Save),
             Self::SaveAs => ask_for_file(Purpose::SaveAs),
             Self::Import => ask_for_file(Purpose::Import),
@@ -412,6 +459,7 @@ impl Action {
             Self::Ungroup => group::rename(&mut editor.document.scene, &editor.selection, ""),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
             Self::Snap => editor.snaps = !editor.snaps,
+            Self::Grid => editor.view.grid = !editor.view.grid,
             Self::Export(Export::Figure(_)) => {
                 let pieces = figure::displayed(editor, shown);
                 editor.figure.follow(&editor.view, &editor.document.scene, pieces);
@@ -441,7 +489,8 @@ impl Action {
             Self::Larger => scale(ctx, ctx.zoom_factor() * SCALE_STEP),
             Self::Smaller => scale(ctx, ctx.zoom_factor() / SCALE_STEP),
             Self::UsualScale => scale(ctx, 1.0),
-            Self::SwitchTheme => {
+            Self::WhiteBackground => editor.view.is_light = !editor.view.is_light,
+            Self::DarkTheme => {
                 let is_dark = ctx.theme() == Theme::Dark;
                 ctx.set_theme(if is_dark { Theme::Light } else { Theme::Dark });
             }
@@ -450,7 +499,9 @@ impl Action {
             Self::Stop => commands.push(Command::Board(BoardCommand::Stop)),
             Self::Serve => commands.push(Command::Serve(shown.serving.is_none())),
             Self::Palette => editor.dialog = Some(Dialog::Palette { text: String::new(), chosen: 0 }),
+            Self::Manual => editor.dialog = Some(Dialog::Manual(0)),
             Self::Help => editor.dialog = Some(Dialog::Help),
+            Self::About => editor.dialog = Some(Dialog::About),
         }
     }
 }
@@ -470,6 +521,13 @@ fn send(editor: &mut Editor, shown: &Shown, commands: &mut Vec<Command>) {
     }
     let moves = motion::moves(editor.scene());
     commands.push(Command::Board(if moves { BoardCommand::PlayMotion } else { BoardCommand::Send }));
+}
+
+/// A shortcut by the signs on the keys, such as "Ctrl +".
+fn written(keys: &KeyboardShortcut, ctx: &Context) -> String {
+    let text = ctx.format_shortcut(keys);
+    let modifiers = text.strip_suffix(keys.logical_key.name()).unwrap_or_default();
+    format!("{}{}", modifiers.replace('+', " "), keys.logical_key.symbol_or_name())
 }
 
 /// Scales everything in the window by a factor.

@@ -6,7 +6,7 @@ use egui::{
 use glam::{DVec2, DVec3};
 
 use crate::field::{Quantity, Range};
-use crate::picture::figure::axes::round_step;
+use crate::picture::figure::axes::{self, round_step};
 use crate::scene::Channel;
 use crate::studio::{map, probe};
 use crate::ui::parts::flight;
@@ -14,8 +14,8 @@ use crate::ui::parts::levitation::arrows;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
-    context, cursor, editor::Editor, guides, legend, map::Map, marks, measure, path_marks, pointer,
-    shown::Shown, sound::Sound, theme, ticks,
+    context, cursor, editor::Editor, gallery, guides, legend, map::Map, marks, measure, path_marks, pen,
+    pointer, shown::Shown, sound::Sound, theme, ticks,
 };
 
 /// Points of the screen around the plot.
@@ -83,6 +83,7 @@ pub fn interact(editor: &mut Editor, ui: &mut Ui) -> Canvas {
         | Tool::Rectangle
         | Tool::Triangle
         | Tool::Polygon
+        | Tool::Pen
         | Tool::Freehand
         | Tool::Brush
         | Tool::Erase
@@ -130,13 +131,16 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     let axes_of_view = editor.view.axes(editor.scene());
     flight::paint(&editor.parts.flight, &painter, |at| Some(lens.screen(axes_of_view.flat(at))));
     marks::gesture(editor, &painter, lens);
+    pen::paint(editor, &painter, lens, canvas.response.hover_pos());
     if let Some(at) = canvas.response.hover_pos() {
         marks::brush(editor, &painter, lens, at);
     }
     if editor.view.section || editor.is_measuring() {
         marks::line(editor, &painter, lens);
     }
-    guides::paint(&editor.guides, &painter, lens);
+    if editor.gesture.is_some() {
+        guides::paint(&editor.guides, &painter, lens);
+    }
     if canvas.response.has_focus() {
         cursor::paint(editor, &painter, lens);
     }
@@ -239,14 +243,18 @@ fn scale_bar(map: &Map, painter: &Painter, lens: &Lens) {
 pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect, notes: f32) {
     let middle = rect.center();
     if editor.scene().targets.is_empty() && !editor.is_in_gesture() {
+        if gallery::is_open(editor) {
+            return;
+        }
         let text = "Nothing to focus on yet.\nPick a tool on the left and draw, or open an example.";
         marks::chip(painter, middle, Align2::CENTER_CENTER, text, 15.0, Color32::WHITE);
         return;
     }
     let (text, colour) = match &shown.problem {
-        Some(problem) => {
-            (format!("Not solved, the last picture stays: {problem}"), Color32::from_rgb(255, 170, 160))
-        }
+        Some(problem) => (
+            format!("{}. The map still shows the previous drawing.", problem.trim_end_matches('.')),
+            Color32::from_rgb(255, 170, 160),
+        ),
         None => match &shown.pending {
             Some(pending) => (pending.clone(), theme::MARK),
             None if is_unmoved(shown) => {
@@ -348,9 +356,9 @@ fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> 
     let of_map = match quantity.declaration().range {
         Range::Amount => value.map(|value| {
             let to_peak = quantity.decibels(value / map.largest.max(1e-30)).max(-99.9);
-            format!("   {to_peak:.1} dB of the peak")
+            format!("   {} dB of the peak", ticks::signed(&format!("{to_peak:.1}")))
         }),
-        Range::Signed => value.map(|value| format!("   {}", quantity.with_unit(value))),
+        Range::Signed => value.map(|value| format!("   {}", ticks::signed(&quantity.with_unit(value)))),
         Range::Cyclic => None,
     };
     let of_map = of_map.unwrap_or_default();
@@ -359,9 +367,9 @@ fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> 
         return format!("{value}{of_map}");
     }
     format!(
-        "{}   {:.1} dB SPL{of_map}   phase {:.0}°",
+        "{}   {} dB SPL{of_map}   phase {}",
         editor.view.convention.pressure(reading.peak()),
-        reading.spl().max(-99.9),
-        reading.phase().to_degrees()
+        ticks::signed(&format!("{:.1}", reading.spl().max(-99.9))),
+        ticks::signed(&format!("{:.0}°", reading.phase().to_degrees()))
     )
 }

@@ -15,7 +15,9 @@ use crate::ui::beside::{Compare, Difference, With};
 use crate::ui::canvas::{self, Canvas};
 use crate::ui::icon::{self, Icon};
 use crate::ui::view::{Axes, Cut, Lens, View, Window};
-use crate::ui::{edit, editor::Editor, legend, map::Map, marks, measure, shown::Shown, sound::Sound, theme};
+use crate::ui::{
+    edit, editor::Editor, legend, map::Map, marks, measure, shown::Shown, sound::Sound, theme, ticks,
+};
 
 /// Zoom per point of wheel or pinch, as on the canvas.
 const ZOOM_PER_POINT: f64 = 1.0 / 240.0;
@@ -298,7 +300,7 @@ fn value(map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> Option<f64> {
 fn stated(editor: &Editor, quantity: Quantity, value: f64) -> String {
     match quantity {
         Quantity::Rms => editor.view.convention.pressure(value * std::f64::consts::SQRT_2),
-        _ => quantity.with_unit(value),
+        _ => ticks::signed(&quantity.with_unit(value)),
     }
 }
 
@@ -363,8 +365,7 @@ fn balance(difference: &Difference, is_light: bool, ui: &Ui, plot: Rect) {
         let at = pos2(bar.right(), y(0.5 + 0.5 * part));
         painter.line_segment([at, at + vec2(4.0, 0.0)], edge);
         let value = f64::from(part) * difference.largest * factor;
-        let text = crate::field::figures(value.abs());
-        let text = if part < 0.0 { format!("-{text}") } else { text };
+        let text = ticks::signed(&crate::field::figures(value));
         painter.text(at + vec2(7.0, 0.0), Align2::LEFT_CENTER, text, font.clone(), ink);
     }
 }

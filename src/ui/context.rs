@@ -62,7 +62,7 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
         }
     }
     ui.separator();
-    for (name, is_upwards) in [("Distribute across", false), ("Distribute upwards", true)] {
+    for (name, is_upwards) in [("Distribute horizontally", false), ("Distribute vertically", true)] {
         if item(ui, 3, name) {
             edit::distribute(&mut editor.document.scene, &editor.selection, &axes, is_upwards);
         }

@@ -6,7 +6,7 @@ use glam::DVec2;
 use crate::ui::gesture::Typing;
 use crate::ui::tool::Tool;
 use crate::ui::view::Lens;
-use crate::ui::{edit, editor::Editor, group, theme};
+use crate::ui::{edit, editor::Editor, group, pen, theme};
 
 /// Steps of an arrow key, with Ctrl and with Shift, m.
 const STEP: f64 = 1e-3;
@@ -106,6 +106,7 @@ fn press(editor: &mut Editor, lens: &Lens, at: DVec2) {
             editor.selection.clear();
             editor.typing = Some(Typing::new(at));
         }
+        Tool::Pen => drop(pen::press(editor, &axes, lens, lens.screen(at), at)),
         Tool::Erase => {
             if let Some(hit) = edit::target_at(editor.scene(), &axes, at, REACH * lens.window.scale) {
                 edit::delete(&mut editor.document.scene, &mut [hit].into());

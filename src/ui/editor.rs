@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::{Scene, Target};
+use crate::scene::{Scene, Target, motion};
 use crate::ui::beside;
 use crate::ui::board::BoardForm;
 use crate::ui::command::Command;
@@ -12,7 +12,7 @@ use crate::ui::dialog::options::{FigureForm, FilmForm};
 use crate::ui::dialog::state::{Asking, Dialog};
 use crate::ui::document::Document;
 use crate::ui::fitted::Fitted;
-use crate::ui::gesture::{Gesture, Typing, Vertex};
+use crate::ui::gesture::{Gesture, Pen, Typing, Vertex};
 use crate::ui::guides::Guide;
 use crate::ui::layout::{Layout, Panel};
 use crate::ui::parts::Parts;
@@ -46,6 +46,7 @@ pub struct Editor {
     /// The current guides during a drag.
     pub(super) guides: Vec<Guide>,
     pub(super) typing: Option<Typing>,
+    pub(super) pen: Option<Pen>,
     /// Keyboard cursor, or position of the context menu, m in the plane.
     pub(super) cursor: Option<DVec2>,
     pub(super) asked: DVec2,
@@ -53,6 +54,8 @@ pub struct Editor {
     pub asking: Asking,
     /// Whether the hints of the first start are shown.
     pub hints: bool,
+    /// Whether the gallery over the empty scene was closed.
+    pub has_closed_gallery: bool,
     /// Time (s) of the last Escape while a board sounds.
     pub(super) escaped: Option<f64>,
     /// Whether the space bar is down and nothing was dragged with it: its release plays or pauses.
@@ -106,11 +109,13 @@ impl Editor {
             gesture: None,
             guides: Vec::new(),
             typing: None,
+            pen: None,
             cursor: None,
             asked: DVec2::ZERO,
             dialog: None,
             asking: Asking::default(),
             hints: false,
+            has_closed_gallery: false,
             escaped: None,
             is_space_down: false,
             was_warned: false,
@@ -133,6 +138,7 @@ impl Editor {
         self.view = View { cut, heights, free, window, line, full, ..self.view.clone() };
         self.fitted = None;
         self.space.camera = None;
+        self.has_closed_gallery = false;
         self.document = document;
         self.forget_places();
         self.parts.flight.form.from = None;
@@ -163,8 +169,30 @@ impl Editor {
         self.selection.clear();
         self.vertex = None;
         self.typing = None;
+        self.pen = None;
         self.gesture = None;
         self.space.let_go();
+    }
+
+    /// Puts a target being drawn into the scene, replacing its previous state.
+    pub(super) fn put(&mut self, index: &mut Option<usize>, target: Target) {
+        let targets = &mut self.document.scene.targets;
+        match index.and_then(|index| targets.get_mut(index)) {
+            Some(place) => *place = target,
+            None => {
+                targets.push(target);
+                *index = Some(targets.len() - 1);
+            }
+        }
+        self.selection = index.iter().copied().collect();
+    }
+
+    /// Shows the page with the numbers of a target just drawn, unless the page of its motion is open.
+    pub(super) fn show_target(&mut self) {
+        let moves = self.panel == Panel::Motion && motion::moves(self.scene());
+        if !self.selection.is_empty() && !moves {
+            self.panel = Panel::Scene;
+        }
     }
 
     /// Whether two maps are seen.
@@ -205,6 +233,6 @@ impl Editor {
 
     /// Whether an edit is in progress, to become one undo step.
     pub fn is_in_gesture(&self) -> bool {
-        self.gesture.is_some() || self.typing.is_some() || self.space.is_held()
+        self.gesture.is_some() || self.typing.is_some() || self.pen.is_some() || self.space.is_held()
     }
 }

@@ -15,7 +15,6 @@ pub fn show(
     canvas: impl FnOnce(&mut Editor, &mut Shown, &mut Ui),
 ) -> Vec<Command> {
     let mut commands = Vec::new();
-    editor.view.follow_theme(ui.visuals().dark_mode);
     let quantity = editor.view.quantity;
     keys::press(editor, shown, ui.ctx(), &mut commands);
     // The window is cleared to the panels' colour: filling every pixel again would cost a software driver half a

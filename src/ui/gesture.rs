@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use glam::{DVec2, DVec3};
 
+use crate::import::curve::Knot;
 use crate::scene::{Motion, Target};
 use crate::ui::view::Lens;
 
@@ -38,6 +39,8 @@ pub enum Gesture {
     Move {
         from: DVec2,
         before: Vec<(usize, Target)>,
+        /// Grabbed inside the box of the selection, beside the outlines: a click there clears the selection.
+        beside: bool,
     },
     /// A handle of the single selected target, and its state before.
     Pull {
@@ -61,6 +64,8 @@ pub enum Gesture {
         points: Vec<DVec2>,
         index: Option<usize>,
     },
+    /// The handle of the pen's last knot follows the pointer.
+    Bend,
     Brush {
         /// Position in the previous frame.
         last: Option<DVec2>,
@@ -97,6 +102,15 @@ impl Typing {
     pub fn new(at: DVec2) -> Self {
         Self { at, text: String::new(), lacking: Vec::new(), index: None }
     }
+}
+
+/// A path being drawn with the pen.
+#[derive(Clone, Debug, Default)]
+pub struct Pen {
+    /// m in the plane
+    pub knots: Vec<Knot>,
+    /// Its index in the scene, once it has two knots.
+    pub index: Option<usize>,
 }
 
 /// The grabbed part of the box.

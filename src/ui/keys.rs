@@ -7,6 +7,8 @@ use crate::ui::action::{self, Action};
 use crate::ui::board::{BoardCommand, Plays};
 use crate::ui::clipboard;
 use crate::ui::cursor;
+use crate::ui::gallery;
+use crate::ui::pen;
 use crate::ui::shown::{Notice, Shown};
 use crate::ui::tool::Tool;
 use crate::ui::typing;
@@ -18,25 +20,34 @@ const FAR_NUDGE: f64 = 1e-2;
 /// Time (s) for a second Escape to stop the board.
 const TWICE: f64 = 2.0;
 
-/// Keys and pointer gestures besides the actions, for the help.
-pub const HELP: &[(&str, &str)] = &[
-    ("Arrows", "Move by 1 mm, with Shift by 10 mm"),
+/// Keys and pointer gestures besides the actions, by groups, for the help.
+pub const GESTURES: &[(&str, &[(&str, &str)])] = &[
     (
-        "Tab to the map",
-        "Arrows move a cross (Ctrl: 0.1 mm), Enter draws or selects there, , and . select the next",
+        "On the map",
+        &[
+            ("Wheel", "Zoom where the pointer is"),
+            ("Space or right button + drag", "Move the view"),
+            ("Double click", "Fit the view"),
+            ("D, then drag", "Measure along a line; Esc removes it"),
+            ("Shift over the map", "Move the line profile"),
+            ("Tab to the map", "Arrows move a cross (Ctrl: 0.1 mm), Enter draws or selects there"),
+        ],
     ),
-    ("Esc", "Cancel the current action, clear the selection"),
-    ("D, then drag", "Measure along a line; Esc removes it"),
-    ("Esc Esc", "Stop the board"),
-    ("Wheel", "Zoom where the pointer is"),
-    ("Space + drag, right button + drag", "Move the view"),
-    ("Double click", "Fit the view"),
-    ("Shift while drawing", "Lines in steps of 15°, squares"),
-    ("Shift over the map", "Move the line profile"),
-    ("Ctrl while dragging", "Free of grid and guides"),
-    ("Alt and drag", "Drag a copy"),
-    ("Right click", "Menu of the selection"),
-    ("Click in the list", "Select one target of a group"),
+    (
+        "Drawing and moving",
+        &[
+            ("Drag inside the selection's box", "Move the selection"),
+            ("Arrows", "Move by 1 mm, with Shift by 10 mm"),
+            ("Alt and drag", "Drag a copy"),
+            ("Shift while drawing", "Lines in steps of 15°, squares"),
+            ("Ctrl while dragging", "Free of grid and guides"),
+            (", and .", "Select the previous and the next target, with the map in focus"),
+            ("Right click", "Menu of the selection"),
+            ("Click in the list", "Select one target of a group"),
+            ("Pen: click, drag", "A corner, a curve; Backspace removes the last knot, Enter ends the path"),
+            ("Esc", "Cancel the current action, clear the selection, choose the Select tool"),
+        ],
+    ),
 ];
 
 /// Acts on the keys that no widget wants.
@@ -54,6 +65,9 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
     }
     let in_field = is_in_field(ctx);
     play(editor, shown, in_field, ctx, commands);
+    if !in_field && pen::keys(editor, ctx, !cursor::has_focus(ctx)) {
+        return;
+    }
     let mut actions: Vec<_> =
         Action::all().into_iter().flat_map(|a| a.keys().into_iter().map(move |k| (k, a))).collect();
     // More modifiers first: a shortcut also matches with extra modifiers.
@@ -131,6 +145,7 @@ fn escape(editor: &mut Editor, ctx: &Context) {
         action::present(editor, ctx, false);
         return;
     }
+    editor.has_closed_gallery |= gallery::is_open(editor);
     let is_edit_in_space = editor.space.let_go();
     if editor.gesture.take().is_some() || is_edit_in_space {
         editor.document.revert();

@@ -35,6 +35,11 @@ pub struct Layout {
 }
 
 impl Layout {
+    /// Whether the panel on the right is shown.
+    pub fn has_panel(&self, ctx: &egui::Context) -> bool {
+        if theme::is_narrow(ctx) { self.is_drawn_out } else { !self.is_folded }
+    }
+
     /// Folds the panel on the right away, or brings it back.
     pub fn toggle(&mut self, ctx: &egui::Context) {
         if theme::is_narrow(ctx) {

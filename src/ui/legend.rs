@@ -168,12 +168,8 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         ui.end_row();
     }
     label(ui, "Background");
-    let mut is_light = view.is_light;
-    let tip = "Silence is white, as in print; on by default in the light theme";
-    if ui.checkbox(&mut is_light, "White").on_hover_text(tip).accessible_name("White background").changed() {
-        let of_theme = !ui.visuals().dark_mode;
-        view.ground = (is_light != of_theme).then_some(is_light);
-    }
+    let white = ui.checkbox(&mut view.is_light, "White").on_hover_text("Silence is white, as in print");
+    white.accessible_name("White background");
     ui.end_row();
     if view.quantity.declaration().is_level() {
         ui.checkbox(&mut view.threshold_contours, "Contours")

@@ -10,7 +10,8 @@ use crate::ui::parts::survey::Extremes;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Cut, Lens};
 use crate::ui::{
-    array, dimensions, edit, editor::Editor, handle, palm, shown::Shown, sound::Sound, theme, transform,
+    array, dimensions, edit, editor::Editor, handle, palm, shown::Shown, sound::Sound, theme, ticks,
+    transform,
 };
 
 /// m: foci farther than this from the cut are drawn faint.
@@ -158,7 +159,10 @@ fn extremes(editor: &Editor, found: &Extremes, painter: &Painter, lens: &Lens) {
     let tell = |pressure: f64| editor.view.convention.pressure(pressure);
     let below = |pressure: f64| {
         let peak = found.peak.map_or(pressure, |(_, peak)| peak);
-        format!("side lobe {}, {:.1} dB", tell(pressure), 20.0 * (pressure / peak).log10())
+        {
+            let level = ticks::signed(&format!("{:.1} dB", 20.0 * (pressure / peak).log10()));
+            format!("side lobe {}, {level}", tell(pressure))
+        }
     };
     let peak = found.peak.map(|(at, pressure)| (at, format!("peak {}", tell(pressure))));
     let side_lobe = found.side_lobe.map(|(at, pressure)| (at, below(pressure)));
@@ -222,6 +226,7 @@ pub fn dimensions(editor: &Editor, painter: &Painter, lens: &Lens) {
         | Gesture::Way(_)
         | Gesture::Band { .. }
         | Gesture::Brush { .. }
+        | Gesture::Bend
         | Gesture::Erase { .. } => None,
     };
     if let Some(text) = text {

@@ -3,6 +3,7 @@
 use glam::DVec2;
 
 use crate::rounding::millimetres;
+use crate::ui::ticks;
 
 /// m: a shorter line is a slip of the hand.
 pub const SHORTEST: f64 = 5e-4;
@@ -28,15 +29,14 @@ impl ProfileLine {
 
 /// A length (m) in mm with one decimal, without a sign on zero.
 pub fn mm(length: f64) -> String {
-    millimetres(length, 1)
+    ticks::signed(&millimetres(length, 1))
 }
 
 /// Length of a line, and its angle from the horizontal axis.
 pub fn length_and_angle([from, to]: [DVec2; 2]) -> String {
     let along = to - from;
-    let angle = along.to_angle().to_degrees();
-    let angle = if angle.abs() < 0.05 { 0.0 } else { angle };
-    format!("{} mm, {angle:.1}°", mm(along.length()))
+    let angle = ticks::signed(&format!("{:.1}°", along.to_angle().to_degrees()));
+    format!("{} mm, {angle}", mm(along.length()))
 }
 
 #[cfg(test)]

@@ -3,20 +3,25 @@
 use std::path::PathBuf;
 
 use egui::containers::menu::MenuBar;
-use egui::{Button, Color32, Context, Label, ProgressBar, RichText, Sense, Stroke, Ui, Vec2, vec2};
+use egui::{
+    Atom, Button, Color32, Context, IdSalt, Label, ProgressBar, RichText, Sense, Stroke, Ui, Vec2, vec2,
+};
 use strum::VariantArray;
 
 use crate::device::health::State;
 use crate::ui::action::{self, Action, Group};
 use crate::ui::board::{BoardCommand, Plays, absence};
 use crate::ui::tool::{self, Tool};
-use crate::ui::{command::Command, editor::Editor, panels, shown::Shown, theme};
+use crate::ui::{command::Command, editor::Editor, shown::Shown, theme, tip};
 
 /// Points of the screen: a tool with the gap below it.
 const TOOL: f32 = 32.0;
 const GAP: f32 = 4.0;
 /// Size of Send and Stop.
 const SOUND: Vec2 = vec2(72.0, 22.0);
+/// Points of the screen: a check mark.
+const CHECK: f32 = 10.0;
+const MARK: &str = "check mark";
 /// Connected and silent.
 const SILENT: Color32 = Color32::from_rgb(70, 190, 110);
 
@@ -25,17 +30,7 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
         ui.menu_button("File", |ui| file(editor, shown, ui, commands));
         ui.menu_button("Edit", |ui| edit(editor, shown, ui, commands));
         ui.menu_button("View", |ui| view(editor, shown, ui, commands));
-        ui.menu_button("Examples", |ui| {
-            let height = ui.ctx().content_rect().height() - 60.0;
-            egui::ScrollArea::vertical().max_height(height).show(ui, |ui| {
-                for (index, name) in shown.examples.iter().enumerate() {
-                    if ui.button(name).clicked() {
-                        editor.ask(Command::Example(index), commands);
-                        ui.close();
-                    }
-                }
-            });
-        });
+        ui.menu_button("Examples", |ui| examples(editor, shown, ui, commands));
         ui.menu_button("Export", |ui| group(Group::Export, editor, shown, ui, commands));
         ui.menu_button("Help", |ui| group(Group::Help, editor, shown, ui, commands));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -56,7 +51,7 @@ pub fn bar(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<C
 /// At the right: unsaved changes, the board's state, and Send or Stop.
 fn state(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     send_or_stop(editor, shown, ui, commands);
-    let panel = ui.button("Panel").on_hover_text("Fold the panel away, or bring it back (F9)");
+    let panel = ui.button("Panel").on_hover_text("Show or hide the panel (F9)");
     if panel.clicked() {
         editor.layout.toggle(ui.ctx());
     }
@@ -163,13 +158,49 @@ fn export(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.separator();
 }
 
-/// An action in a menu.
+/// Groups of examples, and all of them with pictures.
+fn examples(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
+    let cards: Vec<_> = shown.examples.iter().copied().enumerate().collect();
+    for group in cards.chunk_by(|(_, a), (_, b)| a.group == b.group) {
+        ui.menu_button(group[0].1.group, |ui| {
+            for &(index, card) in group {
+                if ui.button(card.title).clicked() {
+                    editor.ask(Command::Example(index), commands);
+                }
+            }
+        });
+    }
+    ui.separator();
+    if ui.button("All, with pictures…").clicked() {
+        Action::Examples.run(editor, shown, ui.ctx(), commands);
+    }
+}
+
+/// The place of a check mark.
+fn check() -> Atom<'static> {
+    Atom::custom(IdSalt::new(MARK), vec2(CHECK, CHECK))
+}
+
+/// An action in a menu, with a check mark if it switches something on.
 fn item(action: Action, editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     let possible = action.possible(editor, shown);
     let keys = action.shortcut(ui.ctx());
-    let button = Button::new(action.name());
+    let is_on = action.is_on(editor, ui.ctx());
+    let name = action.name();
+    let button = Button::new((check(), name.clone()));
     let button = if keys.is_empty() { button } else { button.shortcut_text(keys) };
-    let response = ui.add_enabled(possible.is_ok(), button);
+    let drawn = ui.add_enabled_ui(possible.is_ok(), |ui| button.atom_ui(ui)).inner;
+    if let (Some(true), Some(rect)) = (is_on, drawn.rect(IdSalt::new(MARK))) {
+        let at = |x: f32, y: f32| rect.center() + vec2(x, y) * (CHECK / 2.0);
+        let line = vec![at(-0.8, 0.0), at(-0.25, 0.6), at(0.8, -0.65)];
+        ui.painter().line(line, Stroke::new(1.6, ui.visuals().text_color()));
+    }
+    let response = drawn.response;
+    if let Some(is_on) = is_on {
+        let enabled = possible.is_ok();
+        response
+            .widget_info(|| egui::WidgetInfo::selected(egui::Role::MenuItemCheckBox, enabled, is_on, &name));
+    }
     if response.on_disabled_hover_text(possible.err().unwrap_or_default()).clicked() {
         action.run(editor, shown, ui.ctx(), commands);
     }
@@ -189,7 +220,7 @@ fn file(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
         item(action, editor, shown, ui, commands);
         if action == Action::Open {
             ui.add_enabled_ui(!shown.recent.is_empty(), |ui| {
-                ui.menu_button("Open recent", |ui| recent(editor, &shown.recent, ui, commands));
+                ui.menu_button((check(), "Open recent"), |ui| recent(editor, &shown.recent, ui, commands));
             });
         }
     }
@@ -203,13 +234,14 @@ fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
         Action::Profile,
         Action::TogglePanel,
         Action::Present,
-        Action::SwitchTheme,
+        Action::DarkTheme,
+        Action::WhiteBackground,
     ];
     for action in actions {
         item(action, editor, shown, ui, commands);
     }
     ui.separator();
-    ui.menu_button("Scale", |ui| {
+    ui.menu_button((check(), "Scale"), |ui| {
         for factor in action::SCALES {
             let is_chosen = (ui.ctx().zoom_factor() - factor).abs() < 0.01;
             if ui.selectable_label(is_chosen, format!("{:.0} %", factor * 100.0)).clicked() {
@@ -222,7 +254,9 @@ fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
 fn recent(editor: &mut Editor, recent: &[PathBuf], ui: &mut Ui, commands: &mut Vec<Command>) {
     for path in recent {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        if ui.button(name).on_hover_text(path.display().to_string()).clicked() {
+        let button = ui.button(name);
+        tip::beside(&button, &path.display().to_string());
+        if button.clicked() {
             editor.ask(Command::Open(path.clone()), commands);
         }
     }
@@ -233,19 +267,12 @@ fn recent(editor: &mut Editor, recent: &[PathBuf], ui: &mut Ui, commands: &mut V
 }
 
 fn edit(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
-    let actions = Action::all().into_iter().filter(|action| action.group() == Group::Edit);
-    for action in actions.filter(|action| *action != Action::Snap) {
-        if action == Action::Cut {
+    for action in Action::all().into_iter().filter(|action| action.group() == Group::Edit) {
+        if matches!(action, Action::Cut | Action::Snap) {
             ui.separator();
         }
         item(action, editor, shown, ui, commands);
     }
-    ui.separator();
-    ui.checkbox(&mut editor.snaps, "Snap to the grid (K)");
-    ui.horizontal(|ui| {
-        let label = ui.label("Grid");
-        panels::bare_number(ui, &mut editor.grid, panels::MM, 5e-4..=0.05).labelled_by(label.id);
-    });
 }
 
 /// Columns of tools for this height in points.

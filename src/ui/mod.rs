@@ -45,6 +45,7 @@ mod panels;
 pub mod part;
 pub mod parts;
 mod path_marks;
+mod pen;
 mod playback;
 mod pointer;
 pub mod section;
@@ -56,6 +57,7 @@ mod status;
 pub mod theme;
 mod ticks;
 mod timeline;
+mod tip;
 pub mod tool;
 mod transform;
 mod typing;
@@ -71,7 +73,7 @@ pub use layout::Layout;
 pub use layout::Panel;
 pub use map::{Map, Texture};
 pub use playback::{Moment, Oscillation, Playback};
-pub use shown::{MethodRow, Notice, ServingShown, Shown};
+pub use shown::{Card, MethodRow, Notice, ServingShown, Shown};
 pub use sound::Sound;
 
 /// Whether the window is a page of a browser.

@@ -93,7 +93,11 @@ fn word(
         Some((format!("Set to the {which} value here: {digits}{gap}{unit}"), false))
     };
     match read {
-        Err(why) => Some((format!("{why}. Typed: “{}”", crate::echo::value(text.trim())), true)),
+        Err(why) => {
+            let typed = format!("“{}”", crate::echo::value(text.trim()));
+            let says = if why.contains(&typed) { why.clone() } else { format!("{why}: {typed}") };
+            Some((says, true))
+        }
         Ok(value) if value < range.start() => limit("smallest", *range.start()),
         Ok(value) if value > range.end() => limit("largest", *range.end()),
         Ok(_) => None,

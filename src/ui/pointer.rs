@@ -14,7 +14,7 @@ use crate::ui::tool::{self, Tool};
 use crate::ui::transform;
 use crate::ui::typing;
 use crate::ui::view::{Axes, Lens};
-use crate::ui::{brush, edit, editor::Editor, group, handle, way};
+use crate::ui::{brush, edit, editor::Editor, group, handle, pen, way};
 
 /// Pick distance of an outline in points.
 const REACH: f64 = 9.0;
@@ -31,8 +31,12 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     let is_meant = response.is_pointer_button_down_on() || response.clicked();
     let pressed = is_meant && ui.input(|input| input.pointer.primary_pressed());
     if !is_meant && ui.input(|input| input.pointer.any_pressed()) {
-        // A click outside the canvas may change the list that contains the text.
+        // A click outside the canvas may change the list that contains the text or the path.
         typing::end(editor);
+        pen::end(editor);
+    }
+    if editor.tool != Tool::Pen {
+        pen::end(editor);
     }
     if let Some(at) = response.interact_pointer_pos() {
         let begins = pressed && editor.gesture.is_none() && !ui.input(|input| input.key_down(Key::Space));
@@ -57,6 +61,7 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
 /// Pans and zooms without editing.
 pub fn watch(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     typing::end(editor);
+    pen::end(editor);
     look_around(editor, ui, response, lens);
     if response.double_clicked_by(PointerButton::Primary) {
         editor.view.relief.sight = Sight::default();
@@ -146,7 +151,18 @@ impl<'a> Press<'a> {
     }
 
     fn begin(&mut self) {
-        let from = self.snapped(None);
+        let from = match self.editor.tool {
+            Tool::Select | Tool::Freehand | Tool::Brush | Tool::Erase => self.uv,
+            Tool::Point
+            | Tool::Line
+            | Tool::Circle
+            | Tool::Rectangle
+            | Tool::Triangle
+            | Tool::Polygon
+            | Tool::Pen
+            | Tool::Text
+            | Tool::Measure => self.snapped(None),
+        };
         self.editor.gesture = match self.editor.tool {
             Tool::Select => Some(self.grab()),
             Tool::Point => {
@@ -154,12 +170,17 @@ impl<'a> Press<'a> {
                 self.editor.document.scene.targets.push(target.clone());
                 let index = self.editor.scene().targets.len() - 1;
                 self.editor.selection = BTreeSet::from([index]);
-                Some(Gesture::Move { from, before: vec![(index, target)] })
+                self.editor.show_target();
+                Some(Gesture::Move { from, before: vec![(index, target)], beside: false })
             }
             Tool::Text => {
                 self.editor.selection.clear();
                 self.editor.typing = Some(Typing::new(from));
                 None
+            }
+            Tool::Pen => {
+                let from = if self.modifiers.shift { pen::straight(self.editor, from) } else { from };
+                pen::press(self.editor, &self.axes, self.lens, self.at, from)
             }
             Tool::Freehand => Some(Gesture::Stroke { points: vec![self.uv], index: None }),
             Tool::Brush => {
@@ -192,6 +213,9 @@ impl<'a> Press<'a> {
         let Some(index) =
             edit::target_at(self.editor.scene(), &self.axes, from, REACH * self.lens.window.scale)
         else {
+            if !self.modifiers.shift && transform::contains(self.editor, &self.axes, self.lens, self.at) {
+                return self.hold(true);
+            }
             let kept = if self.modifiers.shift { self.editor.selection.clone() } else { BTreeSet::new() };
             self.editor.selection = kept.clone();
             return Gesture::Band { from, kept };
@@ -203,10 +227,15 @@ impl<'a> Press<'a> {
             (false, true) => {}
             (false, false) => self.editor.selection = hit,
         }
+        self.hold(false)
+    }
+
+    /// Grabs the selection, or with Alt a copy of it.
+    fn hold(&mut self, beside: bool) -> Gesture {
         if self.modifiers.alt {
             edit::copy_in_place(&mut self.editor.document.scene, &mut self.editor.selection);
         }
-        Gesture::Move { from, before: selected(self.editor) }
+        Gesture::Move { from: self.uv, before: selected(self.editor), beside }
     }
 
     /// Grabs a handle of the selection.
@@ -240,7 +269,8 @@ impl<'a> Press<'a> {
                 let uv = self.snapped(pull.target);
                 way::pull(self.editor, &self.axes, self.lens, uv, pull);
             }
-            Gesture::Move { from, before } => self.follow(*from, before),
+            Gesture::Move { from, before, .. } => self.follow(*from, before),
+            Gesture::Bend => pen::bend(self.editor, &self.axes, self.lens, self.uv),
             Gesture::Band { from, kept } => {
                 let inside = edit::targets_in(self.editor.scene(), &self.axes, *from, self.uv);
                 let whole = inside.iter().flat_map(|&index| group::around(self.editor.scene(), index));
@@ -249,10 +279,10 @@ impl<'a> Press<'a> {
             Gesture::Draw { from, index } => {
                 let mut to = self.snapped(*index);
                 if self.modifiers.shift {
-                    to = straight(self.editor.tool, *from, to);
+                    to = self.editor.tool.straight(*from, to);
                 }
                 if let Some(target) = self.editor.tool.drag(&self.axes, *from, to) {
-                    put(self.editor, index, target);
+                    self.editor.put(index, target);
                 }
             }
             Gesture::Stroke { points, index } => {
@@ -261,7 +291,7 @@ impl<'a> Press<'a> {
                 if is_far && points.len() < MOST_VERTICES {
                     points.push(uv);
                     if points.len() > 1 {
-                        put(self.editor, index, tool::path(&self.axes, points, false));
+                        self.editor.put(index, by_hand(tool::path(&self.axes, points, false)));
                     }
                 }
             }
@@ -288,7 +318,7 @@ impl<'a> Press<'a> {
             Gesture::Measure { fixed } => {
                 let mut to = self.snapped(None);
                 if self.modifiers.shift {
-                    to = straight(Tool::Line, *fixed, to);
+                    to = Tool::Line.straight(*fixed, to);
                 }
                 if fixed.distance(to) >= measure::SHORTEST {
                     self.editor.view.line = ProfileLine::Between([*fixed, to]);
@@ -341,17 +371,9 @@ impl<'a> Press<'a> {
     }
 }
 
-/// Puts a target being drawn into the scene, replacing its previous state.
-fn put(editor: &mut Editor, index: &mut Option<usize>, target: Target) {
-    let targets = &mut editor.document.scene.targets;
-    match index.and_then(|index| targets.get_mut(index)) {
-        Some(place) => *place = target,
-        None => {
-            targets.push(target);
-            *index = Some(targets.len() - 1);
-        }
-    }
-    editor.selection = index.iter().copied().collect();
+/// The name of a path drawn with the button held.
+fn by_hand(path: Target) -> Target {
+    Target { name: "Freehand".to_owned(), ..path }
 }
 
 /// The selected targets, with their indices.
@@ -378,20 +400,6 @@ fn way(last: &mut Option<DVec2>, to: DVec2) -> Option<[DVec2; 2]> {
     (from != to).then_some([if from.is_finite() { from } else { to }, to])
 }
 
-/// With shift, lines go in steps of 15° and rectangles become squares.
-fn straight(tool: Tool, from: DVec2, to: DVec2) -> DVec2 {
-    let offset = to - from;
-    match tool {
-        Tool::Line => {
-            let step = std::f64::consts::TAU / 24.0;
-            let angle = (offset.to_angle() / step).round() * step;
-            from + DVec2::from_angle(angle) * offset.length()
-        }
-        Tool::Rectangle => from + offset.signum() * offset.abs().max_element(),
-        _ => to,
-    }
-}
-
 fn end(editor: &mut Editor, lens: &Lens, response: &Response) {
     let Some(gesture) = editor.gesture.take() else { return };
     let axes = editor.view.axes(editor.scene());
@@ -399,7 +407,7 @@ fn end(editor: &mut Editor, lens: &Lens, response: &Response) {
     if let Gesture::Stroke { points, index: Some(index) } = &gesture
         && closes(points, lens)
     {
-        put(editor, &mut Some(*index), tool::path(&axes, &points[..points.len() - 1], true));
+        editor.put(&mut Some(*index), by_hand(tool::path(&axes, &points[..points.len() - 1], true)));
     }
     if let Gesture::Draw { index: None, .. } = gesture
         && response.clicked()
@@ -408,7 +416,7 @@ fn end(editor: &mut Editor, lens: &Lens, response: &Response) {
         let at = Press::new(editor, lens, at, Modifiers::NONE).snapped(None);
         editor.guides.clear();
         if let Some(target) = editor.tool.click(&axes, at) {
-            put(editor, &mut None, target);
+            editor.put(&mut None, target);
         }
     }
     if let (Gesture::Measure { .. }, ProfileLine::Between(_)) = (&gesture, editor.view.line) {
@@ -417,5 +425,11 @@ fn end(editor: &mut Editor, lens: &Lens, response: &Response) {
     }
     if let Gesture::Erase { .. } = gesture {
         brush::clear_away(editor);
+    }
+    if let Gesture::Draw { .. } | Gesture::Stroke { .. } = gesture {
+        editor.show_target();
+    }
+    if let (Gesture::Move { beside: true, .. }, true) = (&gesture, response.clicked()) {
+        editor.selection.clear();
     }
 }

@@ -151,9 +151,8 @@ fn in_front(map: &Map, sound: &Sound, [from, to]: [DVec2; 2]) -> Option<[DVec2; 
 
 /// A value as it is read.
 fn told(quantity: Quantity, value: f64, convention: Convention) -> String {
-    format!("{} {}", quantity.with_unit(value * convention.factor(quantity)), name(quantity, convention))
-        .trim_end()
-        .to_owned()
+    let value = ticks::signed(&quantity.with_unit(value * convention.factor(quantity)));
+    format!("{value} {}", name(quantity, convention)).trim_end().to_owned()
 }
 
 /// The convention's name, of quantities that have one.

@@ -41,8 +41,7 @@ pub struct Shown {
     pub recent: Vec<PathBuf>,
     /// The folder in the file dialog.
     pub folder: Option<Folder>,
-    /// Titles of the example scenes.
-    pub examples: Vec<String>,
+    pub examples: Vec<Card>,
     /// Thumbnails of displayed examples, by index.
     pub thumbnails: BTreeMap<usize, Texture>,
     /// The field evaluator.
@@ -61,6 +60,13 @@ pub struct Shown {
     pub export: Option<(String, f32)>,
     /// The preview in the figure dialog, or an error; `None` while pending.
     pub figure: Option<Result<Preview, String>>,
+}
+
+/// An example in menus and galleries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Card {
+    pub group: &'static str,
+    pub title: &'static str,
 }
 
 /// Addresses of live control, and message counts.

@@ -33,17 +33,20 @@ pub fn bar(editor: &Editor, shown: &Shown, ui: &mut Ui) {
 /// The method of the 3D picture.
 fn space(picture: &SpaceShown, ui: &mut Ui) {
     let [field, drawing] = picture.milliseconds;
-    let state = if picture.is_coarse { "coarse" } else { "fine" };
-    let tip = "Time for the pressures in the box and for the picture; coarse while something moves. Pressures between points are \
-               interpolated: for looking at, not for measuring";
-    let text = RichText::new(format!("{state}: field {field:.0} ms, picture {drawing:.0} ms"));
-    ui.add(Label::new(text.color(ui.visuals().weak_text_color()))).on_hover_text(tip);
+    let state = if picture.is_coarse { "Preview" } else { "3D picture" };
+    let tip = format!(
+        "Pressures between sample points are interpolated: for looking at, not for measuring. Coarse while something moves. Field \
+         {field:.0} ms, picture {drawing:.0} ms"
+    );
+    let text = RichText::new(state).color(ui.visuals().weak_text_color());
+    ui.add(Label::new(text)).on_hover_text(tip);
 }
 
 /// Accuracy and method of the map.
 fn details(editor: &Editor, shown: &Shown, map: &Map, ui: &mut Ui) {
-    let chip = Button::new(format!("error {:.0e} of peak", map.error)).corner_radius(10).small();
-    let response = ui.add(chip).on_hover_text("Estimated error of the map. Click for details");
+    let chip = Button::new("Accuracy").corner_radius(10).small();
+    let tip = format!("Estimated error of the map: {:.0e} of its peak. Click for details", map.error);
+    let response = ui.add(chip).on_hover_text(tip);
     Popup::menu(&response).close_behavior(PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
         ui.set_max_width(WIDTH);
         form(ui, "details", |ui| {
@@ -60,7 +63,7 @@ fn details(editor: &Editor, shown: &Shown, map: &Map, ui: &mut Ui) {
             fact(ui, ("Evaluator", "What computes the field"), shown.evaluator.as_str());
             if let Some(sound) = &shown.sound {
                 let foci = sound.foci.iter().filter(|focus| focus.is_separate()).count();
-                fact(ui, ("Foci", "Points at which the waves of all elements arrive in step"), foci.to_string());
+                fact(ui, ("Foci", "Points at which the waves of all elements arrive in phase"), foci.to_string());
                 let tip = "Points along continuous strokes and in areas where pressure is levelled";
                 fact(ui, ("Samples", tip), (sound.foci.len() - foci).to_string());
             }

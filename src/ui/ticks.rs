@@ -11,6 +11,14 @@ pub fn decimals(step: f64) -> usize {
     (-step.log10().floor()).clamp(0.0, 6.0) as usize
 }
 
+/// A number as text, perhaps with its unit: a true minus sign, and none before zero.
+pub fn signed(text: &str) -> String {
+    let Some(rest) = text.strip_prefix('-') else { return text.to_owned() };
+    let digits = rest.split(|sign: char| !sign.is_ascii_digit() && sign != '.').next().unwrap_or(rest);
+    let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if is_zero { rest.to_owned() } else { format!("−{rest}") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -18,6 +26,7 @@ mod tests {
     #[test]
     fn ticks_are_inside_and_told_apart() {
         assert_eq!(between(-0.7, 1.1, 0.5).collect::<Vec<_>>(), [-0.5, 0.0, 0.5, 1.0]);
+        assert_eq!(["-0.0 dB", "-12 mm", "3"].map(signed), ["0.0 dB", "−12 mm", "3"]);
         assert_eq!([100.0, 1.0, 0.5, 0.02].map(decimals), [0, 0, 1, 2]);
     }
 }

@@ -52,6 +52,7 @@ pub enum Tool {
     Rectangle,
     Triangle,
     Polygon,
+    Pen,
     Freehand,
     Text,
     Brush,
@@ -69,6 +70,7 @@ impl Tool {
             Self::Rectangle => Key::R,
             Self::Triangle => Key::G,
             Self::Polygon => Key::Y,
+            Self::Pen => Key::N,
             Self::Freehand => Key::F,
             Self::Text => Key::T,
             Self::Brush => Key::B,
@@ -89,6 +91,10 @@ impl Tool {
             Self::Rectangle => "Drag from corner to corner",
             Self::Triangle => "Drag from the centre outwards",
             Self::Polygon => "Drag from the centre outwards; the number of sides is on the Scene page",
+            Self::Pen => {
+                "Click for corners, drag for curves; a click on the first knot closes, Enter or a double click ends. Curves are kept as \
+                 the vertices of a path"
+            }
             Self::Freehand => "Draw with the button held",
             Self::Text => "Click at the position of the text, then type; Enter ends",
             Self::Brush => {
@@ -122,6 +128,7 @@ impl Tool {
             Self::Polygon => Shape::Polygon { at, radius, sides: 6 },
             Self::Select
             | Self::Point
+            | Self::Pen
             | Self::Freehand
             | Self::Text
             | Self::Brush
@@ -133,6 +140,30 @@ impl Tool {
     /// The target that a drag draws.
     pub fn drag(self, axes: &Axes, from: DVec2, to: DVec2) -> Option<Target> {
         self.shape(axes, from, to).map(|shape| facing(shape, axes))
+    }
+
+    /// With Shift, lines go in steps of 15° and rectangles become squares.
+    pub fn straight(self, from: DVec2, to: DVec2) -> DVec2 {
+        let offset = to - from;
+        match self {
+            Self::Line => {
+                let step = TAU / 24.0;
+                let angle = (offset.to_angle() / step).round() * step;
+                from + DVec2::from_angle(angle) * offset.length()
+            }
+            Self::Rectangle => from + offset.signum() * offset.abs().max_element(),
+            Self::Select
+            | Self::Point
+            | Self::Circle
+            | Self::Triangle
+            | Self::Polygon
+            | Self::Pen
+            | Self::Freehand
+            | Self::Text
+            | Self::Brush
+            | Self::Erase
+            | Self::Measure => to,
+        }
     }
 
     /// The target that a click draws.
@@ -223,6 +254,11 @@ pub fn icon(painter: &Painter, tool: Tool, rect: Rect, stroke: Stroke) {
         }
         Tool::Triangle => closed(ring(3, 0.25)),
         Tool::Polygon => closed(ring(6, 0.25)),
+        Tool::Pen => {
+            closed(vec![at(0.0, 1.0), at(-0.6, 0.1), at(-0.35, -1.0), at(0.35, -1.0), at(0.6, 0.1)]);
+            painter.line_segment([at(0.0, 1.0), at(0.0, 0.05)], stroke);
+            painter.circle_filled(at(0.0, 0.0), r * 0.2, stroke.color);
+        }
         Tool::Freehand => {
             let wave = |i: u8| {
                 let x = f32::from(i) / 10.0 - 1.0;

@@ -45,6 +45,11 @@ fn turner(rect: Rect) -> Pos2 {
     pos2(rect.center().x, rect.top() - ABOVE)
 }
 
+/// Whether the pointer is inside the box.
+pub fn contains(editor: &Editor, axes: &Axes, lens: &Lens, pointer: Pos2) -> bool {
+    bounds(editor, axes).is_some_and(|around| screen(around, lens).contains(pointer))
+}
+
 /// The grip under the pointer.
 pub fn at(editor: &Editor, axes: &Axes, lens: &Lens, pointer: Pos2) -> Option<Grip> {
     let around = bounds(editor, axes)?;

@@ -7,7 +7,7 @@ use egui::{Event, Key, Ui};
 use crate::scene::font;
 use crate::ui::edit;
 use crate::ui::editor::Editor;
-use crate::ui::tool::{self, Tool};
+use crate::ui::tool;
 use crate::ui::view::Axes;
 
 /// Letters go to the text on the canvas.
@@ -51,7 +51,7 @@ pub fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {
     }
     editor.typing = (!is_done).then_some(typing);
     if is_done {
-        editor.tool = Tool::Select;
+        editor.show_target();
     }
 }
 

@@ -42,8 +42,8 @@ impl Cut {
             Self::Xy => "Parallel to the array, at a distance z from it",
             Self::Xz => "Upright, seen from the front: the array lies along the bottom",
             Self::Yz => "Upright, seen from the side: the array lies along the bottom",
-            Self::Free => "Through any point, tilted and turned as you say",
-            Self::Own => "The plane that the scene file gives, however it lies",
+            Self::Free => "Through any point, at any tilt and turn",
+            Self::Own => "The plane of the scene file",
         }
     }
 
@@ -185,9 +185,7 @@ pub struct View {
     pub low: Option<f64>,
     /// The part of the largest value that gets the first colour of a logarithmic scale.
     pub floor: f64,
-    /// Whether colours are for a light ground; `None`: as the theme.
-    pub ground: Option<bool>,
-    /// The resulting ground.
+    /// Whether silence is white, as in print.
     pub is_light: bool,
     /// The brightness of a phase map follows the amplitude.
     pub fades: bool,
@@ -237,7 +235,6 @@ impl View {
             full: None,
             low: None,
             floor: FLOOR.into(),
-            ground: None,
             is_light: false,
             fades: false,
             shaded: false,
@@ -376,11 +373,6 @@ impl View {
     pub fn veil(&self) -> Option<Colouring> {
         let is_wanted = self.fades && self.quantity.declaration().range == Range::Cyclic;
         is_wanted.then(|| Colouring::new(Quantity::Rms, veil(self.is_light)))
-    }
-
-    /// Follows the theme unless the ground is chosen.
-    pub fn follow_theme(&mut self, is_dark: bool) {
-        self.is_light = self.ground.unwrap_or(!is_dark);
     }
 
     /// Colours over the whole range of the map.

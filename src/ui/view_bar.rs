@@ -18,6 +18,14 @@ use crate::ui::{compare, editor::Editor, level, panels, segments, space, timelin
 
 /// Range of the plane slider, m.
 const FARTHEST: f64 = 0.3;
+/// Points of the screen: what stands behind the quantities, so that another quantity moves neither them nor the map.
+const OF_QUANTITY: f32 = 312.0;
+/// Points of the screen in the second row: the numbers of a plane, the slider beside them, overlays, and the brush.
+const POSITION: f32 = 112.0;
+const SLIDER: f32 = 148.0;
+const OBLIQUE: f32 = 500.0;
+const OVERLAYS: f32 = 264.0;
+const BRUSH: f32 = 300.0;
 
 pub fn show(editor: &mut Editor, ui: &mut Ui) {
     if editor.space.is_on {
@@ -53,10 +61,11 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         }
     });
     ui.horizontal_wrapped(|ui| {
-        cuts(editor, ui);
+        let has_brush = matches!(editor.tool, Tool::Brush | Tool::Erase);
+        cuts(editor, OVERLAYS + if has_brush { BRUSH } else { 0.0 }, ui);
         ui.add_space(8.0);
         overlays(editor, ui);
-        if matches!(editor.tool, Tool::Brush | Tool::Erase) {
+        if has_brush {
             ui.add_space(8.0);
             brush(editor, ui);
         }
@@ -74,7 +83,7 @@ fn dimensions(editor: &mut Editor, ui: &mut Ui) {
 
 /// Settings of brush and eraser.
 fn brush(editor: &mut Editor, ui: &mut Ui) {
-    let tip = "Of brush and eraser ([ and ])";
+    let tip = "Diameter of brush and eraser ([ and ])";
     let label = ui.label("Diameter").on_hover_text(tip);
     let diameter = &mut editor.brush.diameter;
     panels::bare_number(ui, diameter, MM, tool::DIAMETER).labelled_by(label.id).on_hover_text(tip);
@@ -97,7 +106,7 @@ fn quantities(editor: &mut Editor, ui: &mut Ui) {
     let choices: Vec<_> = Quantity::ALL.into_iter().map(choice).collect();
     let (view, scene) = (editor.view.clone(), &editor.document.scene);
     let refusal = |quantity| level::refusal(quantity, &view, scene);
-    segments::show_possible(ui, "Quantity", &mut editor.view.quantity, &choices, refusal);
+    segments::show_folded(ui, "Quantity", &mut editor.view.quantity, (&choices, refusal), OF_QUANTITY);
 }
 
 /// The convention of pressures in the whole window.
@@ -198,19 +207,22 @@ fn waves(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-fn cuts(editor: &mut Editor, ui: &mut Ui) {
+/// The plane, with this space left for what follows, in points.
+fn cuts(editor: &mut Editor, after: f32, ui: &mut Ui) {
     let choice = |&cut: &Cut| (cut, cut.into_str(), cut.tooltip().to_owned());
     let choices: Vec<_> = Cut::VARIANTS.iter().map(choice).collect();
-    if segments::show(ui, "Plane", &mut editor.view.cut, &choices) {
+    let numbers = if editor.view.cut == Cut::Free { OBLIQUE } else { POSITION };
+    if segments::show_before(ui, "Plane", &mut editor.view.cut, &choices, numbers + after) {
         editor.look_at(editor.view.cut);
     }
-    height(editor, ui);
+    height(editor, ui.available_size_before_wrap().x >= POSITION + SLIDER + after, ui);
     if editor.view.cut == Cut::Free {
         free_plane(&mut editor.view.free, ui);
     }
 }
 
-fn height(editor: &mut Editor, ui: &mut Ui) {
+/// The position of the plane, with a slider where that has room.
+fn height(editor: &mut Editor, has_slider: bool, ui: &mut Ui) {
     let cut = editor.view.cut;
     let (Some(name), Some(height)) = (cut.normal(), editor.view.height_mut()) else { return };
     let least = if cut == Cut::Xy { 0.01 } else { -FARTHEST / 2.0 };
@@ -220,13 +232,15 @@ fn height(editor: &mut Editor, ui: &mut Ui) {
          the scene."
     );
     let label = ui.label(name);
-    let slider = Slider::new(&mut shown, least * 1e3..=(least + FARTHEST) * 1e3)
-        .clamping(egui::SliderClamping::Never)
-        .step_by(0.5)
-        .show_value(false);
-    let response = ui.add(slider).accessible_name(format!("Position along {name}")).on_hover_text(&tip);
-    if response.changed() && shown.is_finite() {
-        *height = (shown * 1e-3).clamp(-10.0, 10.0);
+    if has_slider {
+        let slider = Slider::new(&mut shown, least * 1e3..=(least + FARTHEST) * 1e3)
+            .clamping(egui::SliderClamping::Never)
+            .step_by(0.5)
+            .show_value(false);
+        let response = ui.add(slider).accessible_name(format!("Position along {name}")).on_hover_text(&tip);
+        if response.changed() && shown.is_finite() {
+            *height = (shown * 1e-3).clamp(-10.0, 10.0);
+        }
     }
     panels::bare_number(ui, height, MM, -10.0..=10.0).labelled_by(label.id).on_hover_text(tip);
 }

@@ -236,7 +236,7 @@ fn a_drawing_beyond_the_arrays_reach_gives_a_warning() {
         String::from_utf8(run(folder.path(), &["solve", "a.toml"]).stderr).unwrap()
     };
     assert_eq!(of(0.04), "");
-    assert!(of(0.8).contains("out of the array's reach"), "{}", of(0.8));
+    assert!(of(0.8).contains("too large for this array"), "{}", of(0.8));
 }
 
 #[test]

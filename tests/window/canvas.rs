@@ -302,3 +302,61 @@ fn a_group_is_selected_moved_copied_named_and_dissolved() {
     assert_eq!(scene(&screen).targets[2].name, "ear");
     assert!(screen.query_by_label("3  ear").is_some(), "the list has the name");
 }
+
+#[test]
+fn the_pen_draws_corners_and_curves_and_closes() {
+    let mut screen = open();
+    let [a, b, c] = [(-30.0, 0.0), (0.0, 40.0), (30.0, 0.0)].map(|(x, y)| at(&screen, x, y));
+    clear(&mut screen);
+    key(&mut screen, Key::N);
+    let path = |screen: &Screen| match &scene(screen).targets[..] {
+        [target] => match &target.shape {
+            Shape::Path { vertices, closed } => (vertices.len(), *closed),
+            shape => panic!("{shape:?}"),
+        },
+        targets => panic!("{targets:?}"),
+    };
+    click(&mut screen, a);
+    assert!(scene(&screen).targets.is_empty(), "a knot alone is no path");
+    click(&mut screen, b);
+    assert_eq!(path(&screen), (2, false), "corners");
+    drag(&mut screen, c, c + vec2(0.0, 60.0));
+    assert!(path(&screen).0 > 5, "a curve has more vertices");
+    key(&mut screen, Key::Backspace);
+    assert_eq!(path(&screen), (2, false), "the last knot is taken back");
+    drag(&mut screen, c, c + vec2(0.0, 60.0));
+    click(&mut screen, a);
+    let (vertices, closed) = path(&screen);
+    assert!(closed && vertices > 5, "a click on the first knot closes: {vertices}");
+    let elsewhere = at(&screen, 0.0, -50.0);
+    click(&mut screen, elsewhere);
+    assert_eq!(scene(&screen).targets.len(), 1, "the next click begins another path");
+    key(&mut screen, Key::Enter);
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert!(scene(&screen).targets.is_empty(), "a path is one undo step");
+}
+
+#[test]
+fn a_drag_inside_the_box_moves_a_text() {
+    let text = Shape::Text { text: "HIT".to_owned(), at: AT, height: 0.04 };
+    let mut screen = open_with(std::slice::from_ref(&text));
+    screen.state_mut().editor_mut().selection = [0].into();
+    rest(&mut screen);
+    // Between the strokes of the H and the I.
+    let beside = at(&screen, -12.0, 12.0);
+    click(&mut screen, beside);
+    assert!(screen.state().editor().selection.is_empty(), "a click beside the strokes selects nothing");
+    screen.state_mut().editor_mut().selection = [0].into();
+    rest(&mut screen);
+    let to = at(&screen, 8.0, 22.0);
+    press_guides_off(&mut screen);
+    drag(&mut screen, beside, to);
+    let moved = scene(&screen).targets[0].shape.centre();
+    assert!(moved.distance(AT + DVec3::new(0.02, 0.01, 0.0)) < 1e-3, "{moved}");
+    assert_eq!(screen.state().editor().selection, [0].into());
+}
+
+fn press_guides_off(screen: &mut Screen) {
+    screen.state_mut().editor_mut().view.guides = false;
+    rest(screen);
+}

@@ -70,7 +70,7 @@ fn the_difference_is_of_both_maps() {
     // A method compared with itself.
     screen.get_by_role_and_label(Role::ComboBox, "Second method").click();
     rest(&mut screen);
-    let item = screen.get_all_by_label("levelled Gauss-Newton").last().unwrap();
+    let item = screen.get_all_by_label("best (levelled Gauss-Newton)").last().unwrap();
     item.click();
     rest(&mut screen);
     assert_eq!(beside(&screen).difference.as_ref().unwrap().largest, 0.0);

@@ -112,17 +112,14 @@ fn an_outline_is_a_continuous_stroke_or_separate_foci() {
     assert_eq!(samples(&screen), (59, 1), "126 mm in steps of 2.1 mm");
     assert!(screen.state().shown().warnings.is_empty(), "{:?}", screen.state().shown().warnings);
 
-    screen.get_by_label("Spacing").click();
-    rest(&mut screen);
-    type_in(&mut screen, "Stroke", "8");
+    pick(&mut screen, "Stroke", "Spacing");
+    type_in(&mut screen, "Focus spacing", "8");
     assert_eq!(scene(&screen).targets[0].sampling, Sampling::Spacing(0.008));
     assert_eq!(samples(&screen), (0, 17));
-    screen.get_by_label("Count").click();
-    rest(&mut screen);
-    type_in(&mut screen, "Stroke", "11");
+    pick(&mut screen, "Stroke", "Count");
+    type_in(&mut screen, "Foci", "11");
     assert_eq!((scene(&screen).targets[0].sampling, samples(&screen)), (Sampling::Points(11), (0, 12)));
-    screen.get_by_label("Continuous").click();
-    rest(&mut screen);
+    pick(&mut screen, "Stroke", "Continuous");
     assert_eq!((scene(&screen).targets[0].sampling, samples(&screen)), (Sampling::Continuous, (59, 1)));
     press(&mut screen, Modifiers::COMMAND, Key::Z);
     assert_eq!(scene(&screen).targets[0].sampling, Sampling::Points(11));

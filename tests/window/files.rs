@@ -46,12 +46,10 @@ fn a_dropped_drawing_becomes_targets_where_it_is_placed() {
     clear(&mut screen);
     drop_file(&mut screen, &path);
     assert!(question(&screen).placement.side > 0.0);
-    assert!(screen.query_by_label("1 line, evenly loud").is_some());
-    screen.get_by_label("Spacing").click();
-    rest(&mut screen);
+    assert!(screen.query_by_label("1 line, even pressure").is_some());
+    pick(&mut screen, "Stroke", "Spacing");
     assert!(screen.query_by_label_contains("focal points on 1 line").is_some());
-    screen.get_by_label("Continuous").click();
-    rest(&mut screen);
+    pick(&mut screen, "Stroke", "Continuous");
     if let Some(Dialog::Import(import)) = &mut screen.state_mut().editor_mut().dialog {
         import.placement.side = 0.05;
         import.placement.at = DVec3::new(0.01, -0.02, 0.1);
@@ -338,4 +336,22 @@ fn an_own_drive_is_played_until_solve_instead() {
     rest(&mut screen);
     drop_file(&mut screen, &elements);
     assert_eq!(scene(&screen).elements(), 2);
+}
+
+#[test]
+fn imported_paths_keep_their_labels() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("two.svg");
+    let text = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 10 10' \
+                xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape'>\
+                <circle id='circle7' inkscape:label='Ring' cx='3' cy='3' r='2'/>\
+                <path id='stem' stroke='#000' d='M 6 1 L 9 1'/><path stroke='#000' d='M 6 5 L 7 5'/></svg>";
+    std::fs::write(&path, text).unwrap();
+    let mut screen = open();
+    clear(&mut screen);
+    drop_file(&mut screen, &path);
+    screen.get_by_label("Import").click();
+    rest(&mut screen);
+    let names: Vec<_> = scene(&screen).targets.iter().map(|target| target.name.as_str()).collect();
+    assert_eq!(names, ["Ring", "stem", ""]);
 }

@@ -260,6 +260,7 @@ fn random_commands_do_no_harm_and_can_be_undone() {
                     "points",
                     "steps",
                     "none",
+                    "Stroke",
                     "Count",
                     "Spacing",
                     "Continuous",

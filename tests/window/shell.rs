@@ -316,3 +316,80 @@ fn a_cut_is_reported_once() {
     screen.run_steps(60);
     assert_eq!(told(&screen), before + 1);
 }
+
+/// An empty window of this size.
+fn sized(width: f32, height: f32, window: fn(&egui::Context) -> Window) -> Screen {
+    let mut screen = Harness::builder()
+        .with_size(vec2(width, height))
+        .with_step_dt(0.25)
+        .build_eframe(|context| window(&context.egui_ctx));
+    rest(&mut screen);
+    screen
+}
+
+#[test]
+fn no_quantity_or_tool_moves_the_map_at_1024() {
+    let mut screen = sized(1024.0, 700.0, window);
+    let canvas = |screen: &Screen| screen.get_by_label("Canvas: the field on the plane").rect();
+    let before = canvas(&screen);
+    for quantity in Quantity::ALL {
+        screen.state_mut().editor_mut().view.quantity = quantity;
+        rest(&mut screen);
+        assert_eq!(canvas(&screen), before, "{quantity:?}");
+        let right = screen.get_by_label("Peak").rect().right();
+        assert!(right <= 1024.0, "{quantity:?}: the row ends at {right}");
+    }
+    screen.state_mut().editor_mut().tool = Tool::Brush;
+    rest(&mut screen);
+    assert_eq!(canvas(&screen), before, "brush");
+}
+
+#[test]
+fn a_closed_gallery_stays_closed() {
+    let mut screen = open();
+    clear(&mut screen);
+    assert!(screen.query_by_label("Example: A heart").is_some());
+    key(&mut screen, Key::Escape);
+    let is_closed = |screen: &Screen| screen.query_by_label("Example: A heart").is_none();
+    assert!(is_closed(&screen));
+    press(&mut screen, Modifiers::COMMAND, Key::Z);
+    press(&mut screen, Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    assert!(scene(&screen).targets.is_empty() && is_closed(&screen), "an undo does not bring it back");
+    for name in ["Examples", "All, with pictures…"] {
+        screen.get_by_label(name).click();
+        rest(&mut screen);
+    }
+    for name in ["Example: A heart", "Don't save"] {
+        screen.get_by_label(name).click();
+        rest(&mut screen);
+    }
+    assert_eq!(screen.state().editor().document.name(), "heart");
+}
+
+#[test]
+fn the_list_and_the_page_show_a_new_target() {
+    let mut screen = open();
+    let many = (0..30).map(|i| Shape::Point { at: DVec3::new(f64::from(i) * 1e-3, 0.0, 0.1) });
+    screen.state_mut().editor_mut().document.scene.targets = many.map(Target::new).collect();
+    rest(&mut screen);
+    page(&screen, "Solver").unwrap().click();
+    rest(&mut screen);
+    key(&mut screen, Key::P);
+    let place = screen.get_by_label("Canvas: the field on the plane").rect().center() + vec2(0.0, 150.0);
+    click(&mut screen, place);
+    assert!(screen.query_by_label_contains("31  Point").is_some(), "the last row is in sight");
+    assert!(screen.query_by_label_contains("1  Point").is_some());
+}
+
+#[test]
+fn help_has_a_manual_and_the_version() {
+    let mut screen = open();
+    for (item, text) in [("Manual…", "Glossary"), ("About Sonoglyph…", env!("CARGO_PKG_VERSION"))] {
+        for name in ["Help", item] {
+            screen.get_by_label(name).click();
+            rest(&mut screen);
+        }
+        assert!(screen.query_all_by_label_contains(text).next().is_some(), "{item}: {text}");
+        key(&mut screen, Key::Escape);
+    }
+}

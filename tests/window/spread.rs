@@ -32,5 +32,5 @@ fn a_spread_of_elements_has_ranges_and_a_band() {
     rest(&mut screen);
     let [mean, _] = ranges(&screen).unwrap().won;
     assert!((mean - (spread.phase.powi(2) / 2.0).exp()).abs() < 5e-4, "{mean}");
-    screen.get_by_label("Calibration wins");
+    screen.get_by_label("Gain by calibration");
 }

@@ -94,6 +94,23 @@ impl Kind {
     }
 }
 
+/// Name of a regular polygon.
+fn polygon(sides: u32) -> String {
+    let name = match sides {
+        3 => "Triangle",
+        4 => "Square",
+        5 => "Pentagon",
+        6 => "Hexagon",
+        7 => "Heptagon",
+        8 => "Octagon",
+        9 => "Nonagon",
+        10 => "Decagon",
+        12 => "Dodecagon",
+        sides => return format!("Polygon ({sides} sides)"),
+    };
+    name.to_owned()
+}
+
 impl Shape {
     /// Its keys: the scene file, the checks, the window and all moves read this table.
     pub fn keys(&mut self) -> Vec<ShapeKey<'_>> {
@@ -242,14 +259,14 @@ impl Shape {
     /// Default name of its targets.
     pub fn title(&self) -> String {
         match self {
-            Self::Polygon { sides, .. } => format!("Polygon of {sides}"),
-            Self::Path { vertices, .. } => format!("Freehand, {} vertices", vertices.len()),
+            Self::Polygon { sides, .. } => polygon(*sides),
+            Self::Path { vertices, .. } => format!("Path ({} points)", vertices.len()),
             Self::Text { text, .. } => format!("Text “{text}”"),
             Self::Picture { file, .. } => {
                 let name = Path::new(file).file_name().map_or(file.into(), |name| name.to_string_lossy());
                 format!("Picture {name}")
             }
-            Self::Trap { trap, .. } => format!("Trap, {}", trap.into_str()),
+            Self::Trap { trap, .. } => trap.name().to_owned(),
             Self::Point { .. }
             | Self::Line { .. }
             | Self::Circle { .. }

@@ -123,7 +123,7 @@ impl Method {
             Self::Gspat => "GS-PAT",
             Self::Wgs => "weighted Gerchberg-Saxton",
             Self::Greedy => "greedy search",
-            Self::Best => "levelled Gauss-Newton",
+            Self::Best => "best (levelled Gauss-Newton)",
         }
     }
 }

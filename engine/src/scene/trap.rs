@@ -56,6 +56,17 @@ impl Trap {
         }
     }
 
+    /// Name of a target.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Focus => "Focus trap",
+            Self::Twin => "Twin trap",
+            Self::Vortex => "Vortex trap",
+            Self::Bottle => "Bottle trap",
+            Self::Standing => "Standing-wave trap",
+        }
+    }
+
     /// The phase (rad) added to the focusing phase of an element at a position (m) relative to the trap, in its axes;
     /// half of the elements are within `radius` (m) of the axis.
     pub fn signature(self, charge: i32, place: DVec3, radius: f64) -> f64 {

@@ -31,7 +31,7 @@ pub enum Warning {
     TooLoud { asked: f64, brought: f64 },
     /// Peak side lobe over the mean along the strokes.
     #[error(
-        "elsewhere on the plane it is {0:.1} times as loud as along the strokes: the drawing is out of the array's reach"
+        "side lobes are {0:.1} times as strong as the strokes: the drawing is too large for this array or out of its reach"
     )]
     OutOfReach(f64),
     /// Separate foci, at most as many as elements.
@@ -40,7 +40,7 @@ pub enum Warning {
     )]
     Dependent { foci: usize, rank: usize, condition: f64 },
     /// Elements that the file of a drive leaves out.
-    #[error("the drive of `{name}` leaves {elements} of {of} elements out: they are silent")]
+    #[error("the drive of `{name}` has no row for {elements} of {of} elements: they stay silent")]
     LeftOut { name: String, elements: usize, of: usize },
 }
 

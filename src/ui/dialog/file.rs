@@ -106,7 +106,7 @@ fn list(
             go(text, up.to_owned());
         }
         let home = ui.add_enabled(folder.home.is_some(), Button::new("Home"));
-        if home.on_hover_text("To your own folder").clicked()
+        if home.on_hover_text("To your home folder").clicked()
             && let Some(home) = &folder.home
         {
             go(text, home.clone());

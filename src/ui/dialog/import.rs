@@ -160,8 +160,8 @@ fn summary(foci: &[Focus], targets: usize) -> String {
     if separate == foci.len() {
         format!("{separate} focal points on {lines}")
     } else if separate == 0 {
-        format!("{lines}, evenly loud")
+        format!("{lines}, even pressure")
     } else {
-        format!("{lines}, evenly loud, {separate} of them points")
+        format!("{lines}, even pressure, {separate} of them points")
     }
 }

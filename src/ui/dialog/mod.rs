@@ -1,25 +1,26 @@
 //! The dialogs and messages of the window.
 
+mod about;
 mod answer;
 mod figure;
 mod file;
 mod film;
+mod help;
 mod import;
+mod manual;
 pub(crate) mod options;
 mod palette;
 pub(crate) mod state;
 
 use std::path::Path;
 
-use egui::{Context, Id, Modal, RichText, ScrollArea, Ui};
-use strum::VariantArray;
+use egui::{Align2, Context, Id, Modal, Ui};
 
 use crate::echo;
 use crate::scene::Target;
-use crate::ui::action::{Action, Group};
 use crate::ui::board::BoardCommand;
 use crate::ui::command::{Command, Purpose};
-use crate::ui::{editor::Editor, keys, shown::Shown};
+use crate::ui::{editor::Editor, gallery, shown::Shown};
 use answer::{answer, hear_enter};
 
 pub use import::Import;
@@ -34,9 +35,16 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
     let Some(mut dialog) = editor.dialog.take() else { return };
     hear_enter(ctx);
     let mut stays = true;
-    let modal = Modal::new(Id::unique("dialog")).show(ctx, |ui| {
-        let width = if dialog == Dialog::Help { 640.0_f32 } else { 480.0 };
-        ui.set_width(width.min(ctx.content_rect().width() - 40.0));
+    let id = Id::unique("dialog");
+    let area = Modal::default_area(id);
+    // The palette's field stays where it is when the list below it changes.
+    let is_palette = matches!(dialog, Dialog::Palette { .. });
+    let area = if is_palette { area.anchor(Align2::CENTER_TOP, [0.0, 72.0]) } else { area };
+    let modal = Modal::new(id).area(area).show(ctx, |ui| {
+        let is_page = matches!(dialog, Dialog::Examples | Dialog::Manual(_) | Dialog::Help);
+        let width = if is_page { 760.0_f32 } else { 480.0 };
+        let width = width.min(ctx.content_rect().width() - 40.0);
+        ui.set_width(width);
         match &mut dialog {
             Dialog::Path { purpose, text } => {
                 stays = file::show((*purpose, text), (editor, shown), ui, commands);
@@ -65,8 +73,23 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
             }
             Dialog::Figure => stays = figure::show(editor, shown, ui, commands),
             Dialog::Film => stays = film::show(editor, shown, ui),
+            Dialog::Examples => {
+                ui.heading("Examples");
+                let height = (ctx.content_rect().height() - 170.0).clamp(100.0, 620.0);
+                let is_chosen = gallery::show_cards((width, height), editor, shown, ui, commands);
+                ui.add_space(8.0);
+                stays = !answer(ui, ("Close", true), |_| ()) && !is_chosen;
+            }
+            Dialog::Manual(page) => {
+                manual::show(page, ui);
+                stays = !answer(ui, ("Close", true), |_| ());
+            }
+            Dialog::About => {
+                about::show(shown, ui);
+                stays = !answer(ui, ("Close", true), |_| ());
+            }
             Dialog::Help => {
-                help(ui);
+                help::show(ui);
                 stays = !answer(ui, ("Close", true), |_| ());
             }
         }
@@ -145,7 +168,7 @@ fn unsaved(then: &Command, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<
 fn changed(path: &Path, editor: &mut Editor, ui: &mut Ui, commands: &mut Vec<Command>) -> bool {
     ui.heading("Replace the newer file?");
     ui.label(format!(
-        "“{}” was changed by another program since it was opened or saved here.",
+        "Another program has changed “{}” since it was opened or saved here.",
         editor.document.name()
     ));
     ui.add_space(8.0);
@@ -176,7 +199,7 @@ fn recovered(name: &str, targets: usize, ui: &mut Ui, commands: &mut Vec<Command
     ui.add_space(8.0);
     let mut discards = false;
     let recovers = answer(ui, ("Recover", true), |ui| {
-        let tip = "Deletes the scene for good";
+        let tip = "Deletes the unsaved scene";
         discards = ui.button("Discard").on_hover_text(tip).clicked();
     });
     if recovers {
@@ -185,37 +208,6 @@ fn recovered(name: &str, targets: usize, ui: &mut Ui, commands: &mut Vec<Command
         commands.push(Command::Discard);
     }
     !recovers && !discards
-}
-
-fn help(ui: &mut Ui) {
-    ui.heading("Keys and tools");
-    ui.label(
-        "The map shows the pressure of the sound on a plane. White rings are the focal points: where the array's waves arrive in \
-         step. Draw shapes, and the array's phases follow at once.",
-    );
-    ui.add_space(4.0);
-    let row = |ui: &mut Ui, keys: &str, what: &str| {
-        ui.label(RichText::new(keys).strong());
-        ui.label(what);
-        ui.end_row();
-    };
-    let height = (ui.ctx().content_rect().height() - 180.0).min(540.0);
-    ScrollArea::vertical().max_height(height).show(ui, |ui| {
-        egui::Grid::new("keys").num_columns(2).striped(true).show(ui, |ui| {
-            for &group in Group::VARIANTS {
-                for action in Action::all().into_iter().filter(|action| action.group() == group) {
-                    let keys = action.shortcut(ui.ctx());
-                    if !keys.is_empty() {
-                        row(ui, &keys, &action.name());
-                    }
-                }
-            }
-            for (keys, what) in keys::HELP {
-                row(ui, keys, what);
-            }
-        });
-    });
-    ui.add_space(8.0);
 }
 
 /// Asks before the first sound of a run; the command waits for the answer.

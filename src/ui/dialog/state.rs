@@ -50,7 +50,12 @@ pub enum Dialog {
     Figure,
     /// Options of a film of the motion.
     Film,
+    /// The examples with pictures.
+    Examples,
+    /// A page of the manual, by its index.
+    Manual(usize),
     Help,
+    About,
 }
 
 impl Dialog {

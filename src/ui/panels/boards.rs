@@ -9,9 +9,9 @@ use crate::device::wiring;
 use crate::scene::{Board, Elements, Reflector, Scene, Wires};
 use crate::studio::arrays::PRESET;
 use crate::studio::presets::KNOWN;
-use crate::ui::panels::form::{choice, coordinates};
+use crate::ui::panels::form::{choice, coordinates_at_right};
 use crate::ui::panels::{PLAIN, caption, form, number};
-use crate::ui::{command::Purpose, dialog::state::Dialog, editor::Editor};
+use crate::ui::{command::Purpose, dialog::state::Dialog, editor::Editor, ticks, tip};
 
 /// Lower limit of positions, mm.
 const LOWEST: f64 = -2000.0;
@@ -82,7 +82,9 @@ pub fn wiring(editor: &mut Editor, ui: &mut Ui) {
 fn published(editor: &mut Editor, ui: &mut Ui) {
     ui.menu_button("Known arrays", |ui| {
         for known in KNOWN {
-            if ui.button(known.title).on_hover_text(known.source()).clicked()
+            let button = ui.button(known.title);
+            tip::beside(&button, &known.source());
+            if button.clicked()
                 && let Some((array, boards)) = known.array()
             {
                 let scene = &mut editor.document.scene;
@@ -190,7 +192,7 @@ pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
 
 fn place(ui: &mut Ui, name: &str, at: &mut DVec3) {
     caption(ui, name).on_hover_text("x, y and z of its position");
-    ui.horizontal(|ui| coordinates(ui, name, at, LOWEST));
+    coordinates_at_right(ui, name, at, LOWEST);
     ui.end_row();
 }
 
@@ -198,7 +200,7 @@ fn place(ui: &mut Ui, name: &str, at: &mut DVec3) {
 fn facing(ui: &mut Ui, normal: &mut DVec3) -> bool {
     let before = normal.normalize_or(DVec3::Z);
     let mut towards = before;
-    let own = format!("({:.2}, {:.2}, {:.2})", before.x, before.y, before.z);
+    let own = before.to_array().map(|part| ticks::signed(&format!("{part:.2}"))).join(", ");
     let mut choices = DIRECTIONS.to_vec();
     if !DIRECTIONS.iter().any(|(direction, _)| *direction == before) {
         choices.push((before, &own));

@@ -8,7 +8,7 @@ use crate::studio::probe::Reading;
 use crate::ui::panels::form::{choice, heading};
 use crate::ui::panels::{fact, form};
 use crate::ui::parts::trade::panel;
-use crate::ui::{editor::Editor, element_map, shown::Shown, sound::Sound};
+use crate::ui::{editor::Editor, element_map, shown::Shown, sound::Sound, ticks};
 
 /// Numbers of phases per period of boards.
 const LEVELS: [(Option<u32>, &str); 8] = [
@@ -79,8 +79,8 @@ fn map(editor: &Editor, sound: &Sound, ui: &mut Ui, name: &str, colour: impl Fn(
     if let Some(n) = under {
         let drive = sound.drive();
         response.on_hover_text_at_pointer(format!(
-            "Element {n}: {:.0}°, amplitude {:.2}",
-            drive.phases[n].to_degrees(),
+            "Element {n}: {}, amplitude {:.2}",
+            ticks::signed(&format!("{:.0}°", drive.phases[n].to_degrees())),
             drive.amplitudes[n]
         ));
     }

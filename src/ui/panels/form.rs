@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use egui::{Align, Label, Layout, Response, Ui, Vec2b};
+use egui::{Align, Label, Layout, Response, RichText, Ui, Vec2b};
 use egui_plot::{AxisHints, GridMark, Plot};
 use glam::DVec3;
 use strum::VariantArray;
@@ -103,6 +103,13 @@ pub fn bare_count(ui: &mut Ui, value: &mut u32, range: RangeInclusive<u32>) -> R
         *value = (shown.round() as u32).clamp(*range.start(), *range.end());
     }
     response
+}
+
+/// A row with a remark beneath a value, wrapped at the edge of the page.
+pub fn remark(ui: &mut Ui, text: impl Into<String>, colour: egui::Color32) {
+    ui.label("");
+    ui.add(Label::new(RichText::new(text).color(colour)).wrap());
+    ui.end_row();
 }
 
 /// A row with a read-only value; a click copies it.
@@ -206,11 +213,23 @@ pub fn without_sign_on_zero(value: f64) -> f64 {
     if value.abs() < 5e-3 { 0.0 } else { value }
 }
 
+/// Width of a coordinate, for most numbers, and the gap between two.
+const COORDINATE: f32 = 46.0;
+const BETWEEN: f32 = 4.0;
+
+/// The same as the value of a row, at the right edge like others.
+pub fn coordinates_at_right(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
+    ui.horizontal(|ui| {
+        ui.add_space((ui.available_width() - 3.0 * COORDINATE - 2.0 * BETWEEN).max(0.0));
+        coordinates(ui, name, at, lowest);
+    });
+}
+
 /// Three numbers in mm, z not below `lowest` mm.
 pub fn coordinates(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
-    ui.spacing_mut().item_spacing.x = 4.0;
-    // Wide enough for most numbers, so that rows of points align.
-    ui.spacing_mut().interact_size.x = 46.0;
+    ui.spacing_mut().item_spacing.x = BETWEEN;
+    // Rows of points align.
+    ui.spacing_mut().interact_size.x = COORDINATE;
     for (axis, value) in ["x", "y", "z"].into_iter().zip(at.as_mut()) {
         let mut shown = without_sign_on_zero(*value * 1e3);
         let least = if axis == "z" { lowest } else { -2000.0 };

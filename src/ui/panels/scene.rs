@@ -1,5 +1,6 @@
 //! The Scene page: targets, plane, air and array.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use egui::{RichText, Sense, Ui};
@@ -9,10 +10,10 @@ use strum::VariantArray;
 use crate::acoustics::Air;
 use crate::scene::{Array, ElementModel, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
-use crate::ui::panels::form::{choice, count, given, heading};
+use crate::ui::panels::form::{choice, count, given, heading, remark};
 use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, number, target};
 use crate::ui::parts::levitation;
-use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme};
+use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme, ticks};
 
 /// Time constant (s) of a resonance of 10 mm transducers.
 const TYPICAL_TAU: f64 = 1.9e-4;
@@ -27,6 +28,12 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     ui.collapsing("Reflectors", |ui| boards::reflectors(editor, ui));
     ui.collapsing("Bead", |ui| levitation::panel::show(editor, ui));
     ui.collapsing("Air", |ui| air(editor, ui));
+    ui.collapsing("Grid", |ui| {
+        form(ui, "grid", |ui| {
+            let tip = "Distance of its lines; to show it and to snap to it, see the menu Edit";
+            number(ui, ("Grid spacing", tip), &mut editor.grid, MM, 5e-4..=0.05);
+        });
+    });
 }
 
 fn targets(editor: &mut Editor, ui: &mut Ui) {
@@ -39,7 +46,15 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
     let mut moved = None;
     let list = egui::ScrollArea::vertical().id_salt("targets").max_height(190.0).auto_shrink([false, true]);
     // Only those in sight are drawn: there may be hundreds.
-    list.show_rows(ui, ui.spacing().interact_size.y, editor.scene().targets.len(), |ui, rows| {
+    let height = ui.spacing().interact_size.y;
+    let news = newly_selected(editor, ui);
+    list.show_rows(ui, height, editor.scene().targets.len(), |ui, rows| {
+        if let Some(index) = news {
+            let step = height + ui.spacing().item_spacing.y;
+            let top = ui.max_rect().top() + (index as f32 - rows.start as f32) * step;
+            let row = egui::Rect::from_x_y_ranges(ui.max_rect().x_range(), top..=top + height);
+            ui.scroll_to_rect_animation(row, None, egui::style::ScrollAnimation::none());
+        }
         for index in rows {
             moved = row(editor, index, several, ui).or(moved);
         }
@@ -85,6 +100,17 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
+/// The last selected target, if the selection is not that of the frame before.
+fn newly_selected(editor: &Editor, ui: &Ui) -> Option<usize> {
+    let id = egui::Id::unique("selection in the list");
+    let before = ui.data_mut(|data| data.get_temp::<BTreeSet<usize>>(id));
+    if before.as_ref() == Some(&editor.selection) {
+        return None;
+    }
+    ui.data_mut(|data| data.insert_temp(id, editor.selection.clone()));
+    editor.selection.last().copied()
+}
+
 /// A target in the list. Returns the move of a target dropped here.
 fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<(usize, usize)> {
     let chosen = editor.selection.contains(&index);
@@ -95,7 +121,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
         ui.spacing_mut().item_spacing.x = 4.0;
         let visible = &mut editor.document.scene.targets[index].visible;
         ui.checkbox(visible, "")
-            .on_hover_text("On; a target that is off stays in the file")
+            .on_hover_text("Played; a target that is not ticked stays in the file")
             .accessible_name(format!("Target {} is played", index + 1));
         let text = if *visible { RichText::new(name) } else { RichText::new(name).weak() };
         // Fills the row, so that the name is left-aligned.
@@ -106,7 +132,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
         let button = egui::Button::selectable(chosen, row).sense(Sense::click_and_drag()).truncate();
         ui.add(button.min_size(egui::vec2(ui.available_width(), 0.0)))
     });
-    let response = row.inner.on_hover_text("Drag it to another place in the list");
+    let response = row.inner.on_hover_text("Drag to reorder the list");
     if response.clicked() {
         match (several, chosen) {
             (false, _) => editor.selection = [index].into(),
@@ -170,9 +196,7 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
             let tip = "Sound pressure level at the ear, of the unmodulated sound";
             fact(ui, ("Level", tip), format!("{:.1} dB SPL", heard.spl()));
             if let Some(warning) = heard.warning() {
-                ui.label("");
-                ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
-                ui.end_row();
+                remark(ui, warning, theme::warning(ui.visuals()));
             }
         }
     });
@@ -215,15 +239,9 @@ fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     });
     let tip = "`sonoglyph render` draws it, and it is the surface of the liquid";
     let plane = &scene.plane;
-    ui.label(format!(
-        "{:.0} x {:.0} mm, centre ({:.0}, {:.0}, {:.0}) mm",
-        plane.size.x * 1e3,
-        plane.size.y * 1e3,
-        plane.centre.x * 1e3,
-        plane.centre.y * 1e3,
-        plane.centre.z * 1e3
-    ))
-    .on_hover_text(tip);
+    let [x, y, z] = plane.centre.to_array().map(|place| ticks::signed(&format!("{:.0}", place * 1e3)));
+    ui.label(format!("{:.0} x {:.0} mm, centre ({x}, {y}, {z}) mm", plane.size.x * 1e3, plane.size.y * 1e3,))
+        .on_hover_text(tip);
     ui.horizontal(|ui| {
         if let Some(seen) = seen
             && ui
@@ -284,7 +302,7 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
         let models: Vec<_> = ElementModel::VARIANTS.iter().map(described).collect();
         choice(ui, ("Directivity", "Of one element"), &mut array.element, &models);
         response(array, ui);
-        let tip = "Random differences of gain between elements, rms; the Solver page shows what they do";
+        let tip = "Random differences of gain between elements, rms; the Solver page shows their effect";
         number(ui, ("Spread of gain", tip), &mut array.spread.gain, PERCENT, 0.0..=1.0);
         let tip = "Random differences of phase between elements, rms";
         number(ui, ("Spread of phase", tip), &mut array.spread.phase, DEGREES, 0.0..=PI);

@@ -13,6 +13,9 @@ use crate::ui::panels::form::{choice, count, heading, variants};
 use crate::ui::panels::{PLAIN, fact, form, number, profile};
 use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
+/// Width of a method in the table, in points.
+const METHOD: f32 = 132.0;
+
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     match editor.scene().drive.is_named() {
         true => drive(editor, ui),
@@ -81,11 +84,10 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
         let amplitudes = [(Amplitudes::Uniform, "uniform"), (Amplitudes::Free, "per element")];
         choice(ui, ("Amplitudes", "Uniform on most boards"), &mut solver.amplitudes, &amplitudes);
-        let tip = "Trade-off: 0 strongest drive, 1 lowest side lobes";
-        number(ui, ("Quiet", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
-        let tip =
-            "Drives played in turn, whose mean intensity has the drawn shape: their side lobes average out";
-        turns(ui, ("Drives in turn", tip), &mut solver.frames);
+        let tip = "0: the strongest drive, 1: the lowest side lobes";
+        number(ui, ("Side-lobe suppression", tip), &mut solver.quiet, PLAIN, 0.0..=1.0);
+        let tip = "Several drives, played one after the other, whose mean intensity has the drawn shape: their side lobes average out";
+        turns(ui, ("Alternating drives", tip), &mut solver.frames);
         let pressures = [(Pressures::Relative, "relative"), (Pressures::Pascal, "pascals")];
         choice(
             ui,
@@ -106,7 +108,7 @@ fn quality(editor: &Editor, shown: &Shown, solution: &Solution, ui: &mut Ui) {
     let quality = &solution.quality;
     heading(ui, "Quality");
     if solution.foci.is_empty() {
-        ui.label("No targets at which the drive could be judged");
+        ui.label("No targets: the quality of the drive is not defined");
         return;
     }
     if quality.is_silent() {
@@ -157,7 +159,7 @@ fn nonlinear(editor: &Editor, ui: &mut Ui) {
         _ => String::new(),
     };
     fact(ui, ("Second harmonic", tip), format!("{:.0} %{linear}", 100.0 * found.harmonic));
-    let tip = "Bound of the air's speed along the beam, which absorbed sound drives";
+    let tip = "Upper bound of the air speed along the beam, driven by absorbed sound";
     fact(ui, ("Streaming", tip), format!("at most {:.1} m/s", found.streaming));
     if let Some(audible) = found.audible {
         let tip = format!(
@@ -184,13 +186,13 @@ fn ranges(editor: &Editor, ui: &mut Ui) {
         for (name, values) in spread::rows(ranges, |pressure| convention.pressure(pressure)) {
             fact(ui, (name, "5, 50 and 95 % of arrays with such elements"), values);
         }
-        let tip = "Over the median: what elements that are measured and corrected would win";
-        fact(ui, ("Calibration wins", tip), spread::won(ranges));
+        let tip = "Over the median: the gain if every element were measured and corrected";
+        fact(ui, ("Gain by calibration", tip), spread::won(ranges));
     });
     ui.label(egui::RichText::new(spread::faults(scene)).weak());
 }
 
-/// The number of drives in turn: as many as pay, or as many as are named.
+/// The number of alternating drives: as many as pay, or a given number.
 fn turns(ui: &mut Ui, (name, tip): (&str, &str), turns: &mut Turns) {
     /// The number after another choice.
     const NAMED: u32 = 4;
@@ -198,9 +200,9 @@ fn turns(ui: &mut Ui, (name, tip): (&str, &str), turns: &mut Turns) {
         Turns::Auto => Turns::Count(NAMED),
         Turns::Count(_) => *turns,
     };
-    choice(ui, (name, tip), turns, &[(Turns::Auto, "automatic"), (named, "as many as named")]);
+    choice(ui, (name, tip), turns, &[(Turns::Auto, "automatic"), (named, "by number")]);
     if let Turns::Count(number) = turns {
-        count(ui, ("Number of drives", "Played in turn"), number, 1..=32);
+        count(ui, ("Number of drives", "Played one after the other"), number, 1..=32);
     }
 }
 
@@ -231,7 +233,7 @@ fn shape(figures: Option<&Figures>, ui: &mut Ui) {
     );
     fact(ui, ("Peak side lobe", &tip), told(&lobe));
     let tip = "Mean pressure relative to the strongest known drive";
-    fact(ui, ("Strength", tip), told(&|it| percent(it.strength)));
+    fact(ui, ("Relative to strongest", tip), told(&|it| percent(it.strength)));
     if let Some(areas) = figures.and_then(|figures| figures.areas) {
         let tip = "Mean of pressure squared inside the areas over that around them, or of the depression";
         fact(ui, ("Contrast", tip), format!("{:.1}", areas.contrast));
@@ -259,38 +261,45 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
     if shown.methods.is_empty() {
         return;
     }
-    egui::Grid::new("methods").num_columns(4).striped(true).spacing([12.0, 4.0]).show(ui, |ui| {
-        for (title, tip) in [
-            ("Method", "Click to use it"),
-            ("Weakest", "Pressure at the weakest focal point"),
-            ("std/mean", "Standard deviation over mean of the focal pressures"),
-            ("Time", "Of the solve, without quality figures"),
-        ] {
-            ui.strong(title).on_hover_text(tip);
-        }
-        ui.end_row();
-        let solver = &editor.scene().solver;
-        let current = (!editor.scene().drive.is_named()).then_some(solver.method);
-        for row in &shown.methods {
-            let chosen = current == Some(row.method);
-            let response =
-                ui.selectable_label(chosen, row.method.title()).on_hover_text(describe(row.method));
-            match &row.solution {
-                Ok(solution) => {
-                    if response.clicked() {
-                        editor.document.scene.solve_by(row.method);
-                    }
-                    ui.label(editor.view.convention.pressure(solution.quality.min_pressure));
-                    ui.label(format!("{:.1} %", 100.0 * solution.quality.spread));
-                    ui.label(milliseconds(solution.seconds, 1));
-                }
-                Err(why) => {
-                    ui.weak("–").on_hover_text(why);
-                    ui.weak("–");
-                    ui.weak("–");
-                }
+    let table = egui::Grid::new("methods").num_columns(4).striped(true).spacing([10.0, 4.0]);
+    egui::ScrollArea::horizontal().id_salt("methods").show(ui, |ui| {
+        table.show(ui, |ui| {
+            for (title, tip) in [
+                ("Method", "Click to use it"),
+                ("Weakest", "Pressure at the weakest focal point"),
+                ("std/mean", "Standard deviation over mean of the focal pressures"),
+                ("Time", "Solving time, without quality figures"),
+            ] {
+                ui.strong(title).on_hover_text(tip);
             }
             ui.end_row();
-        }
+            let solver = &editor.scene().solver;
+            let current = (!editor.scene().drive.is_named()).then_some(solver.method);
+            for row in &shown.methods {
+                let chosen = current == Some(row.method);
+                // Long names wrap, so that all columns are in sight.
+                let name = ui.scope(|ui| {
+                    ui.set_max_width(METHOD);
+                    ui.add(egui::Button::selectable(chosen, row.method.title()).wrap())
+                });
+                let response = name.inner.on_hover_text(describe(row.method));
+                match &row.solution {
+                    Ok(solution) => {
+                        if response.clicked() {
+                            editor.document.scene.solve_by(row.method);
+                        }
+                        ui.label(editor.view.convention.pressure(solution.quality.min_pressure));
+                        ui.label(format!("{:.1} %", 100.0 * solution.quality.spread));
+                        ui.label(milliseconds(solution.seconds, 1));
+                    }
+                    Err(why) => {
+                        ui.weak("–").on_hover_text(why);
+                        ui.weak("–");
+                        ui.weak("–");
+                    }
+                }
+                ui.end_row();
+            }
+        })
     });
 }

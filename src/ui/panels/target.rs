@@ -1,14 +1,14 @@
 //! The numbers of a single target.
 
-use egui::{RichText, TextEdit, Ui};
+use egui::{TextEdit, Ui};
 use glam::DVec3;
 
 use crate::scene::check::{MOST_FOCI, MOST_LETTERS};
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, ShapeKey, ShapeValue, Target, Trap, font};
-use crate::ui::panels::form::{bare_count, choice, coordinates, count, variants};
+use crate::ui::panels::form::{bare_count, choice, coordinates_at_right, count, remark, variants};
 use crate::ui::panels::path::{self, Figures};
-use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, bare_number, caption, form, number, value};
-use crate::ui::theme;
+use crate::ui::panels::{DEGREES, MM, PLAIN, Unit, caption, form, number, value};
+use crate::ui::{theme, tip};
 
 /// Initial spacing of an outline's focal points, m.
 const SPACING: f64 = 0.01;
@@ -49,7 +49,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
 pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut String) -> bool {
     let label = caption(ui, name).on_hover_text(tip);
     let field = TextEdit::singleline(text).hint_text(hint).char_limit(MOST_LETTERS).desired_width(150.0);
-    let changed = ui.add(field).labelled_by(label.id).changed();
+    let changed = value(ui, |ui| ui.add(field)).labelled_by(label.id).changed();
     text.retain(|letter| !letter.is_control());
     ui.end_row();
     changed
@@ -126,7 +126,8 @@ fn holding(target: &mut Target, ui: &mut Ui) {
 fn letters(ui: &mut Ui, text: &mut String) {
     let label = caption(ui, "Text");
     let mut edited = text.clone();
-    let response = ui.add(TextEdit::singleline(&mut edited).desired_width(150.0)).labelled_by(label.id);
+    let field = TextEdit::singleline(&mut edited).desired_width(150.0);
+    let response = value(ui, |ui| ui.add(field)).labelled_by(label.id);
     let id = response.id.with("lacking");
     if response.changed() {
         let lacking = font::lacking(&edited);
@@ -139,9 +140,7 @@ fn letters(ui: &mut Ui, text: &mut String) {
     ui.end_row();
     let lacking: Vec<char> = ui.data(|data| data.get_temp(id)).unwrap_or_default();
     if !lacking.is_empty() && response.has_focus() {
-        ui.label("");
-        ui.label(RichText::new(font::lacks(&lacking)).color(theme::warning(ui.visuals())));
-        ui.end_row();
+        remark(ui, font::lacks(&lacking), theme::warning(ui.visuals()));
     }
 }
 
@@ -149,7 +148,7 @@ fn letters(ui: &mut Ui, text: &mut String) {
 pub fn point(ui: &mut Ui, name: &str, at: &mut DVec3) {
     caption(ui, &format!("{name}, mm"))
         .on_hover_text("x, y, z; the array lies in z = 0, its centre at the origin");
-    ui.horizontal(|ui| coordinates(ui, name, at, 1.0));
+    coordinates_at_right(ui, name, at, 1.0);
     ui.end_row();
 }
 
@@ -182,36 +181,40 @@ const AREAS: [Choice; 2] = [
 
 /// Selects strokes, separate focal points with their number, or one of these areas.
 pub fn sampling(ui: &mut Ui, sampling: &mut Sampling, areas: &[Choice]) {
-    let label = caption(ui, "Stroke").on_hover_text("Continuous, separate foci, or an area");
-    ui.vertical(|ui| {
-        // A single row would widen the panel while a shape is drawn, and shift the map under the pointer.
-        for choices in [&OUTLINES, areas] {
-            ui.horizontal(|ui| {
-                ui.spacing_mut().item_spacing.x = 2.0;
-                for &(name, tip, choice) in choices {
-                    let is_chosen = std::mem::discriminant(sampling) == std::mem::discriminant(&choice);
-                    if ui.selectable_label(is_chosen, name).on_hover_text(tip).clicked() && !is_chosen {
-                        *sampling = choice;
-                    }
+    let tip = "Continuous, separate foci, or an area";
+    let label = caption(ui, "Stroke").on_hover_text(tip);
+    let is_chosen =
+        |own: &Sampling, other: &Sampling| std::mem::discriminant(own) == std::mem::discriminant(other);
+    let choices = || OUTLINES.iter().chain(areas);
+    let current = choices().find(|(.., choice)| is_chosen(sampling, choice)).map_or("", |(name, ..)| name);
+    let list = value(ui, |ui| {
+        egui::ComboBox::from_id_salt("stroke").selected_text(current).show_ui(ui, |ui| {
+            for (name, tip, choice) in choices() {
+                let chosen = is_chosen(sampling, choice);
+                let entry = ui.selectable_label(chosen, *name);
+                tip::beside(&entry, tip);
+                if entry.clicked() && !chosen {
+                    *sampling = *choice;
                 }
-            });
-        }
-        match sampling {
-            Sampling::Whole | Sampling::Continuous | Sampling::Fill => {}
-            Sampling::Stroke(width) => {
-                bare_number(ui, width, MM, 1e-3..=0.2).labelled_by(label.id);
             }
-            Sampling::Spacing(spacing) => {
-                bare_number(ui, spacing, MM, 1e-3..=0.2).labelled_by(label.id);
-            }
-            Sampling::Points(points) => {
-                let mut count = *points as u32;
-                bare_count(ui, &mut count, 1..=MOST_FOCI as u32).labelled_by(label.id);
-                *points = count as usize;
-            }
-        }
+        })
     });
+    list.response.labelled_by(label.id).on_hover_text(tip);
     ui.end_row();
+    match sampling {
+        Sampling::Whole | Sampling::Continuous | Sampling::Fill => {}
+        Sampling::Stroke(width) => {
+            number(ui, ("Width", "Of the stroke"), width, MM, 1e-3..=0.2);
+        }
+        Sampling::Spacing(spacing) => {
+            number(ui, ("Focus spacing", "Between foci along the outline"), spacing, MM, 1e-3..=0.2);
+        }
+        Sampling::Points(points) => {
+            let mut foci = *points as u32;
+            count(ui, ("Foci", "Along the outline"), &mut foci, 1..=MOST_FOCI as u32);
+            *points = foci as usize;
+        }
+    }
 }
 
 /// The step of a target in scenes with turns.

@@ -57,8 +57,8 @@ pub fn places(editor: &mut Editor, ui: &mut Ui) {
         }
     }
     let projections = [
-        (true, "Perspective", "What is nearer is larger".to_owned()),
-        (false, "Parallel", "Equal lengths are equal, near and far".to_owned()),
+        (true, "Perspective", "Near objects are larger".to_owned()),
+        (false, "Parallel", "Equal lengths stay equal at any distance".to_owned()),
     ];
     segments::show(ui, "Rays", &mut space.is_perspective, &projections);
     ui.add_space(6.0);

@@ -12,7 +12,7 @@ fn simplification_of_any_line_terminates() {
     for poison in POISON {
         for closed in [false, true] {
             let points = vec![DVec2::ZERO, DVec2::new(poison, 1.0), DVec2::new(1.0, -poison), DVec2::ONE];
-            let line = Line { points, closed };
+            let line = Line::new(points, closed);
             for tolerance in POISON {
                 assert!(line.simplified(tolerance).points.len() <= 4);
                 for most in [0, 1, 2, 3, usize::MAX] {
@@ -26,7 +26,7 @@ fn simplification_of_any_line_terminates() {
             line.distance(DVec2::splat(poison));
         }
     }
-    let dot = Line { points: vec![DVec2::ONE], closed: true };
+    let dot = Line::new(vec![DVec2::ONE], true);
     assert_eq!((dot.length(), dot.simplified(0.1).points.len()), (0.0, 1));
 }
 

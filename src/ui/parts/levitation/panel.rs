@@ -11,7 +11,7 @@ use crate::studio::levitation;
 use crate::ui::panels::form::{MM, Unit, fact, form, number};
 use crate::ui::panels::form::{choice, coordinates, given, heading, ruled_plot, variants};
 use crate::ui::parts::levitation::{Levitated, Place};
-use crate::ui::{editor::Editor, measure, theme};
+use crate::ui::{editor::Editor, measure, theme, ticks};
 
 /// Points of the screen.
 const HEIGHT: f32 = 170.0;
@@ -180,5 +180,5 @@ fn figures(levitated: &Levitated, ui: &mut Ui) {
 
 /// µN with three figures.
 fn micro(force: f64) -> String {
-    format!("{:.3}", force * 1e6)
+    ticks::signed(&format!("{:.3}", force * 1e6))
 }
