@@ -379,7 +379,7 @@ impl Workshop {
             Some(_) | None => cycle.unwrap_or((1, 0.0)),
         };
         let is_there = match is_of_waves {
-            true => editor.parts.waves.exact().is_some(),
+            true => matches!(editor.parts.waves.exact(), Some(Ok(_))),
             false => shown.round.is_some(),
         };
         let playback = &mut editor.playback;
@@ -464,7 +464,7 @@ impl Workshop {
         let flight = &mut editor.parts.flight;
         let passed = self.flight.passed(flight.form.playing, ctx);
         if flight.go_on(passed.unwrap_or(0.0)) {
-            ctx.request_repaint_after(Duration::from_secs_f64(SHORTEST_FRAME));
+            ctx.request_repaint_after(OSCILLATION_STEP);
         }
     }
 
