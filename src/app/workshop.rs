@@ -49,12 +49,10 @@ const OSCILLATION_STEP: Duration = Duration::from_millis(33);
 
 const BEING_SOLVED: &str =
     "Many focal points are being solved. Until that is done, the map is of those before.";
-const AT_REST: &str =
-    "The frames of the motion are being solved. Until they are there, this is the scene at rest.";
-const BEFORE: &str =
-    "The frames of the motion are being solved. Until they are there, the map is of those before.";
+const AT_REST: &str = "Solving the frames of the motion… the map shows the scene at rest.";
+const BEFORE: &str = "Solving the frames of the motion… the map still shows the previous ones.";
 
-const MAKING_WAVES: &str = "The waves are being computed. Until they are there, the surface is at rest.";
+const MAKING_WAVES: &str = "Computing the waves… the map shows the surface at rest.";
 /// Interval between two frames of a motion on the screen, s, at least.
 const SHORTEST_FRAME: f64 = 1.0 / 60.0;
 

@@ -245,7 +245,8 @@ pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect, note
     }
     let (text, colour) = match &shown.problem {
         Some(problem) => {
-            (format!("Not solved, the last picture stays: {problem}"), Color32::from_rgb(255, 170, 160))
+            let stays = if shown.map.is_some() { " (the map shows the previous scene)" } else { "" };
+            (format!("Not solved{stays}: {problem}"), Color32::from_rgb(255, 170, 160))
         }
         None => match &shown.pending {
             Some(pending) => (pending.clone(), theme::MARK),
