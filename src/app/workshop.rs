@@ -52,7 +52,7 @@ const BEING_SOLVED: &str = "Solving… the map still shows the previous drawing.
 const AT_REST: &str = "Solving the frames of the motion… the map shows the scene at rest.";
 const BEFORE: &str = "Solving the frames of the motion… the map still shows the previous ones.";
 
-const MAKING_WAVES: &str = "The waves are being computed. Until they are there, the surface is at rest.";
+const MAKING_WAVES: &str = "Computing the waves… the map shows the surface at rest.";
 /// Interval between two frames of a motion on the screen, s, at least.
 const SHORTEST_FRAME: f64 = 1.0 / 60.0;
 
@@ -388,7 +388,7 @@ impl Workshop {
             Some(_) | None => cycle.unwrap_or((1, 0.0)),
         };
         let is_there = match is_of_waves {
-            true => editor.parts.waves.exact().is_some(),
+            true => matches!(editor.parts.waves.exact(), Some(Ok(_))),
             false => shown.round.is_some(),
         };
         let playback = &mut editor.playback;
@@ -473,7 +473,7 @@ impl Workshop {
         let flight = &mut editor.parts.flight;
         let passed = self.flight.passed(flight.form.playing, ctx);
         if flight.go_on(passed.unwrap_or(0.0)) {
-            ctx.request_repaint_after(Duration::from_secs_f64(SHORTEST_FRAME));
+            ctx.request_repaint_after(OSCILLATION_STEP);
         }
     }
 

@@ -251,10 +251,10 @@ pub fn words(editor: &Editor, shown: &Shown, painter: &Painter, rect: Rect, note
         return;
     }
     let (text, colour) = match &shown.problem {
-        Some(problem) => (
-            format!("{}. The map still shows the previous drawing.", problem.trim_end_matches('.')),
-            Color32::from_rgb(255, 170, 160),
-        ),
+        Some(problem) => {
+            let stays = if shown.map.is_some() { " The map still shows the previous drawing." } else { "" };
+            (format!("{}.{stays}", problem.trim_end_matches('.')), Color32::from_rgb(255, 170, 160))
+        }
         None => match &shown.pending {
             Some(pending) => (pending.clone(), theme::MARK),
             None if is_unmoved(shown) => {

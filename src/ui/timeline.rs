@@ -69,14 +69,20 @@ pub fn play_or_pause(editor: &mut Editor) -> bool {
         editor.oscillation.playing = !editor.oscillation.playing;
         return true;
     }
-    let Some(played) = Played::of(editor) else { return false };
+    let played = Played::of(editor);
+    played.into_iter().for_each(|played| toggle(editor, played));
+    played.is_some()
+}
+
+/// Plays or pauses the frames; after the last one from the first.
+fn toggle(editor: &mut Editor, played: Played) {
     let playback = &mut editor.playback;
-    playback.playing = !(playback.playing && playback.moment.playing(editor.view.quantity).is_some());
-    if playback.moment.playing(editor.view.quantity).is_none() {
-        playback.moment = played.moment(0);
-        playback.part = 0.0;
+    let index = playback.moment.playing(editor.view.quantity);
+    playback.playing = !(playback.playing && index.is_some());
+    let is_at_end = index.is_some_and(|index| index + 1 >= played.clock().frames) && !playback.loops;
+    if index.is_none() || (playback.playing && is_at_end) {
+        (playback.moment, playback.part) = (played.moment(0), 0.0);
     }
-    true
 }
 
 /// Whether anything can be played.
@@ -182,7 +188,7 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, played: Played) {
         false => ("Play", "Show one frame after the other (Space)"),
     };
     if ui.button(name).on_hover_text(tip).clicked() {
-        play_or_pause(editor);
+        toggle(editor, played);
     }
     let count = clock.frames.max(1);
     for (name, tip, by) in [("◀", "Back by a frame", count - 1), ("▶", "On by a frame", 1)] {
