@@ -279,12 +279,6 @@ fn weight(skin: &Skin, frequency: f64) -> f64 {
     skin.threshold_at(frequency).powi(-2)
 }
 
-/// What is felt of these lines at one place.
-fn power(skin: &Skin, lines: &[SpectralLine], felt: impl Fn(f64) -> bool) -> f64 {
-    let moving = lines.iter().filter(|line| line.frequency > 0.0 && felt(line.frequency));
-    moving.map(|line| weight(skin, line.frequency) * line.amplitude.powi(2)).sum()
-}
-
 /// A point of a plane, from m along its axes.
 fn point(plane: &Plane, place: DVec2) -> Option<DVec3> {
     let (x, y) = plane.axes()?;
@@ -322,7 +316,7 @@ impl Peak {
             (centre + cells.step * vertex(axis).unwrap_or(0.0)).clamp(-half, half)
         };
         let place = DVec2::new(place(0), place(1));
-        let power = power(skin, &motion.at(&[place]).concat(), felt);
+        let power = skin.felt(motion.at(&[place]).concat().iter().filter(|line| felt(line.frequency)));
         Some(Self { place, power })
     }
 }
@@ -452,8 +446,7 @@ impl Along {
         let mut along = Self { strokes: Vec::new(), length: 0.0, felt: 0.0 };
         for (target, pieces) in all_pieces(scene, strokes) {
             let places: Vec<_> = pieces.iter().map(|piece| piece.place).collect();
-            let powers: Vec<_> =
-                motion.at(&places).iter().map(|lines| power(skin, lines, |_| true)).collect();
+            let powers: Vec<_> = motion.at(&places).iter().map(|lines| skin.felt(lines)).collect();
             for (piece, power) in pieces.iter().zip(&powers) {
                 along.length += piece.length;
                 along.felt += if *power >= 1.0 { piece.length } else { 0.0 };

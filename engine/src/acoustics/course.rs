@@ -157,6 +157,10 @@ impl Course {
     }
 
     /// Frames per second; 0 for a single frame.
+    pub(crate) fn frames(&self) -> usize {
+        self.frames
+    }
+
     pub fn frames_per_second(&self) -> f64 {
         self.rate
     }

@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::loaded::Loaded;
+use crate::scene::modulation::SpectralLine;
 use crate::scene::range::{KeyError, refuse, within};
 
 /// dB, of absolute levels and of differences between levels.
@@ -180,6 +181,14 @@ impl Skin {
             (None, Some(curve)) => along(curve, frequency),
             (None, None) => Threshold::Hand.at(frequency),
         }
+    }
+
+    /// What is felt of a motion with these lines (m, peak), relative to the threshold: the sum of their squares over those of their
+    /// thresholds.
+    #[doc(hidden)]
+    pub fn felt<'a>(&self, lines: impl IntoIterator<Item = &'a SpectralLine>) -> f64 {
+        let moving = lines.into_iter().filter(|line| line.frequency > 0.0);
+        moving.map(|line| (line.amplitude / self.threshold_at(line.frequency)).powi(2)).sum()
     }
 
     pub(super) fn check(&self) -> Result<(), KeyError> {

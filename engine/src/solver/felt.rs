@@ -121,12 +121,7 @@ impl<'a> Levelling<'a> {
         let plane = Plane { size, ..scene.plane.clone() };
         let request = Request { plane, ..Request::new(scene, drives, Quantity::Felt, (64, 64)) };
         let motion = stages.skin(&request)?;
-        let level = |lines: Vec<SpectralLine>| {
-            let felt =
-                |line: &SpectralLine| (line.amplitude / request.skin.threshold_at(line.frequency)).powi(2);
-            let power: f64 = lines.iter().filter(|line| line.frequency > 0.0).map(felt).sum();
-            10.0 * power.max(FLOOR).log10()
-        };
+        let level = |lines: Vec<SpectralLine>| 10.0 * request.skin.felt(&lines).max(FLOOR).log10();
         Ok(motion.at(&places).into_iter().map(level).collect())
     }
 }

@@ -53,6 +53,8 @@ const STENCILS: [[f64; 7]; NORMALS] = [
 ];
 /// Error of maps of far-field pistons, whose sound is a wave only near a point.
 const OF_PISTONS: f64 = 5e-3;
+/// Part of the tolerance that orders left out may have of the largest coupling.
+const LEFT_OUT: f64 = 0.1;
 /// The finest tolerance of samples in f32.
 const FINEST_IN_F32: f64 = 5e-4;
 /// Cells per task.
@@ -139,6 +141,8 @@ impl Site {
 struct Scenery<'a> {
     request: &'a Request,
     levitation: Levitation,
+    /// Of partial waves.
+    order: usize,
     /// The plane's axes and its normal.
     axes: [DVec3; 3],
     sample: &'a Sampler<'a>,
@@ -160,13 +164,16 @@ impl OfBead {
         let (x, y) = request.plane.axes().ok_or(FieldError::NoPlane)?;
         let Request { aperture, air, bead, drives, .. } = request;
         let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
-        let order = levitation.sphere.order();
+        let order = match exact {
+            true => levitation.sphere.order(),
+            false => levitation.sphere.order_within(LEFT_OUT * request.plane.tolerance),
+        };
         let sample = |drive: &Drive, samples: &Samples, double: bool| match double {
             true => Ok(on_cpu(aperture, drive, samples, true)),
             false => unchecked(gpu, aperture, drive, samples),
         };
         let by = if gpu.is_some() { By::Gpu } else { By::Cpu };
-        let scenery = Scenery { request, levitation, axes: [x, y, x.cross(y)], sample: &sample, by };
+        let scenery = Scenery { request, levitation, order, axes: [x, y, x.cross(y)], sample: &sample, by };
         let tolerance = if exact { 0.0 } else { request.plane.tolerance };
         let setting = Setting::new(aperture, Plane { tolerance, ..request.plane.clone() });
         let site = self.site.try_update(&(setting.clone(), order), |site| {
@@ -249,7 +256,8 @@ impl Scenery<'_> {
         let places = |rows: &Range<usize>| rows.start * width..rows.end * width;
         let mut formed = vec![vec![0.0f32; cells.count()]; self.components()];
         if !sampled.is_empty() {
-            let formation = Formation::new(&self.levitation.sphere, aperture.element.wavenumber);
+            let formation =
+                Formation::new((&self.levitation.sphere, self.order), aperture.element.wavenumber);
             let mut at_cells = vec![vec![Complex32::ZERO; places(sampled).len()]; site.derivatives.len()];
             for drive in drives.iter() {
                 let normals = self.normals(drive, grid, double)?;
@@ -314,8 +322,8 @@ impl Scenery<'_> {
     fn around(&self, lattice: &Samples, double: bool, progress: &Gauge) -> Result<Vec<Vec<f32>>, FieldError> {
         let Request { aperture, drives, .. } = self.request;
         let (sphere, [x, y, normal]) = (&self.levitation.sphere, self.axes);
-        let offsets = PartialWaves::points(sphere.order(), (DVec3::ZERO, sphere.shell()));
-        let formation = Formation::on_spheres(sphere, aperture.element.wavenumber);
+        let offsets = PartialWaves::points(self.order, (DVec3::ZERO, sphere.shell()));
+        let formation = Formation::on_spheres((sphere, self.order), aperture.element.wavenumber);
         let mut formed = vec![vec![0.0f32; lattice.len()]; self.components()];
         let together = (PLACES / lattice.columns.len().max(1)).max(1);
         let done = progress.count(lattice.rows.len().div_ceil(together) * drives.len());

@@ -162,6 +162,9 @@ impl Request {
         if self.drives.is_empty() || !(0.0..=1.0).contains(&self.part) || !self.moment.is_finite() {
             return Err(FieldError::NoMean);
         }
+        if self.quantity.declaration().of_skin && self.drives.len() != self.course.frames() {
+            return Err(FieldError::NoCourse(self.course.frames()));
+        }
         // NaN would go unnoticed in comparisons for peak and error.
         let is_drive = |values: &[f64]| {
             values.len() == self.aperture.positions.len() && values.iter().all(|value| value.is_finite())
@@ -246,6 +249,9 @@ pub enum FieldError {
     NoDrive,
     #[error("a map needs a drive, a moment, and a part from 0 to 1 of the steady pressure")]
     NoMean,
+    #[doc(hidden)]
+    #[error("the motion of the skin needs the drives of all {0} frames of its cycle")]
+    NoCourse(usize),
     #[error(
         "invalid plane: its axes are parallel or zero, or its centre, size or tolerance are out of a scene's range"
     )]
