@@ -29,7 +29,7 @@ impl Window {
                 Piece::Second => panels.push(self.map(self.second_request()?, true)),
                 Piece::Difference => {
                     let requests = [self.own_request()?, self.second_request()?];
-                    let name = "Difference (left minus right)".to_owned();
+                    let name = "Difference, first minus second".to_owned();
                     panels.push(Panel { name, subject: Subject::Difference(requests) });
                 }
                 Piece::Relief => {

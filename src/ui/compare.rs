@@ -304,7 +304,7 @@ fn stated(editor: &Editor, quantity: Quantity, value: f64) -> String {
 
 /// A difference in words.
 fn signed(editor: &Editor, quantity: Quantity, value: f64) -> String {
-    let sign = if value < 0.0 { "-" } else { "+" };
+    let sign = if value < 0.0 { "−" } else { "+" };
     format!("{sign}{}", stated(editor, quantity, value.abs()))
 }
 
@@ -364,7 +364,7 @@ fn balance(difference: &Difference, is_light: bool, ui: &Ui, plot: Rect) {
         painter.line_segment([at, at + vec2(4.0, 0.0)], edge);
         let value = f64::from(part) * difference.largest * factor;
         let text = crate::field::figures(value.abs());
-        let text = if part < 0.0 { format!("-{text}") } else { text };
+        let text = if part < 0.0 { format!("−{text}") } else { text };
         painter.text(at + vec2(7.0, 0.0), Align2::LEFT_CENTER, text, font.clone(), ink);
     }
 }
