@@ -32,12 +32,8 @@ impl Window {
                     let name = "Difference, first minus second".to_owned();
                     panels.push(Panel { name, subject: Subject::Difference(requests) });
                 }
-                Piece::Relief => {
-                    panels.push(self.relief(self.own_request()?, false));
-                    if editor.compare.as_ref().is_some_and(|compare| compare.is_split) {
-                        panels.push(self.relief(self.second_request()?, true));
-                    }
-                }
+                Piece::Relief => panels.push(self.relief(self.own_request()?, false)),
+                Piece::SecondRelief => panels.push(self.relief(self.second_request()?, true)),
                 Piece::Space => {
                     let spacing = &self.workshop.spacing;
                     let prospect = spacing.prospect(editor, shown, editor.figure.is_light);
