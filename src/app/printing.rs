@@ -29,15 +29,11 @@ impl Window {
                 Piece::Second => panels.push(self.map(self.second_request()?, true)),
                 Piece::Difference => {
                     let requests = [self.own_request()?, self.second_request()?];
-                    let name = "Difference (left minus right)".to_owned();
+                    let name = "Difference, first minus second".to_owned();
                     panels.push(Panel { name, subject: Subject::Difference(requests) });
                 }
-                Piece::Relief => {
-                    panels.push(self.relief(self.own_request()?, false));
-                    if editor.compare.as_ref().is_some_and(|compare| compare.is_split) {
-                        panels.push(self.relief(self.second_request()?, true));
-                    }
-                }
+                Piece::Relief => panels.push(self.relief(self.own_request()?, false)),
+                Piece::SecondRelief => panels.push(self.relief(self.second_request()?, true)),
                 Piece::Space => {
                     let spacing = &self.workshop.spacing;
                     let prospect = spacing.prospect(editor, shown, editor.figure.is_light);

@@ -536,7 +536,9 @@ fn lengths(foci: &[Focus], request: &Request) -> Vec<Length> {
 /// The mapping of values to colours, and its labels on the colour bar.
 struct Law {
     quantity: Quantity,
+    /// Of values, or of their differences.
     range: Range,
+    is_difference: bool,
     convention: Convention,
     /// From a value to the number on the bar: dB, or a factor.
     scale: Scale,
@@ -552,17 +554,13 @@ impl Law {
     /// Of differences up to this one, about zero.
     fn of_difference(quantity: Quantity, wish: &Wish, largest: f64) -> Self {
         let wish = Wish { scale: Scale::Linear, range: None, full: None, low: None, ..wish.clone() };
-        Self::new((quantity, Range::Signed), &wish, largest)
+        Self { is_difference: true, ..Self::new((quantity, Range::Signed), &wish, largest) }
     }
 
     fn new((quantity, range): (Quantity, Range), wish: &Wish, peak: f64) -> Self {
         let declaration = quantity.declaration();
-        // RMS pressures are stated in either convention; all others have one.
-        let stated = if quantity == Quantity::Rms {
-            wish.convention.of_peak() / Convention::Rms.of_peak()
-        } else {
-            1.0
-        };
+        // RMS pressures and velocities are stated in either convention.
+        let stated = wish.convention.factor(quantity);
         let full = wish.full.unwrap_or(if peak > 0.0 { peak } else { 1.0 });
         let largest = wish
             .range
@@ -584,6 +582,7 @@ impl Law {
         Self {
             quantity,
             range,
+            is_difference: false,
             convention: wish.convention,
             scale,
             factor: factor * stated,
@@ -609,13 +608,15 @@ impl Law {
 
     fn bar(&self, table: [[u8; 4]; 256]) -> Bar {
         let declaration = self.quantity.declaration();
-        let words = match (self.quantity, self.convention) {
-            (Quantity::Rms, Convention::Rms) => "RMS pressure".to_owned(),
-            (Quantity::Rms, Convention::Peak) => "Peak pressure".to_owned(),
-            _ => capital(declaration.words),
+        let words = match declaration.words.strip_prefix(Convention::Rms.title()) {
+            Some(rest) => format!("{}{rest}", self.convention.title()),
+            None => capital(declaration.words),
         };
-        let words = if declaration.range == self.range { words } else { format!("Difference in {words}") };
         let label = match self.scale {
+            Scale::Linear if self.is_difference && declaration.is_root => {
+                format!("Difference / {} {}", self.unit, self.convention.into_str())
+            }
+            Scale::Linear if self.is_difference => format!("Difference / {}", self.unit),
             Scale::Linear => format!("{words} / {}", self.unit),
             Scale::Logarithmic => {
                 let stated = self.factor / declaration.unit.scaled(self.full).0;

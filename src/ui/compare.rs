@@ -306,7 +306,7 @@ fn stated(editor: &Editor, quantity: Quantity, value: f64) -> String {
 
 /// A difference in words.
 fn signed(editor: &Editor, quantity: Quantity, value: f64) -> String {
-    let sign = if value < 0.0 { "-" } else { "+" };
+    let sign = if value < 0.0 { "−" } else { "+" };
     format!("{sign}{}", stated(editor, quantity, value.abs()))
 }
 

@@ -14,7 +14,7 @@ use crate::ui::{editor::Editor, shown::MethodRow, shown::Shown};
 /// The pieces that can be shown now, in the order of panels.
 pub fn available(editor: &Editor, shown: &Shown) -> Vec<Piece> {
     let is_flat = !editor.space.is_on;
-    let has_map = shown.map.is_some();
+    let (has_map, is_surface) = (shown.map.is_some(), editor.view.quantity.declaration().is_surface());
     let second = editor.compare.as_ref().filter(|compare| {
         is_flat && compare.is_split && shown.beside.as_ref().is_some_and(|beside| beside.map.is_some())
     });
@@ -22,7 +22,8 @@ pub fn available(editor: &Editor, shown: &Shown) -> Vec<Piece> {
         (Piece::Map, has_map),
         (Piece::Second, second.is_some()),
         (Piece::Difference, second.is_some_and(|compare| compare.with != With::Plane)),
-        (Piece::Relief, has_map && editor.view.quantity.declaration().is_surface()),
+        (Piece::Relief, has_map && is_surface),
+        (Piece::SecondRelief, second.is_some() && is_surface),
         (Piece::Space, !is_flat && shown.space.is_some()),
         (Piece::Profile, is_flat && section::Profile::of(editor, shown).is_some()),
         (Piece::Phases, shown.sound.is_some()),
@@ -38,7 +39,7 @@ pub fn displayed(editor: &Editor, shown: &Shown) -> Vec<Piece> {
     let beside = if is_subtracted { Piece::Difference } else { Piece::Second };
     let wanted: &[Piece] = match (editor.space.is_on, editor.view.is_shaded()) {
         (true, _) => &[Piece::Space],
-        (false, true) => &[Piece::Relief],
+        (false, true) => &[Piece::Relief, Piece::SecondRelief],
         (false, false) => &[Piece::Map, beside],
     };
     let has_profile = !editor.space.is_on && editor.view.section;
@@ -68,7 +69,12 @@ pub fn plot(piece: Piece, editor: &Editor, shown: &Shown) -> Option<(String, Plo
             let table = methods(&shown.methods, editor.view.convention);
             Some(("Methods compared".to_owned(), Plot::Table(table)))
         }
-        Piece::Map | Piece::Second | Piece::Difference | Piece::Relief | Piece::Space => None,
+        Piece::Map
+        | Piece::Second
+        | Piece::Difference
+        | Piece::Relief
+        | Piece::SecondRelief
+        | Piece::Space => None,
     }
 }
 

@@ -91,7 +91,7 @@ pub fn write(
     let format = figure::format(output)?;
     let mut panels = Vec::new();
     for solved in scenes {
-        panels.extend(self::panels(solved, args, look)?);
+        panels.extend(self::panels(solved, (args, look), scenes.len() == 1)?);
     }
     let gpu_is_asked_for = look.backend == Backend::Gpu;
     let figure::Drawn { figure, maps } = figure::draw(&panels, wish, stages, gpu_is_asked_for)?;
@@ -119,7 +119,7 @@ pub fn write(
 }
 
 /// The panels of a scene.
-fn panels(solved: &Solved, args: &RenderArgs, look: &Look) -> anyhow::Result<Vec<Panel>> {
+fn panels(solved: &Solved, (args, look): (&RenderArgs, &Look), is_only: bool) -> anyhow::Result<Vec<Panel>> {
     let Solved { name, scene, solution } = solved;
     let panel = |subject| Panel { name: name.clone(), subject };
     let quantity = match args.quantity {
@@ -129,12 +129,12 @@ fn panels(solved: &Solved, args: &RenderArgs, look: &Look) -> anyhow::Result<Vec
             let elements = |elements| Subject::Plot(Plot::Elements(elements));
             let phases = elements(Elements::phases(scene, &drive.phases, &drive.amplitudes));
             let own = elements(Elements::amplitudes(scene, &solution.excitation, &drive.amplitudes));
-            let titles = ["phase per element", amplitude_title(solution)];
-            return Ok([phases, own]
-                .into_iter()
-                .zip(titles)
-                .map(|(subject, title)| Panel { name: format!("{name}: {title}"), subject })
-                .collect());
+            let named = |(subject, title): (Subject, &str)| match is_only {
+                true => Panel { name: title.to_owned(), subject },
+                false => Panel { name: format!("{name}: {title}"), subject },
+            };
+            let panels = [(phases, "Phase per element"), (own, amplitude_title(solution))];
+            return Ok(panels.map(named).to_vec());
         }
         Diagram::Sheet => bail!("--figure draws panels, and `sheet` is a page with axes of its own"),
     };

@@ -10,8 +10,15 @@ pub fn round_step(least: f64) -> f64 {
         .unwrap_or(least)
 }
 
-/// Round values from `low` to `high`, at most about `most` of them, as numbers and as text.
+/// Round values from `low` to `high`, at most about `most` of them but three if there are so many, as numbers and as text.
 pub fn steps(low: f64, high: f64, most: f64) -> Vec<(f64, String)> {
+    /// Numbers that show a scale.
+    const LEAST: usize = 3;
+    let coarse = multiples(low, high, most);
+    if coarse.len() < LEAST { multiples(low, high, 2.0 * most) } else { coarse }
+}
+
+fn multiples(low: f64, high: f64, most: f64) -> Vec<(f64, String)> {
     let step = round_step(((high - low) / most).max(1e-12));
     let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 9.0) as usize;
     let (first, last) = ((low / step - 1e-6).ceil() as i64, (high / step + 1e-6).floor() as i64);
@@ -39,5 +46,6 @@ mod tests {
         assert_eq!(words(0.0, 0.73, 5.0), ["0.0", "0.2", "0.4", "0.6"]);
         assert_eq!(words(-40.0, 0.0, 4.0), ["−40", "−30", "−20", "−10", "0"]);
         assert_eq!(words(0.0, 1234.0, 3.0), ["0", "500", "1000"]);
+        assert_eq!(words(-460.0, 460.0, 4.0), ["−400", "−200", "0", "200", "400"], "not 0 alone");
     }
 }

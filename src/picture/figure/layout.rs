@@ -257,8 +257,7 @@ impl<'a> Pen<'a> {
             self.number(at, Anchor::End, BLACK, &text);
             widest = widest.max(font::width(&text, NUMBER));
         }
-        let at = [left - TICK - GAP - widest - GAP - LABEL * 0.2, top + height / 2.0];
-        self.list.push(Mark::turned_text(at, LABEL, BLACK, &axis.label));
+        self.upwards(left - TICK - GAP - widest - GAP - LABEL * 0.2, &axis.label);
     }
 
     /// The colour bar at the right of the plot.
@@ -288,8 +287,14 @@ impl<'a> Pen<'a> {
         if let Some(value) = bar.mark {
             self.line(&[[left - TICK, y(value)], [right + TICK, y(value)]], STROKE, BLACK);
         }
-        let at = [right + TICK + GAP + widest + GAP + LABEL * 0.75, top + height / 2.0];
-        self.list.push(Mark::turned_text(at, LABEL, BLACK, &bar.label));
+        self.upwards(right + TICK + GAP + widest + GAP + LABEL * 0.75, &bar.label);
+    }
+
+    /// A label along the plot's height, smaller if it is longer.
+    fn upwards(&mut self, x: f64, label: &str) {
+        let ([_, top], [_, height]) = (self.frame.corner(), self.frame.size());
+        let letters = font::fitted(label, LABEL, height);
+        self.list.push(Mark::turned_text([x, top + height / 2.0], letters, BLACK, label));
     }
 
     /// Contours, targets and scale bar: ink on the map.

@@ -123,7 +123,7 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     });
     let has = |of: fn(Piece) -> bool| form.pieces.iter().any(|piece| of(*piece));
     let (has_maps, has_space) = (has(Piece::is_map), has(|piece| piece == Piece::Space));
-    let has_relief = has(|piece| piece == Piece::Relief);
+    let has_relief = has(Piece::is_relief);
     ui.horizontal_wrapped(|ui| {
         let bar = if has_maps || has_space { "Colour bar" } else { "Depth bar" };
         if has_maps || has_space || has_relief {

@@ -29,6 +29,8 @@ pub enum Piece {
     Difference,
     #[strum(serialize = "Shaded relief")]
     Relief,
+    #[strum(serialize = "Second relief")]
+    SecondRelief,
     #[strum(serialize = "3D view")]
     Space,
     #[strum(serialize = "Line profile")]
@@ -47,9 +49,13 @@ impl Piece {
         matches!(self, Self::Map | Self::Second | Self::Difference)
     }
 
+    pub(super) fn is_relief(self) -> bool {
+        matches!(self, Self::Relief | Self::SecondRelief)
+    }
+
     /// Whether a part of the plane is chosen for it.
     pub(super) fn is_of_plane(self) -> bool {
-        self.is_map() || self == Self::Relief
+        self.is_map() || self.is_relief()
     }
 }
 

@@ -159,8 +159,8 @@ fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &St
         Seen::Surface => {
             let part = 10f64.powf(editor.space.level / 20.0);
             format!(
-                "Surface at {:.1} dB: {}   peak {peak}",
-                editor.space.level,
+                "Surface at {} dB: {}   peak {peak}",
+                axes::number(editor.space.level, 1),
                 pressure(part * picture.peak)
             )
         }
