@@ -232,8 +232,12 @@ fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
         Action::Space,
         Action::Targets,
         Action::Profile,
+        Action::Play,
+        Action::Mean,
+        Action::Waves,
         Action::TogglePanel,
         Action::Present,
+        Action::Timeline,
         Action::DarkTheme,
         Action::WhiteBackground,
     ];
