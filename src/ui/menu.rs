@@ -59,10 +59,13 @@ fn state(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Com
     }
     let (colour, name, tip) = if editor.document.is_unsaved() {
         (theme::warning(ui.visuals()), "Unsaved", "There are unsaved changes: click to save (Ctrl S)")
+    } else if editor.document.path().is_none() {
+        (ui.visuals().weak_text_color(), "No file", "This scene is in no file: click to save it (Ctrl S)")
     } else {
         (SILENT, "Saved", "Everything is saved")
     };
-    if ui.add(dotted(colour, name)).on_hover_text(tip).clicked() && editor.document.is_unsaved() {
+    let is_saved = editor.document.path().is_some() && !editor.document.is_unsaved();
+    if ui.add(dotted(colour, name)).on_hover_text(tip).clicked() && !is_saved {
         commands.push(Command::Save);
     }
 }
