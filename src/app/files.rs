@@ -220,7 +220,7 @@ impl Window {
         } else if let Err(error) =
             [&typed, &path].into_iter().try_for_each(|path| output::refuse_stream(path))
         {
-            self.refuse("The file cannot be written", &error);
+            self.refuse("This is not a regular file", &error);
         } else if !becomes_download(purpose)
             && source::exists(&path)
             && self.editor.document.path() != Some(path.as_path())
@@ -316,7 +316,7 @@ impl Window {
                 }
             }
             Outcome::Chosen(purpose, Err(text)) => {
-                let why = "No file was chosen there; choose one here".to_owned();
+                let why = "No file was chosen there: choose one here".to_owned();
                 self.editor.asking.problem = Some((text.clone(), why));
                 self.editor.dialog = Some(Dialog::Path { purpose, text });
             }
@@ -349,7 +349,7 @@ impl Window {
             }
             Outcome::Filmed(path, Ok(Some(()))) => self.tell(&format!("Wrote {}", path.display()), false),
             Outcome::Filmed(path, Ok(None)) => {
-                self.tell(&format!("Cancelled: {} is not written", path.display()), false);
+                self.tell(&format!("Cancelled: {} was not written", path.display()), false);
             }
             Outcome::Filmed(_, Err(error)) => self.refuse("Nothing was exported", &error),
             Outcome::Printed(path, Ok(())) => self.tell(&format!("Wrote {}", path.display()), false),

@@ -60,10 +60,10 @@ fn lines_of(text: &str) -> Result<(Vec<Line>, Vec<String>), ImportError> {
     }
     let mut remarks = Vec::new();
     if has_text {
-        remarks.push("Text is left out: turn it into paths where it was drawn.".to_owned());
+        remarks.push("Text was ignored: convert it to paths in the drawing program.".to_owned());
     }
     if has_image {
-        remarks.push("Pictures inside the SVG are left out.".to_owned());
+        remarks.push("Pictures inside the SVG were ignored.".to_owned());
     }
     Ok((lines, remarks))
 }

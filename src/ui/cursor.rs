@@ -106,7 +106,9 @@ fn press(editor: &mut Editor, lens: &Lens, at: DVec2) {
             editor.selection.clear();
             editor.typing = Some(Typing::new(at));
         }
-        Tool::Pen => drop(pen::press(editor, &axes, lens, lens.screen(at), at)),
+        Tool::Pen => {
+            pen::press(editor, &axes, lens, lens.screen(at), at);
+        }
         Tool::Erase => {
             if let Some(hit) = edit::target_at(editor.scene(), &axes, at, REACH * lens.window.scale) {
                 edit::delete(&mut editor.document.scene, &mut [hit].into());

@@ -64,8 +64,10 @@ pub enum Gesture {
         points: Vec<DVec2>,
         index: Option<usize>,
     },
-    /// The handle of the pen's last knot follows the pointer.
-    Bend,
+    /// The handle of the pen's last knot follows the pointer, which was pressed here.
+    Bend {
+        from: DVec2,
+    },
     Brush {
         /// Position in the previous frame.
         last: Option<DVec2>,

@@ -226,7 +226,7 @@ pub fn dimensions(editor: &Editor, painter: &Painter, lens: &Lens) {
         | Gesture::Way(_)
         | Gesture::Band { .. }
         | Gesture::Brush { .. }
-        | Gesture::Bend
+        | Gesture::Bend { .. }
         | Gesture::Erase { .. } => None,
     };
     if let Some(text) = text {

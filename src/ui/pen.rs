@@ -4,7 +4,7 @@ use egui::{Context, Key, Painter, Pos2, Stroke};
 use glam::DVec2;
 
 use crate::import::curve::{Knot, flattened};
-use crate::ui::gesture::{Gesture, Pen};
+use crate::ui::gesture::Pen;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Axes, Lens};
 use crate::ui::{edit, editor::Editor, handle, theme, tool};
@@ -17,26 +17,23 @@ const SHORTEST: f64 = 4.0;
 const TOLERANCE: f64 = 2e-4;
 
 /// Acts on a press: closes the path on its first knot, ends it on its last one, and adds a knot elsewhere, which the
-/// pointer holds.
-pub fn press(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, uv: DVec2) -> Option<Gesture> {
+/// pointer holds. Returns whether it was added.
+pub fn press(editor: &mut Editor, axes: &Axes, lens: &Lens, at: Pos2, uv: DVec2) -> bool {
     let mut pen = editor.pen.take().unwrap_or_default();
     let is_near = |knot: &Knot| lens.screen(knot.at).distance(at) <= REACH;
     match &pen.knots[..] {
         [first, _, _, ..] if is_near(first) => {
             draw(editor, &mut pen, axes, true);
-            editor.show_target();
-            return None;
+            return false;
         }
-        [.., last] if is_near(last) => {
-            editor.show_target();
-            return None;
-        }
+        [.., last] if is_near(last) => return false,
         _ => {}
     }
     pen.knots.push(Knot { at: uv, handle: DVec2::ZERO });
     draw(editor, &mut pen, axes, false);
     editor.pen = Some(pen);
-    Some(Gesture::Bend)
+    editor.show_target();
+    true
 }
 
 /// The place nearest to `to` in a direction of steps of 15° from the last knot.
@@ -45,11 +42,10 @@ pub fn straight(editor: &Editor, to: DVec2) -> DVec2 {
     last.map_or(to, |last| Tool::Line.straight(last.at, to))
 }
 
-/// Pulls the handle of the last knot to a place.
-pub fn bend(editor: &mut Editor, axes: &Axes, lens: &Lens, to: DVec2) {
+/// Gives the last knot a handle (m).
+pub fn bend(editor: &mut Editor, axes: &Axes, lens: &Lens, handle: DVec2) {
     let Some(mut pen) = editor.pen.take() else { return };
     if let Some(knot) = pen.knots.last_mut() {
-        let handle = to - knot.at;
         let is_long = handle.length() >= SHORTEST * lens.window.scale;
         knot.handle = if is_long { handle } else { DVec2::ZERO };
     }
@@ -59,9 +55,7 @@ pub fn bend(editor: &mut Editor, axes: &Axes, lens: &Lens, to: DVec2) {
 
 /// Ends the path as it is.
 pub fn end(editor: &mut Editor) {
-    if editor.pen.take().is_some() {
-        editor.show_target();
-    }
+    editor.pen = None;
 }
 
 /// Acts on the keys of a path being drawn; Enter ends it unless it draws at the keyboard's cross. Returns whether

@@ -180,7 +180,8 @@ impl<'a> Press<'a> {
             }
             Tool::Pen => {
                 let from = if self.modifiers.shift { pen::straight(self.editor, from) } else { from };
-                pen::press(self.editor, &self.axes, self.lens, self.at, from)
+                let is_held = pen::press(self.editor, &self.axes, self.lens, self.at, from);
+                is_held.then_some(Gesture::Bend { from: self.uv })
             }
             Tool::Freehand => Some(Gesture::Stroke { points: vec![self.uv], index: None }),
             Tool::Brush => {
@@ -270,7 +271,7 @@ impl<'a> Press<'a> {
                 way::pull(self.editor, &self.axes, self.lens, uv, pull);
             }
             Gesture::Move { from, before, .. } => self.follow(*from, before),
-            Gesture::Bend => pen::bend(self.editor, &self.axes, self.lens, self.uv),
+            Gesture::Bend { from } => pen::bend(self.editor, &self.axes, self.lens, self.uv - *from),
             Gesture::Band { from, kept } => {
                 let inside = edit::targets_in(self.editor.scene(), &self.axes, *from, self.uv);
                 let whole = inside.iter().flat_map(|&index| group::around(self.editor.scene(), index));

@@ -47,12 +47,10 @@ pub fn write(editor: &mut Editor, ui: &Ui, axes: &Axes) {
             let index = editor.scene().targets.len() - 1;
             typing.index = Some(index);
             editor.selection = BTreeSet::from([index]);
+            editor.show_target();
         }
     }
     editor.typing = (!is_done).then_some(typing);
-    if is_done {
-        editor.show_target();
-    }
 }
 
 pub fn end(editor: &mut Editor) {

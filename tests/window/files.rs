@@ -158,7 +158,7 @@ fn a_motion_is_exported_and_can_be_cancelled() {
     screen.get_by_label("Cancel export").click();
     rest(&mut screen);
     let notice = screen.state().shown().notice.as_ref().unwrap();
-    assert!(notice.text.contains("never.gif is not written"), "{notice:?}");
+    assert!(notice.text.contains("never.gif was not written"), "{notice:?}");
     assert!(!never.exists());
 }
 
