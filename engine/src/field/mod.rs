@@ -21,6 +21,7 @@ mod gpu_report;
 pub mod harmonic;
 #[doc(hidden)]
 pub mod interpolation;
+mod near;
 mod partial;
 #[doc(hidden)]
 pub mod plan;

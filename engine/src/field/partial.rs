@@ -150,6 +150,11 @@ impl Formation {
         Self::with((sphere, order), harmonics(order).into_iter().map(of_harmonic).collect())
     }
 
+    /// From the partial waves themselves.
+    pub fn of_waves((sphere, order): (&Sphere, usize)) -> Self {
+        Self::with((sphere, order), (0..(order + 1).pow(2)).map(|harmonic| vec![(harmonic, 1.0)]).collect())
+    }
+
     /// From the pressures at [`PartialWaves::points`].
     pub fn on_spheres((sphere, order): (&Sphere, usize), wavenumber: f64) -> Self {
         let weights = PartialWaves::weights(order, wavenumber * sphere.shell());
