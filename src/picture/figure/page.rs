@@ -163,6 +163,11 @@ impl Page {
         let (places, pixels) = self.places();
         let density = self.paper.dpi / 25.4;
         let mut marks = Vec::new();
+        if let (Some(title), Some(first)) = (&self.title, places.first()) {
+            let at = [first.frame.corner()[0], MARGIN + TITLE * 0.85];
+            let height = font::fitted(title, TITLE, pixels[0] as f64 / density - at[0] - MARGIN);
+            marks.push(Mark::text(at, height, Anchor::Start, BLACK, title));
+        }
         for ((panel, Place { frame, right }), picture) in self.panels.iter().zip(&places).zip(pictures) {
             marks.extend(panel.plot.marks(frame, picture));
             if let Some(title) = &panel.title {
@@ -170,11 +175,6 @@ impl Page {
                 let height = font::fitted(title, TITLE, right - left);
                 marks.push(Mark::text([left, top - 1.5 * GAP], height, Anchor::Start, BLACK, title));
             }
-        }
-        if let (Some(title), Some(first)) = (&self.title, places.first()) {
-            let at = [first.frame.corner()[0], MARGIN + TITLE * 0.85];
-            let height = font::fitted(title, TITLE, pixels[0] as f64 / density - at[0] - MARGIN);
-            marks.push(Mark::text(at, height, Anchor::Start, BLACK, title));
         }
         Figure { pixels, density, title: self.title.clone().unwrap_or_default(), marks }
     }
