@@ -52,7 +52,7 @@ const BEING_SOLVED: &str =
 const AT_REST: &str = "Solving the frames of the motion… the map shows the scene at rest.";
 const BEFORE: &str = "Solving the frames of the motion… the map still shows the previous ones.";
 
-const MAKING_WAVES: &str = "Computing the waves… the map shows the surface at rest.";
+const MAKING_WAVES: &str = "Computing the waves…";
 /// Interval between two frames of a motion on the screen, s, at least.
 const SHORTEST_FRAME: f64 = 1.0 / 60.0;
 

@@ -9,7 +9,7 @@ use crate::scene::{Bead, Material};
 use crate::studio::figure::capital;
 use crate::studio::levitation;
 use crate::ui::panels::form::{MM, Unit, fact, form, number};
-use crate::ui::panels::form::{choice, coordinates, given, heading, ruled_plot, variants};
+use crate::ui::panels::form::{choice, coordinates, given, ruled_plot, variants};
 use crate::ui::parts::levitation::{Levitated, Place};
 use crate::ui::{editor::Editor, measure, theme};
 
@@ -33,6 +33,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         let tip = "Target: the selected one, or else the first trap or focus. Pointer: its last position on the map";
         choice(ui, ("Place", tip), &mut editor.parts.levitation.form.place, &places);
     });
+    release(editor, ui);
     match editor.parts.levitation.newest() {
         Some(levitated) => figures(levitated, ui),
         None => drop(ui.label(match editor.parts.levitation.form.place {
@@ -40,18 +41,16 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
             Place::Target => "There is no focus.",
         })),
     }
-    release(editor, ui);
 }
 
 /// The release of the bead, and its flight.
 fn release(editor: &mut Editor, ui: &mut Ui) {
-    heading(ui, "Release");
     let Some(at) = editor.parts.levitation.newest().map(|levitated| levitated.at) else { return };
     let typed = editor.parts.levitation.form.typed;
     let mut place = typed.unwrap_or(at);
     let before = place;
     ui.horizontal(|ui| {
-        ui.label("At")
+        ui.label("Release at")
             .on_hover_text("x, y, z: where the bead is let go, at rest; the trap's centre unless typed");
         coordinates(ui, "Release", &mut place, -1000.0);
         ui.label("mm");
