@@ -482,7 +482,7 @@ impl Mapping {
             in_egui(old, image, ctx)
         } else {
             let Self { stages, screen, registered, .. } = self;
-            let by_cpu = |colours: &[_]| in_egui(old, image([width, height], colours), ctx);
+            let by_cpu = |colours: &[_]| in_egui(old, image([request.size.0, request.size.1], colours), ctx);
             match screen {
                 None => by_cpu(stages.colours(request, &wanted.colouring)?),
                 Some(screen) => match stages.picture(request, &wanted.colouring)? {
