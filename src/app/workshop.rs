@@ -462,6 +462,13 @@ impl Workshop {
         let flight = &mut editor.parts.flight;
         let passed = self.flight.passed(flight.form.playing, ctx);
         if flight.go_on(passed.unwrap_or(0.0)) {
+            // A motion that carries it is shown in step.
+            if let Some(cycle) = motion::cycle(&editor.document.scene) {
+                let part = (flight.form.time * cycle.rate).rem_euclid(1.0);
+                let frame = (part * f64::from(cycle.frames)) as usize;
+                editor.playback.playing = false;
+                (editor.playback.moment, editor.playback.part) = (Moment::Frame(frame), part);
+            }
             ctx.request_repaint_after(OSCILLATION_STEP);
         }
     }

@@ -10,6 +10,7 @@ use crate::studio::figure::capital;
 use crate::studio::levitation;
 use crate::ui::panels::form::{MM, Unit, fact, form, number};
 use crate::ui::panels::form::{choice, coordinates, given, ruled_plot, variants};
+use crate::ui::parts::flight::Start;
 use crate::ui::parts::levitation::{Levitated, Place};
 use crate::ui::{editor::Editor, measure, theme};
 
@@ -51,7 +52,7 @@ fn release(editor: &mut Editor, ui: &mut Ui) {
     let before = place;
     ui.horizontal(|ui| {
         ui.label("Release at")
-            .on_hover_text("x, y, z: where the bead is let go, at rest; the trap's centre unless typed");
+            .on_hover_text("x, y, z: where the bead is let go, at rest. Unless typed, in the trap; of a motion, in that of the first frame");
         coordinates(ui, "Release", &mut place, -1000.0);
         ui.label("mm");
     });
@@ -64,9 +65,10 @@ fn release(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         if ui.button("Release").on_hover_text("Let the bead go: it flies in sound, weight and drag").clicked()
         {
-            editor.parts.flight.form.release(place, target);
+            let typed = editor.parts.levitation.form.typed;
+            editor.parts.flight.form.release(Start { trap: at, typed, target });
         }
-        if ui.button("At the trap").on_hover_text("Take the place of the trap again").clicked() {
+        if ui.button("Reset").on_hover_text("Release in the trap again").clicked() {
             editor.parts.levitation.form.typed = None;
         }
         let is_released = editor.parts.flight.form.from.is_some();
