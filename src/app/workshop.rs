@@ -52,7 +52,7 @@ const BEING_SOLVED: &str = "Solving… the map still shows the previous drawing.
 const AT_REST: &str = "Solving the frames of the motion… the map shows the scene at rest.";
 const BEFORE: &str = "Solving the frames of the motion… the map still shows the previous ones.";
 
-const MAKING_WAVES: &str = "Computing the waves… the map shows the surface at rest.";
+const MAKING_WAVES: &str = "Computing the waves…";
 /// Interval between two frames of a motion on the screen, s, at least.
 const SHORTEST_FRAME: f64 = 1.0 / 60.0;
 
@@ -473,6 +473,13 @@ impl Workshop {
         let flight = &mut editor.parts.flight;
         let passed = self.flight.passed(flight.form.playing, ctx);
         if flight.go_on(passed.unwrap_or(0.0)) {
+            // A motion that carries it is shown in step.
+            if let Some(cycle) = motion::cycle(&editor.document.scene) {
+                let part = (flight.form.time * cycle.rate).rem_euclid(1.0);
+                let frame = (part * f64::from(cycle.frames)) as usize;
+                editor.playback.playing = false;
+                (editor.playback.moment, editor.playback.part) = (Moment::Frame(frame), part);
+            }
             ctx.request_repaint_after(OSCILLATION_STEP);
         }
     }

@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 use std::ops::RangeInclusive;
 
-use glam::{DVec2, Vec3, Vec4};
+use glam::{DVec2, Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use crate::picture::Picture;
@@ -220,6 +220,8 @@ struct Seen<'a> {
     relief: &'a Relief<'a>,
     columns: usize,
     rows: usize,
+    /// The place of the last point.
+    last: Vec2,
     /// Colour of every point, and its displacement down the picture in pixels.
     lit: Vec<Vec4>,
     /// Pixels per metre to the right, and away from the viewer.
@@ -235,8 +237,8 @@ struct Seen<'a> {
 
 /// A march over the surface: from front to back, in grid points and in pixels down the picture.
 struct March {
-    from: DVec2,
-    to: DVec2,
+    from: Vec2,
+    to: Vec2,
     y: [f32; 2],
     steps: usize,
 }
@@ -261,6 +263,7 @@ impl<'a> Seen<'a> {
             relief,
             columns,
             rows,
+            last: Vec2::new((columns - 1) as f32, rows.saturating_sub(1) as f32),
             lit,
             scale,
             away: scale * sight.elevation.sin(),
@@ -292,7 +295,7 @@ impl<'a> Seen<'a> {
             return None;
         }
         let counts = DVec2::new(self.columns as f64, self.rows as f64);
-        let grid = |along_it: f64| ((start + along * along_it) / size + 0.5) * counts - 0.5;
+        let grid = |along_it: f64| (((start + along * along_it) / size + 0.5) * counts - 0.5).as_vec2();
         let per_metre = (along.abs() * counts / size).element_sum();
         Some(March {
             from: grid(near),
@@ -303,21 +306,23 @@ impl<'a> Seen<'a> {
     }
 
     /// The colour and the displacement at a place of the grid.
-    fn at(&self, place: DVec2) -> Vec4 {
-        let last = DVec2::new((self.columns - 1) as f64, (self.rows - 1) as f64);
-        let place = place.clamp(DVec2::ZERO, last);
-        let (column, row) = (place.x as usize, place.y as usize);
-        let part = (place - place.floor()).as_vec2();
+    fn at(&self, place: Vec2) -> Vec4 {
+        /// Closer places are on a row: seen from the front, a march meets the rows one by one.
+        const ON_ROW: f32 = 1e-3;
+        let place = place.clamp(Vec2::ZERO, self.last);
+        let column = place.x as usize;
+        let part = place.x - column as f32;
         let right = (column + 1).min(self.columns - 1);
         let line = |row: usize| {
             let line = &self.lit[row * self.columns..][..self.columns];
-            line[column].lerp(line[right], part.x)
+            line[column].lerp(line[right], part)
         };
-        // Seen from the front, a march meets the rows one by one.
-        if part.y < 1e-4 {
-            return line(row);
+        let nearest = place.y.round();
+        if (place.y - nearest).abs() < ON_ROW {
+            return line(nearest as usize);
         }
-        line(row).lerp(line((row + 1).min(self.rows - 1)), part.y)
+        let row = place.y as usize;
+        line(row).lerp(line((row + 1).min(self.rows - 1)), place.y - row as f32)
     }
 
     /// Columns of the picture, one after the other, each from the top.
@@ -348,15 +353,15 @@ impl<'a> Seen<'a> {
     /// coverage.
     fn column(&self, march: &March, covered: &mut [Vec4]) {
         let [near, far] = march.y;
-        let point = |part: f64| {
+        let point = |part: f32| {
             let found = self.at(march.from.lerp(march.to, part));
-            (near + (far - near) * part as f32 + found.w, found.truncate().extend(1.0))
+            (near + (far - near) * part + found.w, found.truncate().extend(1.0))
         };
         let mut before = point(0.0);
         let mut top = before.0;
         let wall = |part: f32| SHALLOW.lerp(DEEP, part).extend(1.0);
         fill(covered, (top, wall(0.35)), ((near + self.wall).max(top), wall(1.0)));
-        let steps = (0..march.steps).map(|step| (step as f64 + 0.5) / march.steps as f64);
+        let steps = (0..march.steps).map(|step| (step as f32 + 0.5) / march.steps as f32);
         for part in steps.chain([1.0]) {
             let (y, colour) = point(part);
             if y < top {

@@ -12,7 +12,6 @@ use crate::scene::motion::{self, Cycle, Group};
 use crate::scene::{Easing, Keyframe, MotionPath};
 use crate::ui::board::Plays;
 use crate::ui::gesture::Vertex;
-use crate::ui::part::Background;
 use crate::ui::playback::{Moment, Playback};
 use crate::ui::{editor::Editor, layout::Panel, level, path_marks, shown::Shown, theme, way};
 
@@ -40,7 +39,11 @@ pub fn is_wanted(editor: &Editor) -> bool {
     }
     match Played::of(editor) {
         Some(Played::Waves(_)) => matches!(editor.playback.moment, Moment::Wave(_)),
-        Some(Played::Motion(_)) => editor.panel == Panel::Motion || editor.playback.moment != Moment::Rest,
+        Some(Played::Motion(_)) => {
+            let is_at_rest = editor.playback.moment == Moment::Rest;
+            let is_made_by_motion = Moment::opening(editor.scene()) == Moment::Mean;
+            editor.panel == Panel::Motion || !is_at_rest || is_made_by_motion
+        }
         None => false,
     }
 }
@@ -221,9 +224,6 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, played: Played) {
     if shown.is_following {
         ui.spinner();
         ui.label("solving all frames");
-    } else if editor.parts.waves.is_running() {
-        ui.spinner();
-        ui.label("computing the waves");
     } else if let (Played::Waves(_), Some(Err(problem))) = (played, editor.parts.waves.exact()) {
         ui.colored_label(theme::warning(ui.visuals()), problem);
     }

@@ -320,6 +320,19 @@ fn waves_of_a_liquid_play_from_the_onset() {
     assert!(all[0] < 0.5 * deepest && all[3] > 0.5 * deepest, "{all:?} of {deepest}");
     assert_ne!(all[1], all[2]);
     assert!(screen.run() <= 2, "a paused wave requests no frames");
+    // Its light moves likewise, coarsely while it plays.
+    let width = |screen: &Screen| screen.state().shown().map.as_ref().unwrap().width;
+    let fine = width(&screen);
+    screen.state_mut().editor_mut().view.quantity = Quantity::Caustic;
+    rest(&mut screen);
+    key(&mut screen, Key::Space);
+    screen.run_steps(4);
+    assert_eq!(width(&screen), fine.div_ceil(2));
+    key(&mut screen, Key::Space);
+    rest(&mut screen);
+    assert_eq!(width(&screen), fine);
+    screen.state_mut().editor_mut().view.quantity = Quantity::Depression;
+    rest(&mut screen);
     // The pictures are kept while nothing changes.
     assert_eq!(surface(&mut screen, 0.6), all[2]);
     screen.get_by_label("Waves").click();

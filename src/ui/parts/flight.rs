@@ -25,10 +25,8 @@ const TRAIL: Color32 = Color32::from_rgb(120, 220, 255);
 /// The release of the bead, and the moment of its flight on the screen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Release {
-    /// Where the bead was let go, m; `None`: it has not been released.
-    pub from: Option<DVec3>,
-    /// The target whose trap holds it.
-    pub target: Option<usize>,
+    /// `None`: it has not been released.
+    pub from: Option<Start>,
     pub playing: bool,
     /// s since the release.
     pub time: f64,
@@ -38,8 +36,19 @@ pub struct Release {
 
 impl Default for Release {
     fn default() -> Self {
-        Self { from: None, target: None, playing: false, time: 0.0, slowness: 10.0 }
+        Self { from: None, playing: false, time: 0.0, slowness: 10.0 }
     }
+}
+
+/// Where a bead is let go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Start {
+    /// The place of its trap in the scene, m.
+    pub trap: DVec3,
+    /// Another place, m; in a scene in motion a bead starts otherwise at rest in the trap of the first frame.
+    pub typed: Option<DVec3>,
+    /// The target that is the trap.
+    pub target: Option<usize>,
 }
 
 /// The fields, the position of the trap in each, and the place of the release.
@@ -50,7 +59,8 @@ pub struct Input {
     wanted: Vec<DVec3>,
     /// Duration of a field (s); infinite at rest.
     span: f64,
-    from: DVec3,
+    /// m; `None`: at rest in the trap of the first field.
+    from: Option<DVec3>,
 }
 
 impl Part for Release {
@@ -58,24 +68,24 @@ impl Part for Release {
     type Output = Flight;
 
     fn input(&self, now: &Now<'_>) -> Option<Input> {
-        let from = self.from?;
+        let Start { trap, typed, target } = self.from?;
         let (sound, scene) = (now.sound?, now.scene.clone());
         let at_rest = |heard: Vec<Drive>| Input {
             scene: scene.clone(),
             fields: vec![heard],
-            wanted: vec![from],
+            wanted: vec![trap],
             span: f64::INFINITY,
-            from,
+            from: Some(typed.unwrap_or(trap)),
         };
         if !motion::moves(now.scene) {
             return Some(at_rest(sound.heard.clone()));
         }
         let (cycle, frames) = (motion::cycle(now.scene)?, &now.cycle?.frames);
-        let wanted = frames.iter().map(|frame| place(&frame.foci, self.target)).collect::<Option<_>>()?;
+        let wanted = frames.iter().map(|frame| place(&frame.foci, target)).collect::<Option<_>>()?;
         let drives = frames.iter().map(|frame| frame.drive.clone()).collect();
         let fields = responding(now.scene, drives, false).into_iter().map(|drive| vec![drive]).collect();
         let span = cycle.frames_per_second().recip();
-        Some(Input { scene, fields, wanted, span, from })
+        Some(Input { scene, fields, wanted, span, from: typed })
     }
 
     fn may_begin(&self, now: &Now<'_>) -> bool {
@@ -88,15 +98,15 @@ impl Part for Release {
             let round = course.round();
             let seconds =
                 if round.is_finite() { (ROUNDS * round).clamp(SECONDS, MOST_SECONDS) } else { SECONDS };
-            course.fly(*from, seconds, 1.0, &Gauge::default())
+            course.fly(from.unwrap_or_else(|| course.start()), seconds, 1.0, &Gauge::default())
         }
     }
 }
 
 impl Release {
-    /// Releases the bead at a point (m).
-    pub fn release(&mut self, from: DVec3, target: Option<usize>) {
-        (self.from, self.target, self.playing, self.time) = (Some(from), target, true, 0.0);
+    /// Releases the bead.
+    pub fn release(&mut self, from: Start) {
+        (self.from, self.playing, self.time) = (Some(from), true, 0.0);
     }
 }
 

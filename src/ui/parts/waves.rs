@@ -63,7 +63,9 @@ impl Part for Waves {
         let (sound, lens) = (now.sound?, now.lens.filter(|_| is_wanted)?);
         let has_drives = !motion::moves(now.scene) || now.cycle.is_some();
         let schedule = self.schedule(now.scene).filter(|_| has_drives)?;
-        let side = |points: f32| (points.round() as usize).max(1);
+        // Depths do not depend on pixels; the brightest place of a caustic does.
+        let is_light = quantity.declaration().of_light;
+        let side = |points: f32| if is_light { (points.round() as usize).max(1) } else { 1 };
         let size = (side(lens.rect.width()), side(lens.rect.height()));
         let request = Request {
             aperture: sound.aperture.clone(),

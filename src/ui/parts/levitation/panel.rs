@@ -9,7 +9,8 @@ use crate::scene::{Bead, Material};
 use crate::studio::figure::capital;
 use crate::studio::levitation;
 use crate::ui::panels::form::{MM, Unit, fact, form, number};
-use crate::ui::panels::form::{choice, coordinates, given, heading, ruled_plot, variants};
+use crate::ui::panels::form::{choice, coordinates, given, ruled_plot, variants};
+use crate::ui::parts::flight::Start;
 use crate::ui::parts::levitation::{Levitated, Place};
 use crate::ui::{editor::Editor, measure, theme, ticks};
 
@@ -33,6 +34,7 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         let tip = "Target: the selected one, or else the first trap or focus. Pointer: its last position on the map";
         choice(ui, ("Place", tip), &mut editor.parts.levitation.form.place, &places);
     });
+    release(editor, ui);
     match editor.parts.levitation.newest() {
         Some(levitated) => figures(levitated, ui),
         None => drop(ui.label(match editor.parts.levitation.form.place {
@@ -40,19 +42,17 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
             Place::Target => "There is no focus.",
         })),
     }
-    release(editor, ui);
 }
 
 /// The release of the bead, and its flight.
 fn release(editor: &mut Editor, ui: &mut Ui) {
-    heading(ui, "Release");
     let Some(at) = editor.parts.levitation.newest().map(|levitated| levitated.at) else { return };
     let typed = editor.parts.levitation.form.typed;
     let mut place = typed.unwrap_or(at);
     let before = place;
     ui.horizontal(|ui| {
-        ui.label("At")
-            .on_hover_text("x, y, z: where the bead is let go, at rest; the trap's centre unless typed");
+        ui.label("Release at")
+            .on_hover_text("x, y, z: where the bead is let go, at rest. Unless typed, in the trap; of a motion, in that of the first frame");
         coordinates(ui, "Release", &mut place, -1000.0);
         ui.label("mm");
     });
@@ -65,9 +65,10 @@ fn release(editor: &mut Editor, ui: &mut Ui) {
     ui.horizontal_wrapped(|ui| {
         if ui.button("Release").on_hover_text("Let the bead go: it flies in sound, weight and drag").clicked()
         {
-            editor.parts.flight.form.release(place, target);
+            let typed = editor.parts.levitation.form.typed;
+            editor.parts.flight.form.release(Start { trap: at, typed, target });
         }
-        if ui.button("At the trap").on_hover_text("Take the place of the trap again").clicked() {
+        if ui.button("Reset").on_hover_text("Release in the trap again").clicked() {
             editor.parts.levitation.form.typed = None;
         }
         let is_released = editor.parts.flight.form.from.is_some();
