@@ -407,7 +407,7 @@ fn a_board_is_brought_up_step_by_step() {
     screen.key_press(egui::Key::Escape);
     until(&mut screen, "silence", |_| is_silent(&board));
     screen.run_steps(3);
-    assert!(is_silent(&board) && screen.query_by_label_contains("The board is silent.").is_some());
+    assert!(is_silent(&board) && screen.query_by_label_contains("The board is silent: play again").is_some());
     // Left and continued, with its results.
     press(&mut screen, "Pause test");
     assert!(screen.query_by_label_contains("16 elements tested, 1 without signal").is_some());
