@@ -104,14 +104,13 @@ fn board(shown: &Shown, ui: &Ui) -> (Color32, String) {
 
 /// Send, or Stop while a board sounds: one place that never moves.
 fn send_or_stop(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
-    /// Time (s) in which clicks that were meant for Stop do not send.
+    /// Time (s) after Stop in which a further click, meant for it, does not send.
     const HASTE: f64 = 1.0;
-    let (stopped, now) = (egui::Id::unique("board stopped"), ui.input(|input| input.time));
     if shown.board.plays != Plays::Nothing {
-        ui.data_mut(|data| data.insert_temp(stopped, now));
         return stop(shown, ui, commands);
     }
-    let since = ui.data(|data| data.get_temp(stopped)).map_or(f64::INFINITY, |at: f64| now - at);
+    let (stopped, now) = (ui.data(|data| data.get_temp(stopped_id())), ui.input(|input| input.time));
+    let since = stopped.map_or(f64::INFINITY, |at: f64| now - at);
     if since < HASTE {
         ui.ctx().request_repaint_after_secs((HASTE - since) as f32);
     }
@@ -126,6 +125,11 @@ fn send_or_stop(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut 
     }
 }
 
+/// Where the time of the last click on Stop is kept.
+fn stopped_id() -> egui::Id {
+    egui::Id::unique("board stopped")
+}
+
 /// Shown whenever a board sounds.
 fn stop(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     if shown.board.plays == Plays::Nothing {
@@ -133,6 +137,8 @@ fn stop(shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     }
     let button = theme::destructive("Stop").min_size(SOUND);
     if ui.add(button).on_hover_text("Silences the board (Esc twice)").clicked() {
+        let now = ui.input(|input| input.time);
+        ui.data_mut(|data| data.insert_temp(stopped_id(), now));
         commands.push(Command::Board(BoardCommand::Stop));
     }
 }

@@ -162,8 +162,7 @@ fn a_dragged_target_is_played() {
         until(&mut screen, "sound", |_| !is_silent(&board));
         screen.get_by_label("Stop").click();
         until(&mut screen, "silence", |_| is_silent(&board));
-        screen.get_by_label("Send").click();
-        screen.run_steps(2);
+        press(&mut screen, "Send");
         arrives(&mut screen, &shown, &newest);
         until(&mut screen, "sound", |_| !is_silent(&board));
         // A scene without targets is silent, and so is the board after the window has closed.
@@ -407,7 +406,7 @@ fn a_board_is_brought_up_step_by_step() {
     screen.key_press(egui::Key::Escape);
     until(&mut screen, "silence", |_| is_silent(&board));
     screen.run_steps(3);
-    assert!(is_silent(&board) && screen.query_by_label_contains("The board is silent.").is_some());
+    assert!(is_silent(&board) && screen.query_by_label_contains("The board is silent: play again").is_some());
     // Left and continued, with its results.
     press(&mut screen, "Pause test");
     assert!(screen.query_by_label_contains("16 elements tested, 1 without signal").is_some());
@@ -481,7 +480,7 @@ fn a_tested_virtual_board_lends_its_rate_to_none() {
     drop(screen);
     let settings = std::fs::read_to_string(folder.path().join("settings.toml")).unwrap();
     assert!(settings.contains("board = \"sonicsurface\"\nport = \"\"\n"), "{settings}");
-    assert!(!settings.contains("baud") && !settings.contains("000000"), "{settings}");
+    assert!(settings.trim_end().ends_with("[rates]") && !settings.contains("baud"), "{settings}");
     assert!(!folder.path().join("board-tests.toml").exists());
 }
 
@@ -509,10 +508,10 @@ fn send_stays_in_place_and_finds_the_known_port() {
     until(&mut screen, "sound", |_| !is_silent(&board));
     assert_eq!((screen.get_by_label("Stop").rect(), screen.get_by_label("Panel").rect()), (place, neighbour));
     screen.get_by_label("Stop").click();
-    until(&mut screen, "silence", |_| is_silent(&board));
     screen.run_steps(2);
     // A second click on the same place does not start the sound again.
     assert!(screen.get_by_label("Send").accesskit_node().is_disabled());
+    until(&mut screen, "silence", |_| is_silent(&board));
 }
 
 #[test]

@@ -214,16 +214,18 @@ fn is_silent(board: &BoardShown) -> bool {
     board.plays == Plays::Nothing || board.health.as_ref().is_some_and(|health| health.stopped)
 }
 
-/// A word about a silent board, and the way on.
+/// The way on from a silent board, with a word about it.
 fn silence(board: &BoardShown, again: BoardCommand, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let is_silent = is_silent(board);
-    if is_silent {
-        let text = "The board is silent. “Play again” goes on.";
-        ui.label(RichText::new(text).color(theme::warning(ui.visuals())));
-    }
-    if ui.add_enabled(is_silent, egui::Button::new("Play again")).clicked() {
-        ask(again);
-    }
+    ui.horizontal(|ui| {
+        if ui.add_enabled(is_silent, egui::Button::new("Play again")).clicked() {
+            ask(again);
+        }
+        if is_silent {
+            let text = "The board is silent: play again to go on.";
+            ui.label(RichText::new(text).color(theme::warning(ui.visuals())));
+        }
+    });
 }
 
 fn elements(
@@ -258,8 +260,8 @@ fn elements(
         if ui.add_enabled(back.is_some(), egui::Button::new("Back")).clicked() {
             run.element = back.unwrap_or(run.element);
         }
-        silence(board, BoardCommand::One, ui, ask);
     });
+    silence(board, BoardCommand::One, ui, ask);
     ui.label(format!("{marked} of {} tested, {} without signal", wired.len(), run.silent().len()));
     several(&scene, run, &wiring, ui);
     ui.horizontal_wrapped(|ui| {
@@ -289,13 +291,13 @@ fn several(scene: &Scene, run: &mut BringUp, wiring: &Wiring, ui: &mut Ui) {
     ui.horizontal(|ui| {
         let label = ui.label("Elements");
         let field =
-            egui::TextEdit::singleline(&mut run.range).desired_width(90.0).hint_text(format!("0-{last}"));
+            egui::TextEdit::singleline(&mut run.range).desired_width(76.0).hint_text(format!("0-{last}"));
         let tip = "Numbers and ranges to mark together, such as 0-15, 32";
         ui.add(field).labelled_by(label.id).on_hover_text(tip);
-        if ui.button("Mark seen").clicked() {
+        if ui.button("All seen").clicked() {
             marked = Some(true);
         }
-        if ui.button("Mark no signal").clicked() {
+        if ui.button("None seen").clicked() {
             marked = Some(false);
         }
     });
@@ -329,7 +331,6 @@ fn focus(
         if ui.button("Back to elements").clicked() {
             run.step = Step::Elements;
         }
-        silence(board, BoardCommand::Focus, ui, ask);
         if felt {
             run.report.note(Verdict::Passed, "a focus was felt 100 mm above the centre");
         }
@@ -340,6 +341,7 @@ fn focus(
             run.step = if profile.answers() { Step::EmergencyStop } else { Step::Done };
         }
     });
+    silence(board, BoardCommand::Focus, ui, ask);
 }
 
 fn emergency_stop(run: &mut BringUp, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
@@ -361,8 +363,8 @@ fn emergency_stop(run: &mut BringUp, board: &BoardShown, ui: &mut Ui, ask: &mut 
              reports it."
         }
     });
-    ui.horizontal_wrapped(|ui| {
-        silence(board, BoardCommand::One, ui, ask);
+    silence(board, BoardCommand::One, ui, ask);
+    ui.horizontal(|ui| {
         if ui.button("Skip").on_hover_text("For boards without an emergency stop").clicked() {
             run.report.note(Verdict::Noted, "emergency stop: not tried");
             run.step = Step::Done;

@@ -140,7 +140,7 @@ fn port(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl FnM
     match board.ports_from {
         Ports::Computer => {
             ui.horizontal(|ui| {
-                let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(150.0);
+                let field = egui::TextEdit::singleline(&mut editor.board.port).desired_width(128.0);
                 ui.add(field.hint_text("/dev/ttyUSB0")).labelled_by(label.id).on_hover_text(tip);
                 listed(editor, board, "Choose…", "Serial ports of this computer", ui, ask);
             });
