@@ -77,9 +77,12 @@ fn drive(editor: &mut Editor, ui: &mut Ui) {
 fn settings(editor: &mut Editor, ui: &mut Ui) {
     let solver = &mut editor.document.scene.solver;
     heading(ui, "Method");
-    form(ui, "solver", |ui| {
+    // Its names are too long for the column of the others.
+    ui.horizontal(|ui| {
         let names = variants(Method::title);
         choice(ui, ("Method", describe(solver.method)), &mut solver.method, &names);
+    });
+    form(ui, "solver", |ui| {
         let tip = "0: the default of the method";
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
         let amplitudes = [(Amplitudes::Uniform, "uniform"), (Amplitudes::Free, "per element")];

@@ -9,7 +9,7 @@ use crate::ui::space::act::chosen;
 use crate::ui::space::handle::{self, ARROW, AXES};
 use crate::ui::space::view::Handle;
 use crate::ui::space::{Seen, SpaceShown, Stage};
-use crate::ui::{canvas, editor::Editor, marks, measure, shown::Shown, theme};
+use crate::ui::{canvas, editor::Editor, marks, measure, shown::Shown, theme, ticks};
 
 const COLOURS: [Color32; 3] =
     [Color32::from_rgb(240, 88, 78), Color32::from_rgb(96, 200, 96), Color32::from_rgb(84, 150, 255)];
@@ -156,8 +156,8 @@ fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &St
         Seen::Surface => {
             let part = 10f64.powf(editor.space.level / 20.0);
             format!(
-                "Surface at {:.1} dB: {}   peak {peak}",
-                editor.space.level,
+                "Surface at {}: {}   peak {peak}",
+                ticks::signed(&format!("{:.1} dB", editor.space.level)),
                 pressure(part * picture.peak)
             )
         }
