@@ -93,21 +93,26 @@ pub fn show_cards(
     ui.set_width(wide(columns));
     // A floating bar covers the last column.
     ui.spacing_mut().scroll = egui::style::ScrollStyle::solid();
+    // A faded row reads as disabled.
+    ui.spacing_mut().scroll.fade.strength = 0.0;
     let mut is_chosen = false;
     let cards: Vec<(usize, Card)> = shown.examples.iter().copied().enumerate().collect();
-    ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
-        ui.spacing_mut().item_spacing = vec2(GAP, GAP);
-        for group in cards.chunk_by(|(_, a), (_, b)| a.group == b.group) {
-            ui.label(theme::heading(group[0].1.group));
-            for row in group.chunks(columns) {
-                ui.horizontal(|ui| {
-                    for &(index, card) in row {
-                        is_chosen |= example(index, card, editor, shown, ui, commands);
-                    }
-                });
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]).show(
+        ui,
+        |ui| {
+            ui.spacing_mut().item_spacing = vec2(GAP, GAP);
+            for group in cards.chunk_by(|(_, a), (_, b)| a.group == b.group) {
+                ui.label(theme::heading(group[0].1.group));
+                for row in group.chunks(columns) {
+                    ui.horizontal(|ui| {
+                        for &(index, card) in row {
+                            is_chosen |= example(index, card, editor, shown, ui, commands);
+                        }
+                    });
+                }
             }
-        }
-    });
+        },
+    );
     is_chosen
 }
 

@@ -134,7 +134,7 @@ fn visuals(theme: Theme) -> Visuals {
     if theme == Theme::Light {
         // White fields on the nearly white panel.
         visuals.widgets.inactive.weak_bg_fill = Color32::WHITE;
-        visuals.widgets.inactive.bg_fill = Color32::WHITE;
+        visuals.widgets.inactive.bg_fill = Color32::from_rgb(214, 218, 226);
         visuals.widgets.inactive.bg_stroke = Stroke::new(1.0, Color32::from_rgb(190, 195, 204));
     }
     // The focused widget is drawn as active.

@@ -377,8 +377,7 @@ fn the_list_and_the_page_show_a_new_target() {
     key(&mut screen, Key::P);
     let place = screen.get_by_label("Canvas: the field on the plane").rect().center() + vec2(0.0, 150.0);
     click(&mut screen, place);
-    assert!(screen.query_by_label_contains("31  Point").is_some(), "the last row is in sight");
-    assert!(screen.query_by_label_contains("1  Point").is_some());
+    assert!(screen.query_by_label_contains("31  Point").is_some(), "its row is in sight");
 }
 
 #[test]

@@ -17,17 +17,20 @@ pub(super) fn show(ui: &mut Ui) {
     );
     ui.add_space(4.0);
     let height = (ui.ctx().content_rect().height() - 200.0).min(540.0);
-    ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
-        for &(title, rows) in keys::GESTURES {
-            let rows = rows.iter().map(|&(keys, what)| (keys.to_owned(), what.to_owned()));
-            group(title, rows.collect(), ui);
-        }
-        for &of in Group::VARIANTS {
-            let actions = Action::all().into_iter().filter(|action| action.group() == of);
-            let named = actions.map(|action| (action.shortcut(ui.ctx()), action.name()));
-            group(of.into_str(), named.filter(|(keys, _)| !keys.is_empty()).collect(), ui);
-        }
-    });
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]).show(
+        ui,
+        |ui| {
+            for &(title, rows) in keys::GESTURES {
+                let rows = rows.iter().map(|&(keys, what)| (keys.to_owned(), what.to_owned()));
+                group(title, rows.collect(), ui);
+            }
+            for &of in Group::VARIANTS {
+                let actions = Action::all().into_iter().filter(|action| action.group() == of);
+                let named = actions.map(|action| (action.shortcut(ui.ctx()), action.name()));
+                group(of.into_str(), named.filter(|(keys, _)| !keys.is_empty()).collect(), ui);
+            }
+        },
+    );
     ui.add_space(8.0);
 }
 

@@ -23,33 +23,38 @@ pub(super) fn show(page: &mut usize, ui: &mut Ui) {
     ui.add_space(4.0);
     let height = (ui.ctx().content_rect().height() - 200.0).clamp(80.0, 600.0);
     let text = PAGES.get(*page).map_or("", |(_, text)| text);
-    ScrollArea::both().id_salt(*page).max_height(height).auto_shrink([false, true]).show(ui, |ui| {
-        let width = ui.available_width();
-        for block in blocks(text) {
-            match block {
-                Block::Heading(text) => {
-                    ui.add_space(8.0);
-                    ui.label(theme::heading(&text));
+    ScrollArea::both()
+        .id_salt(*page)
+        .max_height(height)
+        .min_scrolled_height(height)
+        .auto_shrink([false, true])
+        .show(ui, |ui| {
+            let width = ui.available_width();
+            for block in blocks(text) {
+                match block {
+                    Block::Heading(text) => {
+                        ui.add_space(8.0);
+                        ui.label(theme::heading(&text));
+                    }
+                    Block::Text(text) => {
+                        ui.scope(|ui| {
+                            ui.set_max_width(width);
+                            ui.label(text);
+                        });
+                    }
+                    Block::Code(text) => {
+                        ui.add(egui::Label::new(RichText::new(text).monospace()).extend());
+                    }
+                    Block::Table(rows) => table(&rows, ui),
                 }
-                Block::Text(text) => {
-                    ui.scope(|ui| {
-                        ui.set_max_width(width);
-                        ui.label(text);
-                    });
-                }
-                Block::Code(text) => {
-                    ui.add(egui::Label::new(RichText::new(text).monospace()).extend());
-                }
-                Block::Table(rows) => table(&rows, ui),
             }
-        }
-    });
+        });
     ui.add_space(8.0);
 }
 
 fn table(rows: &[Vec<String>], ui: &mut Ui) {
     let id = ui.next_auto_id();
-    egui::Grid::new(id).striped(true).max_col_width(330.0).show(ui, |ui| {
+    egui::Grid::new(id).striped(true).max_col_width(270.0).show(ui, |ui| {
         for (index, row) in rows.iter().enumerate() {
             for cell in row {
                 ui.label(if index == 0 { RichText::new(cell).strong() } else { RichText::new(cell) });

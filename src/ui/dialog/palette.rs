@@ -30,25 +30,28 @@ pub(super) fn show(
     .min(found.len().saturating_sub(1));
     let mut taken = None;
     let height = (ui.ctx().content_rect().height() - 120.0).clamp(60.0, 380.0);
-    ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(ui, |ui| {
-        for (place, &action) in found.iter().enumerate() {
-            let possible = action.possible(editor, shown);
-            let keys = action.shortcut(ui.ctx());
-            let row = (action.name(), egui::Atom::grow(), egui::RichText::new(keys).weak());
-            let row = Button::selectable(place == *chosen, row);
-            let row = row.min_size(egui::vec2(ui.available_width(), 0.0));
-            let response = ui.add_enabled(possible.is_ok(), row);
-            if place == *chosen && (up || down) {
-                response.scroll_to_me(None);
+    ScrollArea::vertical().max_height(height).min_scrolled_height(height).auto_shrink([false, true]).show(
+        ui,
+        |ui| {
+            for (place, &action) in found.iter().enumerate() {
+                let possible = action.possible(editor, shown);
+                let keys = action.shortcut(ui.ctx());
+                let row = (action.name(), egui::Atom::grow(), egui::RichText::new(keys).weak());
+                let row = Button::selectable(place == *chosen, row);
+                let row = row.min_size(egui::vec2(ui.available_width(), 0.0));
+                let response = ui.add_enabled(possible.is_ok(), row);
+                if place == *chosen && (up || down) {
+                    response.scroll_to_me(None);
+                }
+                if response.on_disabled_hover_text(possible.err().unwrap_or_default()).clicked() {
+                    taken = Some(action);
+                }
             }
-            if response.on_disabled_hover_text(possible.err().unwrap_or_default()).clicked() {
-                taken = Some(action);
+            if found.is_empty() {
+                ui.weak("No command matches");
             }
-        }
-        if found.is_empty() {
-            ui.weak("No command matches");
-        }
-    });
+        },
+    );
     let entered =
         found.get(*chosen).copied().filter(|action| enter && action.possible(editor, shown).is_ok());
     let Some(action) = taken.or(entered) else { return true };

@@ -143,7 +143,8 @@ pub fn choice<T: Copy + PartialEq>(
     let label = caption(ui, name).on_hover_text(tip);
     let current = choices.iter().find(|(choice, _)| choice == value).map_or("", |(_, name)| name);
     let list = self::value(ui, |ui| {
-        egui::ComboBox::from_id_salt(name).selected_text(current).height(320.0).show_ui(ui, |ui| {
+        let list = egui::ComboBox::from_id_salt(name).selected_text(current).height(320.0).truncate();
+        list.show_ui(ui, |ui| {
             for (choice, name) in choices {
                 ui.selectable_value(value, *choice, *name);
             }
@@ -219,9 +220,14 @@ const BETWEEN: f32 = 4.0;
 
 /// The same as the value of a row, at the right edge like others.
 pub fn coordinates_at_right(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
+    // As wide as in the layout before: right to left, the Tab key would go backwards.
+    let id = ui.scope_id().with(("width of coordinates", name));
+    let width = ui.data(|data| data.get_temp(id)).unwrap_or(3.0 * COORDINATE + 2.0 * BETWEEN);
     ui.horizontal(|ui| {
-        ui.add_space((ui.available_width() - 3.0 * COORDINATE - 2.0 * BETWEEN).max(0.0));
-        coordinates(ui, name, at, lowest);
+        ui.spacing_mut().item_spacing.x = 0.0;
+        ui.add_space((ui.available_width() - width).max(0.0));
+        let fields = ui.horizontal(|ui| coordinates(ui, name, at, lowest)).response;
+        ui.data_mut(|data| data.insert_temp(id, fields.rect.width()));
     });
 }
 

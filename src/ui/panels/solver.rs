@@ -14,7 +14,7 @@ use crate::ui::panels::{PLAIN, fact, form, number, profile};
 use crate::ui::{command::Command, editor::Editor, shown::Shown, theme};
 
 /// Width of a method in the table, in points.
-const METHOD: f32 = 132.0;
+const METHOD: f32 = 116.0;
 
 pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
     match editor.scene().drive.is_named() {
@@ -77,9 +77,12 @@ fn drive(editor: &mut Editor, ui: &mut Ui) {
 fn settings(editor: &mut Editor, ui: &mut Ui) {
     let solver = &mut editor.document.scene.solver;
     heading(ui, "Method");
-    form(ui, "solver", |ui| {
+    // Its names are too long for the column of the others.
+    ui.horizontal(|ui| {
         let names = variants(Method::title);
         choice(ui, ("Method", describe(solver.method)), &mut solver.method, &names);
+    });
+    form(ui, "solver", |ui| {
         let tip = "0: the default of the method";
         count(ui, ("Iterations", tip), &mut solver.iterations, 0..=10_000);
         let amplitudes = [(Amplitudes::Uniform, "uniform"), (Amplitudes::Free, "per element")];
@@ -261,7 +264,7 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
     if shown.methods.is_empty() {
         return;
     }
-    let table = egui::Grid::new("methods").num_columns(4).striped(true).spacing([10.0, 4.0]);
+    let table = egui::Grid::new("methods").num_columns(4).striped(true).spacing([6.0, 4.0]);
     egui::ScrollArea::horizontal().id_salt("methods").show(ui, |ui| {
         table.show(ui, |ui| {
             for (title, tip) in [
@@ -280,6 +283,7 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
                 // Long names wrap, so that all columns are in sight.
                 let name = ui.scope(|ui| {
                     ui.set_max_width(METHOD);
+                    ui.spacing_mut().button_padding.x = 3.0;
                     ui.add(egui::Button::selectable(chosen, row.method.title()).wrap())
                 });
                 let response = name.inner.on_hover_text(describe(row.method));
@@ -290,7 +294,7 @@ fn comparison(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Ve
                         }
                         ui.label(editor.view.convention.pressure(solution.quality.min_pressure));
                         ui.label(format!("{:.1} %", 100.0 * solution.quality.spread));
-                        ui.label(milliseconds(solution.seconds, 1));
+                        ui.label(milliseconds(solution.seconds, usize::from(solution.seconds < 0.1)));
                     }
                     Err(why) => {
                         ui.weak("–").on_hover_text(why);

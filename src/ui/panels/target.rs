@@ -83,7 +83,7 @@ fn shape(target: &mut Target, ui: &mut Ui) {
             ShapeValue::Sides(sides) => drop(count(ui, row, sides, 3..=64)),
             ShapeValue::Closed(closed) => {
                 caption(ui, row.0);
-                ui.checkbox(closed, "").on_hover_text(row.1).accessible_name(row.0);
+                self::value(ui, |ui| ui.checkbox(closed, "")).on_hover_text(row.1).accessible_name(row.0);
                 ui.end_row();
             }
             ShapeValue::Letters(text) => letters(ui, text),

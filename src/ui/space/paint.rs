@@ -11,7 +11,7 @@ use crate::ui::space::act::chosen;
 use crate::ui::space::handle::{self, ARROW, AXES};
 use crate::ui::space::view::Handle;
 use crate::ui::space::{Seen, SpaceShown, Stage};
-use crate::ui::{canvas, editor::Editor, marks, measure, shown::Shown, theme};
+use crate::ui::{canvas, editor::Editor, marks, measure, shown::Shown, theme, ticks};
 
 const COLOURS: [Color32; 3] =
     [Color32::from_rgb(240, 88, 78), Color32::from_rgb(96, 200, 96), Color32::from_rgb(84, 150, 255)];
@@ -159,8 +159,8 @@ fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &St
         Seen::Surface => {
             let part = 10f64.powf(editor.space.level / 20.0);
             format!(
-                "Surface at {} dB: {}   peak {peak}",
-                axes::number(editor.space.level, 1),
+                "Surface at {}: {}   peak {peak}",
+                ticks::signed(&format!("{:.1} dB", editor.space.level)),
                 pressure(part * picture.peak)
             )
         }
