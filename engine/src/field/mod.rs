@@ -21,7 +21,6 @@ mod gpu_report;
 pub mod harmonic;
 #[doc(hidden)]
 pub mod interpolation;
-mod near;
 mod partial;
 #[doc(hidden)]
 pub mod plan;

@@ -136,7 +136,8 @@ pub struct Formation {
 
 impl Formation {
     /// From the derivatives in the order of [`derivatives`], for sound of a wavenumber (rad/m).
-    pub fn new((sphere, order): (&Sphere, usize), wavenumber: f64) -> Self {
+    pub fn new(sphere: &Sphere, wavenumber: f64) -> Self {
+        let order = sphere.order();
         let derivatives = derivatives(order);
         let of_harmonic = |polynomial: Polynomial| {
             let weight = |(index, derivative): (usize, &Derivative)| {
@@ -147,23 +148,19 @@ impl Formation {
             };
             derivatives.iter().enumerate().filter_map(weight).collect()
         };
-        Self::with((sphere, order), harmonics(order).into_iter().map(of_harmonic).collect())
-    }
-
-    /// From the partial waves themselves.
-    pub fn of_waves((sphere, order): (&Sphere, usize)) -> Self {
-        Self::with((sphere, order), (0..(order + 1).pow(2)).map(|harmonic| vec![(harmonic, 1.0)]).collect())
+        Self::with(sphere, harmonics(order).into_iter().map(of_harmonic).collect())
     }
 
     /// From the pressures at [`PartialWaves::points`].
-    pub fn on_spheres((sphere, order): (&Sphere, usize), wavenumber: f64) -> Self {
-        let weights = PartialWaves::weights(order, wavenumber * sphere.shell());
+    pub fn on_spheres(sphere: &Sphere, wavenumber: f64) -> Self {
+        let weights = PartialWaves::weights(sphere.order(), wavenumber * sphere.shell());
         let of_harmonic =
             |weights: Vec<f64>| weights.into_iter().map(|weight| weight as f32).enumerate().collect();
-        Self::with((sphere, order), weights.map(of_harmonic).collect())
+        Self::with(sphere, weights.map(of_harmonic).collect())
     }
 
-    fn with((sphere, order): (&Sphere, usize), waves: Vec<Vec<(usize, f32)>>) -> Self {
+    fn with(sphere: &Sphere, waves: Vec<Vec<(usize, f32)>>) -> Self {
+        let order = sphere.order();
         let force = couplings(order).each_ref().map(|axis| {
             let entry = |coupling| {
                 let entry = sphere.entry(coupling);
@@ -270,7 +267,7 @@ mod tests {
         let values: Vec<_> = derivatives(sphere.order()).iter().map(value).collect();
         let (mut potential, mut force) = ([0.0f32; 2], [[0.0f32; 2]; 3]);
         Isa::best().run(Form {
-            formation: &Formation::new((&sphere, sphere.order()), k),
+            formation: &Formation::new(&sphere, k),
             given: &values,
             points: 1..3,
             part: 1.0,

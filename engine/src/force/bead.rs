@@ -90,13 +90,6 @@ impl Sphere {
         self.order
     }
 
-    /// The order that suffices for a part of the largest coupling, which is left out.
-    pub(crate) fn order_within(&self, part: f64) -> usize {
-        let largest = self.coupling.iter().map(|own| own.norm()).fold(0.0, f64::max);
-        let counts = |own: &Complex64| own.norm() > part * largest;
-        self.coupling[..self.order].iter().rposition(counts).map_or(1, |last| last + 1)
-    }
-
     /// Entry of H between the upper harmonic (row) and the lower, N/Pa².
     pub(crate) fn entry(&self, coupling: &Coupling) -> Complex64 {
         Complex64::I * self.coupling[coupling.order] * coupling.cosine

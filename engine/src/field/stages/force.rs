@@ -12,15 +12,14 @@ use glam::DVec3;
 use num_complex::Complex32;
 use rayon::prelude::*;
 
+use crate::acoustics::PartialWaves;
 use crate::acoustics::element::Radiator;
-use crate::acoustics::{Aperture, PartialWaves};
 use crate::drive::Drive;
 use crate::field::cells::Cells;
 use crate::field::evaluator::{on_cpu, unchecked};
 use crate::field::gpu::Gpu;
 use crate::field::gpu_report::GpuError;
 use crate::field::interpolation::{Between, Resampling, interpolate};
-use crate::field::near::partial_waves;
 use crate::field::partial::{Derivative, Form, Formation, NORMALS, derivatives};
 use crate::field::plan::{Costs, Grid, Plan, promised};
 use crate::field::quantity::Quantity;
@@ -43,8 +42,6 @@ const FINEST: f64 = 1e-6;
 /// Distances from the boards, in wavelengths: beyond the first, force and potential have hardly more than two cycles per
 /// wavelength; beyond the second, samples give the derivatives of the sound.
 const CLEARANCE: f64 = 0.75;
-/// The same, beyond which the waves of single elements are like those of points.
-const FROM_ELEMENTS: f64 = 0.35;
 const FAR: f64 = 2.0;
 /// Steps along the normal, in wavelengths, and the weights of value, slope and second slope: 2e-6 off, as far as f32
 /// rounds them.
@@ -56,8 +53,6 @@ const STENCILS: [[f64; 7]; NORMALS] = [
 ];
 /// Error of maps of far-field pistons, whose sound is a wave only near a point.
 const OF_PISTONS: f64 = 5e-3;
-/// Part of the tolerance that orders left out may have of the largest coupling.
-const LEFT_OUT: f64 = 0.1;
 /// The finest tolerance of samples in f32.
 const FINEST_IN_F32: f64 = 5e-4;
 /// Cells per task.
@@ -105,8 +100,12 @@ impl Site {
         let tolerance = (FINER * cells.plane.tolerance).max(FINEST);
         let grid = Plan::new(aperture, &Plane { tolerance, ..cells.plane.clone() }, costs)?.grid?;
         let ((x, y), half) = (plane.axes()?, cells.plane.size / 2.0);
+        let walls = aperture.walls();
+        // The distance is linear along a row, so its ends suffice.
         let is_clear = |row: f64, wavelengths: f64| {
-            is_clear(aperture, [-half.x, half.x].map(|end| plane.centre + x * end + y * row), wavelengths)
+            let ends = [-half.x, half.x].map(|end| plane.centre + x * end + y * row);
+            let clearance = wavelengths * aperture.wavelength();
+            ends.iter().all(|end| walls.iter().all(|(at, normal)| (*end - *at).dot(*normal) > clearance))
         };
         let rows: Vec<_> = cells.places(1).collect();
         let range = |is_in: &dyn Fn(&f64) -> bool| {
@@ -136,18 +135,10 @@ impl Site {
     }
 }
 
-/// Whether a row of places with these ends (m) is so many wavelengths in front of every board: the distance is linear along it.
-fn is_clear(aperture: &Aperture, ends: [DVec3; 2], wavelengths: f64) -> bool {
-    let (walls, clearance) = (aperture.walls(), wavelengths * aperture.wavelength());
-    ends.iter().all(|end| walls.iter().all(|(at, normal)| (*end - *at).dot(*normal) > clearance))
-}
-
 /// A plane, drives and a bead.
 struct Scenery<'a> {
     request: &'a Request,
     levitation: Levitation,
-    /// Of partial waves.
-    order: usize,
     /// The plane's axes and its normal.
     axes: [DVec3; 3],
     sample: &'a Sampler<'a>,
@@ -169,16 +160,13 @@ impl OfBead {
         let (x, y) = request.plane.axes().ok_or(FieldError::NoPlane)?;
         let Request { aperture, air, bead, drives, .. } = request;
         let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
-        let order = match exact {
-            true => levitation.sphere.order(),
-            false => levitation.sphere.order_within(LEFT_OUT * request.plane.tolerance),
-        };
+        let order = levitation.sphere.order();
         let sample = |drive: &Drive, samples: &Samples, double: bool| match double {
             true => Ok(on_cpu(aperture, drive, samples, true)),
             false => unchecked(gpu, aperture, drive, samples),
         };
         let by = if gpu.is_some() { By::Gpu } else { By::Cpu };
-        let scenery = Scenery { request, levitation, order, axes: [x, y, x.cross(y)], sample: &sample, by };
+        let scenery = Scenery { request, levitation, axes: [x, y, x.cross(y)], sample: &sample, by };
         let tolerance = if exact { 0.0 } else { request.plane.tolerance };
         let setting = Setting::new(aperture, Plane { tolerance, ..request.plane.clone() });
         let site = self.site.try_update(&(setting.clone(), order), |site| {
@@ -261,8 +249,7 @@ impl Scenery<'_> {
         let places = |rows: &Range<usize>| rows.start * width..rows.end * width;
         let mut formed = vec![vec![0.0f32; cells.count()]; self.components()];
         if !sampled.is_empty() {
-            let formation =
-                Formation::new((&self.levitation.sphere, self.order), aperture.element.wavenumber);
+            let formation = Formation::new(&self.levitation.sphere, aperture.element.wavenumber);
             let mut at_cells = vec![vec![Complex32::ZERO; places(sampled).len()]; site.derivatives.len()];
             for drive in drives.iter() {
                 let normals = self.normals(drive, grid, double)?;
@@ -323,15 +310,12 @@ impl Scenery<'_> {
         jobs.into_par_iter().for_each(|form| Isa::best().run(form));
     }
 
-    /// Potential or force at a lattice, from the waves of single elements, or from the sound on a sphere about each of its
-    /// places.
+    /// Potential or force at a lattice, from the sound on a sphere about each of its places.
     fn around(&self, lattice: &Samples, double: bool, progress: &Gauge) -> Result<Vec<Vec<f32>>, FieldError> {
         let Request { aperture, drives, .. } = self.request;
-        let (sphere, frame) = (&self.levitation.sphere, self.axes);
-        let [x, y, normal] = frame;
-        let offsets = PartialWaves::points(self.order, (DVec3::ZERO, sphere.shell()));
-        let on_spheres = Formation::on_spheres((sphere, self.order), aperture.element.wavenumber);
-        let of_waves = Formation::of_waves((sphere, self.order));
+        let (sphere, [x, y, normal]) = (&self.levitation.sphere, self.axes);
+        let offsets = PartialWaves::points(sphere.order(), (DVec3::ZERO, sphere.shell()));
+        let formation = Formation::on_spheres(sphere, aperture.element.wavenumber);
         let mut formed = vec![vec![0.0f32; lattice.len()]; self.components()];
         let together = (PLACES / lattice.columns.len().max(1)).max(1);
         let done = progress.count(lattice.rows.len().div_ceil(together) * drives.len());
@@ -343,19 +327,11 @@ impl Scenery<'_> {
                 if progress.is_cancelled() {
                     return Err(FieldError::Cancelled);
                 }
-                let is_far = !double && band.rows.iter().all(|row| self.is_clear(*row, FROM_ELEMENTS));
-                let mut waves = None;
-                if is_far {
-                    waves = partial_waves((aperture, drive), (self.order, frame), &band);
-                }
                 let at = |way: &DVec3| {
                     (self.sample)(drive, &shifted(&band, x * way.x + y * way.y + normal * way.z), double)
                 };
-                let (formation, given) = match waves {
-                    Some(waves) => (&of_waves, waves),
-                    None => (&on_spheres, offsets.iter().map(at).collect::<Result<Vec<_>, _>>()?),
-                };
-                self.add(formation, &given, formed.iter_mut().map(|own| &mut own[places.clone()]));
+                let given = offsets.iter().map(at).collect::<Result<Vec<_>, _>>()?;
+                self.add(&formation, &given, formed.iter_mut().map(|own| &mut own[places.clone()]));
                 done.add();
             }
         }
@@ -430,7 +406,7 @@ impl Scenery<'_> {
                 &mut values[rows.start * width..rows.end * width],
             );
         }
-        for rows in nearest.into_iter().flat_map(|rows| self.parted(rows)) {
+        for rows in nearest {
             let lattice = self.lattice((0..width).map(|i| self.along(0, i)), rows_of(&rows));
             let own = self.around(&lattice, double, &progress.part(done..done + rows.len(), all))?;
             (evaluated, done) = (evaluated + lattice.len(), done + rows.len());
@@ -442,25 +418,6 @@ impl Scenery<'_> {
         let how =
             format!("partial waves at {columns} x {rows} cells of {step:.2} mm, and at {others} places");
         Ok(self.map(values, evaluated, how, double))
-    }
-
-    /// Rows of pixels in runs that are as far from the boards as [`FROM_ELEMENTS`], or nearer.
-    fn parted(&self, rows: Range<usize>) -> Vec<Range<usize>> {
-        let lattice = self.lattice([], rows.clone().map(|row| self.along(1, row)));
-        let is_far: Vec<_> = lattice.rows.iter().map(|row| self.is_clear(*row, FROM_ELEMENTS)).collect();
-        let mut first = rows.start;
-        let run = |run: &[bool]| {
-            first += run.len();
-            first - run.len()..first
-        };
-        is_far.chunk_by(|a, b| a == b).map(run).collect()
-    }
-
-    /// Whether a row of places, at this offset (m) from the plane's centre, is so many wavelengths in front of every board.
-    fn is_clear(&self, row: DVec3, wavelengths: f64) -> bool {
-        let Request { aperture, plane, .. } = self.request;
-        let half = self.axes[0] * (plane.size.x / 2.0);
-        is_clear(aperture, [-half, half].map(|end| plane.centre + row + end), wavelengths)
     }
 
     /// Every pixel for itself.
