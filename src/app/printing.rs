@@ -28,7 +28,7 @@ impl Window {
                 Piece::Map => panels.push(self.map(self.own_request()?, false)),
                 Piece::Second => panels.push(self.map(self.second_request()?, true)),
                 Piece::Difference => {
-                    let requests = [self.own_request()?, self.second_request()?];
+                    let requests = Box::new([self.own_request()?, self.second_request()?]);
                     let name = "Difference, first minus second".to_owned();
                     panels.push(Panel { name, subject: Subject::Difference(requests) });
                 }
@@ -44,7 +44,7 @@ impl Window {
                     let plot = figure::plot(piece, editor, shown);
                     let (name, plot) =
                         plot.with_context(|| format!("{}: not there yet", piece.into_str()))?;
-                    panels.push(Panel { name, subject: Subject::Plot(plot) });
+                    panels.push(Panel { name, subject: Subject::Plot(Box::new(plot)) });
                 }
             }
         }

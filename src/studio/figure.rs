@@ -140,12 +140,12 @@ pub enum Subject {
         request: Request,
     },
     /// The first map minus the second.
-    Difference([Request; 2]),
+    Difference(Box<[Request; 2]>),
     /// A liquid's surface as light falls on it.
     Shaded(Request),
     Space(Box<Prospect>),
     /// A plot that needs no field.
-    Plot(Plot),
+    Plot(Box<Plot>),
 }
 
 /// A figure, and the maps in it, a map per panel that has one.
@@ -279,7 +279,8 @@ impl Subject {
                 let wish = &Wish { has_colour_bar: wish.has_colour_bar && has_bar, ..wish.clone() };
                 Plot::Map(content((scene, foci), request, wish)?)
             }
-            Self::Difference([request, _]) => {
+            Self::Difference(requests) => {
+                let [request, _] = &**requests;
                 let law = Law::of_difference(request.quantity, wish, 1.0);
                 let bar = wish.has_colour_bar.then(|| law.bar(ColourMap::Diverging.on(wish.is_light)));
                 let (axes, is_light) = (sheet::axes(&request.plane), wish.is_light);
@@ -297,7 +298,7 @@ impl Subject {
                 let shape = prospect.points.y / prospect.points.x;
                 Plot::Space(Space { shape, bar, is_light: wish.is_light, ..Space::default() })
             }
-            Self::Plot(plot) => plot.clone(),
+            Self::Plot(plot) => Plot::clone(plot),
         })
     }
 
@@ -306,7 +307,8 @@ impl Subject {
         let sized = |request: &Request| Request { size: (width, height), ..request.clone() };
         Ok(match self {
             Self::Map { request, .. } => Made::Map(request, mapped(&sized(request), stages)?),
-            Self::Difference([left, right]) => {
+            Self::Difference(requests) => {
+                let [left, right] = &**requests;
                 let left_values = stages.map(&sized(left))?.values.clone();
                 let right = stages.map(&sized(right))?;
                 let values = map::difference(left.quantity, &left_values, &right.values);

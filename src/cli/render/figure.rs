@@ -126,7 +126,7 @@ fn panels(solved: &Solved, (args, look): (&RenderArgs, &Look), is_only: bool) ->
         Diagram::Map(quantity) => quantity,
         Diagram::Drive => {
             let drive = &solution.drive;
-            let elements = |elements| Subject::Plot(Plot::Elements(elements));
+            let elements = |elements| Subject::Plot(Box::new(Plot::Elements(elements)));
             let phases = elements(Elements::phases(scene, &drive.phases, &drive.amplitudes));
             let own = elements(Elements::amplitudes(scene, &solution.excitation, &drive.amplitudes));
             let named = |(subject, title): (Subject, &str)| match is_only {
