@@ -122,7 +122,7 @@ impl BringUp {
             }
         }
         let is_open = |n: &usize| self.signals[*n].is_none();
-        let next = wired.iter().copied().filter(|&n| n > self.element).find(is_open);
+        let next = wired.iter().copied().filter(|&n| n >= self.element).find(is_open);
         match next.or_else(|| wired.iter().copied().find(is_open)) {
             Some(next) => self.element = next,
             None => self.end_elements(wiring),
@@ -187,6 +187,7 @@ mod tests {
         assert_eq!((run.element, run.silent(), run.calibration.off()), (10, vec![8], vec![8]));
         run.mark([8], &wiring, true);
         assert!(run.calibration.off().is_empty(), "the newest mark counts");
+        assert_eq!(run.element, 10, "it is still open");
         for wrong in ["", "9-1", "64", "x"] {
             assert!(elements(wrong, &wiring).is_err(), "{wrong}");
         }

@@ -222,7 +222,7 @@ fn silence(board: &BoardShown, again: BoardCommand, ui: &mut Ui, ask: &mut impl 
             ask(again);
         }
         if is_silent {
-            let text = "The board is silent: play again to go on.";
+            let text = "The board is silent: play again.";
             ui.label(RichText::new(text).color(theme::warning(ui.visuals())));
         }
     });
