@@ -109,10 +109,7 @@ impl Comparison {
         let look = Look {
             scene: editor.scene(),
             view: &view,
-            sound: beside
-                .sound
-                .as_ref()
-                .filter(|_| !drives.is_empty() && level::suits(&view, editor.scene())),
+            sound: beside.sound.as_ref().filter(|_| !drives.is_empty() && view.suits(editor.scene())),
             drives,
             moment: editor.oscillation.part,
             full: range,
@@ -120,7 +117,7 @@ impl Comparison {
             surface: None,
             is_veil: false,
         };
-        if !level::suits(&view, editor.scene()) {
+        if !view.suits(editor.scene()) {
             beside.problem = Some(level::MUST_BE_LEVEL.to_owned());
         }
         let done = self.mapping.update(&look, &mut beside.map, ctx);

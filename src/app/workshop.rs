@@ -41,7 +41,7 @@ use crate::ui::part::Now;
 use crate::ui::part::wake;
 use crate::ui::space::Stage;
 use crate::ui::view::Lens;
-use crate::ui::{Editor, Map, MethodRow, Moment, Notice, Panel, Playback, Shown, Sound, level, sound};
+use crate::ui::{Editor, Map, MethodRow, Moment, Notice, Panel, Playback, Shown, Sound, sound};
 
 /// Displayed duration of a period of the sound, s.
 const OSCILLATION_PERIOD: f64 = 2.0;
@@ -202,7 +202,7 @@ impl Workshop {
         let look = Look {
             scene: editor.scene(),
             view: &editor.view,
-            sound: shown.sound.as_ref().filter(|_| level::suits(&editor.view, editor.scene())),
+            sound: shown.sound.as_ref().filter(|_| editor.view.suits(editor.scene())),
             drives: sound::drives(
                 shown.round.as_ref(),
                 shown.sound.as_ref(),

@@ -9,21 +9,10 @@ use crate::ui::view::{Cut, View};
 
 pub const MUST_BE_LEVEL: &str = "A liquid surface must be horizontal.";
 
-/// Whether a plane is parallel to the array's.
-pub fn is_level(view: &View, scene: &Scene) -> bool {
-    let axes = view.axes(scene);
-    axes.x.cross(axes.y).z.abs() >= 1.0 - 1e-9
-}
-
-/// Whether the plane of a view can show its quantity.
-pub fn suits(view: &View, scene: &Scene) -> bool {
-    !view.quantity.declaration().of_liquid || is_level(view, scene)
-}
-
 /// The reason why a quantity is not offered on the displayed plane.
 pub fn refusal(quantity: Quantity, view: &View, scene: &Scene) -> Option<&'static str> {
     let refused = View { quantity, ..view.clone() };
-    (!suits(&refused, scene)).then_some("A liquid surface must be horizontal: choose XY below")
+    (!refused.suits(scene)).then_some("A liquid surface must be horizontal: choose XY below")
 }
 
 /// Shows the plane parallel to the array.
@@ -33,7 +22,7 @@ pub fn show_xy(editor: &mut Editor) {
 
 /// In place of the map, the reason and a button.
 pub fn offer(editor: &mut Editor, ui: &Ui, rect: Rect) {
-    if suits(&editor.view, editor.scene()) || editor.scene().targets.is_empty() {
+    if editor.view.suits(editor.scene()) || editor.scene().targets.is_empty() {
         return;
     }
     let area = Area::new(ui.scope_id().with("level")).pivot(Align2::CENTER_CENTER).fixed_pos(rect.center());

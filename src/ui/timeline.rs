@@ -101,7 +101,7 @@ pub fn show_waves(editor: &mut Editor, is_on: bool) {
     }
     if is_on {
         editor.space.is_on = false;
-        if !level::is_level(&editor.view, editor.scene()) {
+        if !editor.view.is_level(editor.scene()) {
             level::show_xy(editor);
         }
     }
@@ -127,7 +127,7 @@ impl Played {
         let is_of_waves = matches!(editor.playback.moment.of(editor.view.quantity), Moment::Wave(_));
         let has_waves = editor.view.quantity.declaration().of_liquid
             && !editor.space.is_on
-            && level::is_level(&editor.view, scene)
+            && editor.view.is_level(scene)
             && (is_of_waves || cycle.is_none());
         let schedule = editor.parts.waves.schedule(scene).filter(|_| has_waves);
         let waves = schedule.map(|schedule| {

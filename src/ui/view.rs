@@ -305,6 +305,17 @@ impl View {
         }
     }
 
+    /// Whether the plane is parallel to the array's.
+    pub fn is_level(&self, scene: &Scene) -> bool {
+        let axes = self.axes(scene);
+        axes.x.cross(axes.y).z.abs() >= 1.0 - 1e-9
+    }
+
+    /// Whether the plane can show the quantity.
+    pub fn suits(&self, scene: &Scene) -> bool {
+        !self.quantity.declaration().of_liquid || self.is_level(scene)
+    }
+
     /// The window on this rectangle of the screen: as it was set, or everything.
     pub fn lens(&self, scene: &Scene, rect: Rect) -> Lens {
         match self.window {

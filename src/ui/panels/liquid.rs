@@ -90,7 +90,7 @@ fn caustic(editor: &mut Editor, ui: &mut Ui) {
 /// A quantity of the liquid, on a level plane.
 fn show_surface(editor: &mut Editor, quantity: Quantity) {
     editor.view.quantity = quantity;
-    if !level::is_level(&editor.view, editor.scene()) {
+    if !editor.view.is_level(editor.scene()) {
         level::show_xy(editor);
     }
 }

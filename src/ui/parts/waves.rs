@@ -7,7 +7,6 @@ use crate::field::{Evaluator, Request, Stages};
 use crate::gauge::Gauge;
 use crate::scene::{Plane, Scene, motion};
 use crate::studio::swell::{Schedule, Swell};
-use crate::ui::level;
 use crate::ui::part::{Derived, Now, Part};
 use crate::ui::playback::{Moment, Playback};
 
@@ -59,7 +58,7 @@ impl Part for Waves {
     fn input(&self, now: &Now<'_>) -> Option<Input> {
         let quantity = now.view.quantity;
         let is_wanted =
-            matches!(now.playback.moment.of(quantity), Moment::Wave(_)) && level::suits(now.view, now.scene);
+            matches!(now.playback.moment.of(quantity), Moment::Wave(_)) && now.view.suits(now.scene);
         let (sound, lens) = (now.sound?, now.lens.filter(|_| is_wanted)?);
         let has_drives = !motion::moves(now.scene) || now.cycle.is_some();
         let schedule = self.schedule(now.scene).filter(|_| has_drives)?;
