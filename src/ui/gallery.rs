@@ -57,7 +57,11 @@ fn over_canvas(canvas: Rect, editor: &mut Editor, shown: &Shown, ui: &mut Ui, co
         ui.horizontal(|ui| {
             let close = Button::new("Close").small();
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.add(close).on_hover_text("Esc; File > Examples shows them again").clicked() {
+                if ui
+                    .add(close)
+                    .on_hover_text("Esc; Examples > All, with pictures shows them again")
+                    .clicked()
+                {
                     editor.has_closed_gallery = true;
                 }
                 let text = RichText::new("Start from an example, or pick a tool and draw").strong();

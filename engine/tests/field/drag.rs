@@ -32,7 +32,8 @@ fn polling_does_not_block_and_ends_with_the_same_map() {
         for quantity in Quantity::ALL {
             let request = Request::new(&scene, drives[..1].to_vec(), quantity, (400, 300));
             let (map, before) = polled(&mut stages, &request);
-            let is_on_gpu = ON_GPU.contains(&quantity) || quantity == Quantity::Harmonic;
+            let sampled = [Quantity::Harmonic, Quantity::Gorkov, Quantity::Force];
+            let is_on_gpu = ON_GPU.contains(&quantity) || sampled.contains(&quantity);
             assert_eq!(map.by == By::Gpu, own == By::Gpu && is_on_gpu, "{quantity:?}");
             assert!(before == 0 || map.by == By::Gpu, "{quantity:?}: {before} polls by {:?}", map.by);
             let done = stages.work();

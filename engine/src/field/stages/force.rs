@@ -195,7 +195,7 @@ impl OfBead {
                 }
                 None => {
                     self.work.forming += 1;
-                    scenery.by_pixels(double, progress)?
+                    scenery.on_spheres(double, progress)?
                 }
             };
             if map.error <= promised(tolerance).max(floor) {
@@ -203,7 +203,7 @@ impl OfBead {
             }
         }
         self.work.forming += 1;
-        scenery.by_pixels(true, progress)
+        Ok(scenery.direct(progress))
     }
 
     pub(super) fn forget(&mut self) {
@@ -417,24 +417,41 @@ impl Scenery<'_> {
         let others = evaluated - cells.count();
         let how =
             format!("partial waves at {columns} x {rows} cells of {step:.2} mm, and at {others} places");
-        Ok(self.map(values, evaluated, how, double))
+        Ok(self.map(values, evaluated, how, if double { By::CpuInF64 } else { self.by }))
     }
 
-    /// Every pixel for itself.
-    fn by_pixels(&self, double: bool, progress: &Gauge) -> Result<Map, FieldError> {
+    /// Every pixel from the sound on a sphere about it.
+    fn on_spheres(&self, double: bool, progress: &Gauge) -> Result<Map, FieldError> {
         let (width, height) = self.request.size;
         let lattice =
             self.lattice((0..width).map(|i| self.along(0, i)), (0..height).map(|row| self.along(1, row)));
         let values = lengths(self.around(&lattice, double, progress)?);
-        Ok(self.map(values, lattice.len(), "partial waves at every pixel".to_owned(), double))
+        let by = if double { By::CpuInF64 } else { self.by };
+        Ok(self.map(values, lattice.len(), "partial waves at every pixel".to_owned(), by))
+    }
+
+    /// Every pixel for itself, in f64 throughout.
+    fn direct(&self, progress: &Gauge) -> Map {
+        let (width, height) = self.request.size;
+        let points: Vec<_> = (0..width * height).map(|pixel| self.pixel(pixel)).collect();
+        let done = progress.count(points.len().div_ceil(PLACES));
+        let of_run = |points: &[DVec3]| {
+            let values = if progress.is_cancelled() { vec![0.0; points.len()] } else { self.exact(points) };
+            done.add();
+            values
+        };
+        let narrow = |value: f64| (self.request.part * value) as f32;
+        let values: Vec<_> = points.chunks(PLACES).flat_map(of_run).map(narrow).collect();
+        let how = "partial waves in f64 at every pixel".to_owned();
+        let (evaluated, by) = (values.len(), By::Reference);
+        self.measured(Map { width, height, values, evaluated, by, how, ..Map::default() })
     }
 
     /// The map of a part of these values, with the largest of them and their error.
-    fn map(&self, mut values: Vec<f32>, evaluated: usize, how: String, double: bool) -> Map {
+    fn map(&self, mut values: Vec<f32>, evaluated: usize, how: String, by: By) -> Map {
         let (width, height) = self.request.size;
         let part = self.request.part as f32;
         values.iter_mut().for_each(|value| *value *= part);
-        let by = if double { By::CpuInF64 } else { self.by };
         let map = self.measured(Map { width, height, values, evaluated, by, how, ..Map::default() });
         Map { error: if map.peak > 0.0 { self.error(&map.values, map.peak) } else { 0.0 }, ..map }
     }
