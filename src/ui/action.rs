@@ -14,8 +14,8 @@ use crate::ui::playback::Moment;
 use crate::ui::tool;
 use crate::ui::tool::Tool;
 use crate::ui::{
-    IN_PAGE, clipboard, dialog::state::Dialog, editor::Editor, figure, group, layout::Panel, level,
-    shown::Shown, timeline, way,
+    IN_PAGE, clipboard, compare, dialog::state::Dialog, edit, edit::Align, editor::Editor, figure, group,
+    layout::Panel, level, shown::Shown, timeline, way,
 };
 
 /// Factor per step of the window's scale, and its limits.
@@ -45,6 +45,9 @@ pub enum Action {
     SelectAll,
     Group,
     Ungroup,
+    Align(Align),
+    DistributeAcross,
+    DistributeUp,
     Snap,
     Grid,
     Export(Export),
@@ -56,6 +59,7 @@ pub enum Action {
     Space,
     Targets,
     Profile,
+    Compare,
     Play,
     Mean,
     Waves,
@@ -121,17 +125,9 @@ impl Action {
             A::Redo,
             A::Cut,
         ];
-        all.extend([
-            A::Copy,
-            A::Paste,
-            A::Duplicate,
-            A::Delete,
-            A::SelectAll,
-            A::Group,
-            A::Ungroup,
-            A::Snap,
-            A::Grid,
-        ]);
+        all.extend([A::Copy, A::Paste, A::Duplicate, A::Delete, A::SelectAll, A::Group, A::Ungroup]);
+        all.extend(Align::VARIANTS.iter().copied().map(A::Align));
+        all.extend([A::DistributeAcross, A::DistributeUp, A::Snap, A::Grid]);
         all.extend(
             [
                 Export::Figure(Format::Pdf),
@@ -148,7 +144,7 @@ impl Action {
         all.extend(Tool::VARIANTS.iter().copied().map(A::Tool));
         all.extend([A::SmallerBrush, A::LargerBrush]);
         all.extend(Quantity::ALL.map(A::Quantity));
-        all.extend([A::ShowEverything, A::Space, A::Targets, A::Profile]);
+        all.extend([A::ShowEverything, A::Space, A::Targets, A::Profile, A::Compare]);
         all.extend([A::Play, A::Mean, A::Waves, A::Timeline]);
         all.extend(Panel::VARIANTS.iter().copied().map(A::ShowPanel));
         all.extend([A::TogglePanel, A::Present, A::Larger, A::Smaller, A::UsualScale]);
@@ -180,6 +176,9 @@ impl Action {
             Self::SelectAll => "Select all",
             Self::Group => "Group",
             Self::Ungroup => "Ungroup",
+            Self::Align(align) => align.into_str(),
+            Self::DistributeAcross => "Distribute horizontally",
+            Self::DistributeUp => "Distribute vertically",
             Self::Snap => "Snap to the grid",
             Self::Grid => "Show the grid",
             Self::Export(Export::Figure(_)) => "Figure…",
@@ -198,6 +197,7 @@ impl Action {
             Self::Space => "3D view",
             Self::Targets => "Show targets",
             Self::Profile => "Line profile",
+            Self::Compare => "Compare",
             Self::Play => "Play or pause",
             Self::Mean => "Mean of a cycle",
             Self::Waves => "Waves of the liquid",
@@ -244,6 +244,9 @@ impl Action {
             | Self::SelectAll
             | Self::Group
             | Self::Ungroup
+            | Self::Align(_)
+            | Self::DistributeAcross
+            | Self::DistributeUp
             | Self::Snap
             | Self::Grid => Group::Edit,
             Self::Export(_) => Group::Export,
@@ -253,6 +256,7 @@ impl Action {
             | Self::Space
             | Self::Targets
             | Self::Profile
+            | Self::Compare
             | Self::Play
             | Self::Mean
             | Self::Waves
@@ -307,6 +311,10 @@ impl Action {
             Self::Palette => vec![ctrl(Key::P)],
             Self::Help => vec![plain(Key::F1)],
             Self::Examples
+            | Self::Align(_)
+            | Self::DistributeAcross
+            | Self::DistributeUp
+            | Self::Compare
             | Self::Grid
             | Self::WhiteBackground
             | Self::Manual
@@ -362,6 +370,7 @@ impl Action {
             (Self::Space, editor.space.is_on),
             (Self::Targets, editor.view.marks),
             (Self::Profile, editor.view.section),
+            (Self::Compare, editor.compare.is_some()),
             (Self::TogglePanel, editor.layout.has_panel(ctx)),
             (Self::Present, editor.layout.presents),
             (Self::DarkTheme, ctx.theme() == Theme::Dark),
@@ -391,7 +400,14 @@ impl Action {
                     && !(self == Self::Delete && way::can_delete(editor)),
                 "No target is selected",
             ),
-            (self == Self::Group && editor.selection.len() < 2, "Select two targets or more"),
+            (
+                matches!(self, Self::Group | Self::Align(_)) && editor.selection.len() < 2,
+                "Select two targets or more",
+            ),
+            (
+                is_one_of(&[Self::DistributeAcross, Self::DistributeUp]) && editor.selection.len() < 3,
+                "Select three targets or more",
+            ),
             (
                 self == Self::Ungroup && !group::any(editor.scene(), &editor.selection),
                 "No selected target is in a group",
@@ -407,8 +423,12 @@ impl Action {
                 "Nothing moves. Choose a path in the Motion panel first",
             ),
             (
-                is_one_of(&[Self::Export(Export::Numbers), Self::Export(Export::Profile), Self::Profile])
-                    && editor.space.is_on,
+                is_one_of(&[
+                    Self::Export(Export::Numbers),
+                    Self::Export(Export::Profile),
+                    Self::Profile,
+                    Self::Compare,
+                ]) && editor.space.is_on,
                 "Only for the map: leave the 3D view first",
             ),
             (
@@ -458,6 +478,15 @@ impl Action {
             Self::Group => group::join(&mut editor.document.scene, &editor.selection),
             Self::Ungroup => group::rename(&mut editor.document.scene, &editor.selection, ""),
             Self::SelectAll => editor.selection = (0..editor.scene().targets.len()).collect(),
+            Self::Align(align) => {
+                let axes = editor.view.axes(editor.scene());
+                edit::align(&mut editor.document.scene, &editor.selection, &axes, align);
+            }
+            Self::DistributeAcross | Self::DistributeUp => {
+                let axes = editor.view.axes(editor.scene());
+                let is_upwards = self == Self::DistributeUp;
+                edit::distribute(&mut editor.document.scene, &editor.selection, &axes, is_upwards);
+            }
             Self::Snap => editor.snaps = !editor.snaps,
             Self::Grid => editor.view.grid = !editor.view.grid,
             Self::Export(Export::Figure(_)) => {
@@ -476,6 +505,7 @@ impl Action {
             Self::Space => editor.space.is_on = !editor.space.is_on,
             Self::Targets => editor.view.marks = !editor.view.marks,
             Self::Profile => editor.view.section = !editor.view.section,
+            Self::Compare => compare::toggle(editor),
             Self::Play => drop(timeline::play_or_pause(editor)),
             Self::Mean => (editor.playback.moment, editor.playback.playing) = (Moment::Mean, false),
             Self::Waves => {

@@ -375,9 +375,15 @@ pub fn switch(editor: &mut Editor, ui: &mut Ui) {
     let mut is_on = editor.compare.is_some();
     let tip = "Two methods, drives or planes side by side with one range of colours, or their difference";
     icon::toggle(ui, Icon::Compare, "Compare", tip, &mut is_on);
-    match (is_on, &editor.compare) {
-        (true, None) => editor.compare = Some(Compare::default()),
-        (false, Some(_)) => editor.compare = None,
-        (true, Some(_)) | (false, None) => {}
+    if is_on != editor.compare.is_some() {
+        toggle(editor);
     }
+}
+
+/// Begins or ends the comparison.
+pub fn toggle(editor: &mut Editor) {
+    editor.compare = match editor.compare {
+        Some(_) => None,
+        None => Some(Compare::default()),
+    };
 }

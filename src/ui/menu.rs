@@ -238,6 +238,7 @@ fn view(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Comm
         Action::Space,
         Action::Targets,
         Action::Profile,
+        Action::Compare,
         Action::Play,
         Action::Mean,
         Action::Waves,
@@ -277,7 +278,17 @@ fn recent(editor: &mut Editor, recent: &[PathBuf], ui: &mut Ui, commands: &mut V
 }
 
 fn edit(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<Command>) {
-    for action in Action::all().into_iter().filter(|action| action.group() == Group::Edit) {
+    let is_arrangement = |action: &Action| {
+        matches!(action, Action::Align(_) | Action::DistributeAcross | Action::DistributeUp)
+    };
+    let actions = Action::all().into_iter().filter(|action| action.group() == Group::Edit);
+    let (arrangements, others): (Vec<_>, Vec<_>) = actions.partition(is_arrangement);
+    for action in others {
+        if action == Action::Snap {
+            ui.menu_button((check(), "Align"), |ui| {
+                arrangements.iter().for_each(|&action| item(action, editor, shown, ui, commands));
+            });
+        }
         if matches!(action, Action::Cut | Action::Snap) {
             ui.separator();
         }

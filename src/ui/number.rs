@@ -44,7 +44,14 @@ pub fn field(ui: &mut Ui, value: &mut f64, look: &Look<'_>, range: RangeInclusiv
     let said: Option<Word> = ui.data(|data| data.get_temp(id));
     let now = ui.input(|input| input.time);
     let heard = RefCell::new(None);
+    let before = *value;
     let parser = |text: &str| {
+        // A number that was looked at keeps the digits that the field does not show.
+        let is_untouched =
+            |least| egui::emath::format_with_decimals_in_range(before, least..=look.decimals) == text;
+        if (0..=look.decimals).any(is_untouched) {
+            return Some(before);
+        }
         let read = expression::parse(text, look.unit);
         *heard.borrow_mut() = word(text, &read, &range, look);
         read.ok()

@@ -88,10 +88,10 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
             }
         });
         ui.end_row();
-        if form.pieces.iter().any(|piece| piece.is_of_plane()) {
-            extent(form, ui);
-            ui.end_row();
-        }
+        // Every row is always there, so that nothing moves under the pointer.
+        let is_of_plane = form.pieces.iter().any(|piece| piece.is_of_plane());
+        extent(form, is_of_plane, ui);
+        ui.end_row();
         let number = |ui: &mut Ui, name: &str, value: &mut f64, [least, most]: [f64; 2], unit: &str| {
             let label = ui.label(name);
             let field = DragValue::new(value).range(least..=most).max_decimals(1).suffix(unit);
@@ -104,19 +104,14 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
             form.width = Some(width);
         }
         number(ui, "Resolution", &mut form.dpi, DENSITIES, " dpi");
-        if form.pieces.len() > 1 {
-            let label = ui.label("Columns");
-            let most = form.pieces.len();
-            let mut columns = form.columns.unwrap_or_else(|| page::columns(most)).min(most);
-            if ui
-                .add(DragValue::new(&mut columns).range(1..=most).speed(0.05))
-                .labelled_by(label.id)
-                .changed()
-            {
-                form.columns = Some(columns);
-            }
-            ui.end_row();
+        let label = ui.label("Columns");
+        let most = form.pieces.len().max(1);
+        let mut columns = form.columns.unwrap_or_else(|| page::columns(most)).min(most);
+        let field = DragValue::new(&mut columns).range(1..=most).speed(0.05);
+        if ui.add_enabled(most > 1, field).labelled_by(label.id).changed() {
+            form.columns = Some(columns);
         }
+        ui.end_row();
         let label = ui.label("Title");
         ui.add(TextEdit::singleline(&mut form.title).desired_width(240.0)).labelled_by(label.id);
         ui.end_row();
@@ -145,25 +140,27 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
 }
 
 /// The part of the plane, with its size if it is typed.
-fn extent(form: &mut FigureForm, ui: &mut Ui) {
+fn extent(form: &mut FigureForm, is_of_plane: bool, ui: &mut Ui) {
     let label = ui.label("Extent");
-    ui.horizontal(|ui| {
-        let combo = ComboBox::from_id_salt("extent").selected_text(form.extent.into_str());
-        let list = combo.show_ui(ui, |ui| {
-            for &extent in Extent::VARIANTS {
-                ui.selectable_value(&mut form.extent, extent, extent.into_str());
+    ui.add_enabled_ui(is_of_plane, |ui| {
+        ui.horizontal(|ui| {
+            let combo = ComboBox::from_id_salt("extent").selected_text(form.extent.into_str());
+            let list = combo.show_ui(ui, |ui| {
+                for &extent in Extent::VARIANTS {
+                    ui.selectable_value(&mut form.extent, extent, extent.into_str());
+                }
+            });
+            let tip = "The part of the plane: as on the screen, or about the centre of the scene plane";
+            list.response.on_hover_text(tip).labelled_by(label.id);
+            if form.extent != Extent::Typed {
+                return;
             }
-        });
-        let tip = "The part of the plane: as on the screen, or about the centre of the scene plane";
-        list.response.on_hover_text(tip).labelled_by(label.id);
-        if form.extent != Extent::Typed {
-            return;
-        }
-        let [least, most] = SPANS;
-        let [width, height] = &mut form.span;
-        for (name, side) in [("Width of the extent", width), ("Height of the extent", height)] {
-            let field = DragValue::new(side).range(least..=most).max_decimals(1).suffix(" mm");
-            ui.add(field).accessible_name(name);
-        }
+            let [least, most] = SPANS;
+            let [width, height] = &mut form.span;
+            for (name, side) in [("Width of the extent", width), ("Height of the extent", height)] {
+                let field = DragValue::new(side).range(least..=most).max_decimals(1).suffix(" mm");
+                ui.add(field).accessible_name(name);
+            }
+        })
     });
 }

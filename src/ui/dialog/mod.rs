@@ -34,6 +34,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
     }
     let Some(mut dialog) = editor.dialog.take() else { return };
     hear_enter(ctx);
+    let is_editing = ctx.memory(|memory| memory.focused().is_some());
     let mut stays = true;
     let id = Id::unique("dialog");
     let area = Modal::default_area(id);
@@ -94,7 +95,10 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
             }
         }
     });
-    let dismissed = modal.should_close() && !dialog.insists();
+    // In these, Esc first ends the editing of a number.
+    let is_form = matches!(dialog, Dialog::Figure | Dialog::Film);
+    let ends_editing = is_form && is_editing && ctx.input(|input| input.key_pressed(egui::Key::Escape));
+    let dismissed = modal.should_close() && !dialog.insists() && !ends_editing;
     if dismissed {
         editor.after_saving = None;
     }
