@@ -14,7 +14,7 @@ use crate::ui::part::wake;
 /// Drives of a map that is made between two frames, at most.
 const MOST_DRIVES: usize = 4;
 /// Maps that are kept.
-const KEPT: usize = 6;
+const KEPT: usize = 4;
 /// Pixels of a whole map per pixel of the first one, along each axis.
 const COARSENESS: usize = 4;
 
