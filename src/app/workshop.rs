@@ -396,7 +396,7 @@ impl Workshop {
         if let Moment::Frame(index) | Moment::Wave(index) = &mut playback.moment {
             *index = (*index).min(last);
         }
-        let on_board = self.on_board(playback, shown, count, ctx);
+        let on_board = self.on_board(playback, shown, ctx);
         let runs = playback.playing && playback.moment.playing(quantity).is_some();
         let passed = self.motion.passed(runs, ctx);
         if !runs || !is_there {
@@ -426,13 +426,7 @@ impl Workshop {
 
     /// Cycles per second of the board's motion, and the time (s) since its start. Playback starts with it, in real
     /// time, and ends with it.
-    fn on_board(
-        &mut self,
-        playback: &mut Playback,
-        shown: &Shown,
-        count: usize,
-        ctx: &Context,
-    ) -> Option<(f64, f64)> {
+    fn on_board(&mut self, playback: &mut Playback, shown: &Shown, ctx: &Context) -> Option<(f64, f64)> {
         let health = shown.board.health.as_ref().filter(|health| health.in_place);
         let rates = health.filter(|_| shown.board.plays == Plays::Motion).and_then(|health| health.rates);
         let Some(rates) = rates else {
@@ -451,7 +445,7 @@ impl Workshop {
                 now
             }
         };
-        Some((rates.played / count.max(1) as f64, now - since))
+        Some((rates.cycles, now - since))
     }
 
     /// Advances the wave in slow motion, while displayed.

@@ -406,7 +406,11 @@ fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
         fact(ui, ("Frames", tip), frames);
         fact(ui, ("Data rate", "To the board"), format!("{:.1} kB/s", health.bytes_per_second / 1e3));
         if let Some(rates) = health.rates {
-            fact(ui, ("Motion", "Frames per second, of the scene and as played"), rates.to_string());
+            let value = match rates.differ() {
+                true => format!("{:.0} of {:.0} frames/s", rates.played, rates.asked),
+                false => format!("{:.0} frames/s", rates.played),
+            };
+            fact(ui, ("Motion", "Frames per second as played, of those that the scene asks for"), value);
         }
         if let Some(latency) = health.latency {
             let tip = "From a change to the last byte of its frame on the line, median";
