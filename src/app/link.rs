@@ -95,6 +95,10 @@ impl Board {
                 }
             }
             BoardCommand::TryWithout => self.try_without(editor, shown, ctx),
+            BoardCommand::AskForBoard => {
+                let text = shown.board.missing();
+                shown.notice = Some(Notice { text, is_error: true });
+            }
             BoardCommand::Send => (self.awaits, shown.board.plays) = (true, Plays::Scene),
             BoardCommand::PlayMotion => (self.awaits, shown.board.plays) = (true, Plays::Motion),
             BoardCommand::Stop => {

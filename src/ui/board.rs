@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use crate::device::health::{Found, Health};
+use crate::device::health::{Found, Health, State};
 use crate::device::port;
 use crate::device::profile::Profile;
 use crate::ui::bring_up::{BringUp, KeptTest, Surveyed};
@@ -131,6 +131,8 @@ pub enum BoardCommand {
     Disconnect,
     /// Starts a virtual board of the chosen kind and connects to it.
     TryWithout,
+    /// Something was to be sent, but there is no board.
+    AskForBoard,
     /// The scene at rest, once.
     Send,
     /// All frames of the motion, over and over.
@@ -162,6 +164,7 @@ impl BoardCommand {
             | Self::Connect
             | Self::Disconnect
             | Self::TryWithout
+            | Self::AskForBoard
             | Self::Stop
             | Self::TakeCarrier
             | Self::Survey
@@ -205,6 +208,10 @@ pub fn absence(why: &str, was_found: bool) -> String {
     }
 }
 
+/// The notice of a Send without a board.
+const MISSING: &str =
+    "No board is connected: choose a port, or try a virtual board with “Try without a board”";
+
 /// The board's known state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardShown {
@@ -224,4 +231,14 @@ pub struct BoardShown {
     pub messages: Vec<String>,
     /// Mean pressure over the foci (Pa, peak) of the drive, and of its version on the board.
     pub pressures: Option<(f64, f64)>,
+}
+
+impl BoardShown {
+    /// The reason for not sending, as a sentence for the window.
+    pub fn missing(&self) -> String {
+        match &self.health {
+            Some(Health { state: State::Lost(why), found, .. }) => absence(why, *found > 0),
+            Some(_) | None => self.unavailable.clone().unwrap_or_else(|| MISSING.to_owned()),
+        }
+    }
 }

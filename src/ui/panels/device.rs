@@ -61,11 +61,15 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
         });
     });
     let profile = editor.board.profile;
+    // A native board may round the phases that it is sent.
+    let phases = match board.found.and_then(|found| found.phase_bits) {
+        Some(bits) => format!("{} of {}", 1_u32 << u32::from(bits).min(31), profile.levels()),
+        None => profile.levels().to_string(),
+    };
     ui.label(
         RichText::new(format!(
-            "{} elements, {} phases; {}",
+            "{} elements, {phases} phases; line: up to {}",
             profile.elements(),
-            profile.levels(),
             profile.bandwidth(editor.board.baud().unwrap_or(profile.baud()))
         ))
         .weak(),
