@@ -22,7 +22,7 @@ use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line, tested}
 use crate::studio::output::{self, note};
 use crate::studio::performance::Performance;
 use crate::studio::player::Player;
-use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports, absence};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports, absence, sentence};
 use crate::ui::bring_up::Surveyed;
 use crate::ui::{Editor, Notice, Panel, Shown};
 
@@ -227,7 +227,7 @@ impl Board {
                 self.hear_signals();
                 *locked(&self.player) = Some(player);
             }
-            Err(error) => shown.notice = Some(Notice { text: error, is_error: true }),
+            Err(error) => shown.notice = Some(Notice { text: sentence(&error), is_error: true }),
         }
     }
 
@@ -326,7 +326,7 @@ impl Board {
             player.forget();
         }
         match player.play(editor.scene(), performance) {
-            Ok(notices) => notices.into_iter().for_each(|text| tell(shown, text, false)),
+            Ok(notices) => notices.into_iter().for_each(|text| tell(shown, &text, false)),
             Err(error) => refuse(shown, error),
         }
     }
@@ -443,11 +443,12 @@ fn hear(event: Event, link: &Link, shown: &mut Shown) {
         Event::Lost(why) => (absence(&why, link.health().found > 0), true),
         Event::Notice(text) => (text, false),
     };
-    tell(shown, text, is_error);
+    tell(shown, &text, is_error);
 }
 
 /// Adds a message of the board.
-fn tell(shown: &mut Shown, text: String, is_error: bool) {
+fn tell(shown: &mut Shown, text: &str, is_error: bool) {
+    let text = sentence(text);
     let messages = &mut shown.board.messages;
     messages.push(text.clone());
     let old = messages.len().saturating_sub(KEPT);
@@ -484,7 +485,7 @@ async fn surveyed(port: &str, profile: Profile) -> Surveyed {
 /// Reports the reason for not sending, and clears the wish.
 fn refuse(shown: &mut Shown, text: String) {
     shown.board.plays = Plays::Nothing;
-    shown.notice = Some(Notice { text, is_error: true });
+    shown.notice = Some(Notice { text: sentence(&text), is_error: true });
 }
 
 /// A short operation, longer in a page.

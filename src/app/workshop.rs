@@ -35,7 +35,7 @@ use crate::studio::performance::Performance;
 use crate::studio::posing::{posed, posed_in_motion};
 use crate::studio::reach;
 use crate::studio::solving::{Followed, Solved, Solving, Step};
-use crate::ui::board::Plays;
+use crate::ui::board::{Plays, sentence};
 use crate::ui::part::Now;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::ui::part::wake;
@@ -256,7 +256,8 @@ impl Workshop {
         let mut posed = posed(scene);
         if shown.board.plays == Plays::Scene {
             let profile = editor.board.profile;
-            shown.board.steadied = profile.steady(&mut posed, editor.board.baud().unwrap_or(profile.baud()));
+            let steadied = profile.steady(&mut posed, editor.board.baud().unwrap_or(profile.baud()));
+            shown.board.steadied = steadied.as_deref().map(sentence);
         }
         self.solved.keep(Some(&posed));
         let rests = !ctx.input(|input| input.pointer.any_down());

@@ -297,7 +297,7 @@ fn an_array_of_another_shape_is_refused_with_a_message() {
     screen.get_by_label("Send").click();
     let is_refused = |screen: &Screen| {
         let notice = screen.state().shown().notice.as_ref();
-        notice.is_some_and(|notice| notice.is_error && notice.text.contains("sonicsurface is 16 x 16"))
+        notice.is_some_and(|notice| notice.is_error && notice.text.contains("SonicSurface is 16 x 16"))
     };
     until(&mut screen, "a word", is_refused);
     assert_eq!(screen.state().shown().board.plays, Plays::Nothing);

@@ -8,7 +8,7 @@ use crate::device::profile::Profile;
 use crate::device::wiring::{Share, Wiring};
 use crate::scene::Scene;
 use crate::studio::bring_up::{Finding, Verdict, named, tested};
-use crate::ui::board::{BoardCommand, BoardShown, Plays};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, sentence};
 use crate::ui::bring_up::{self, BringUp, Step};
 use crate::ui::panels::form::heading;
 use crate::ui::{editor::Editor, theme};
@@ -174,6 +174,7 @@ fn findings(ui: &mut Ui, findings: &[Finding]) {
             Verdict::Failed => theme::error(ui.visuals()),
             Verdict::Noted | Verdict::Unverified => ui.visuals().weak_text_color(),
         };
+        let finding = Finding { verdict: finding.verdict, what: sentence(&finding.what) };
         ui.add(egui::Label::new(RichText::new(finding.to_string()).color(colour).small()).wrap());
     }
 }
