@@ -131,7 +131,7 @@ impl Board {
     fn survey(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         if let Err(error) = begin_with_own(editor) {
             editor.board.leave_test();
-            return refuse(shown, error);
+            return refuse(shown, &error);
         }
         *locked(&self.player) = None;
         (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
@@ -147,7 +147,7 @@ impl Board {
         });
         match task {
             Ok(_) => self.survey = Some(receiver),
-            Err(error) => refuse(shown, error.to_string()),
+            Err(error) => refuse(shown, &error.to_string()),
         }
     }
 
@@ -176,7 +176,7 @@ impl Board {
                 shown.board.plays = Plays::Focus;
                 player.show(Content::Still(levels));
             }
-            Err(error) => refuse(shown, error),
+            Err(error) => refuse(shown, &error),
         }
     }
 
@@ -267,7 +267,7 @@ impl Board {
                 editor.board.port = port;
                 self.list_ports(ctx);
             }
-            Some(Err(error)) => refuse(shown, error),
+            Some(Err(error)) => refuse(shown, &error),
             Some(Ok(None)) | None => {}
         }
         let shared = Arc::clone(&self.player);
@@ -286,7 +286,7 @@ impl Board {
         {
             player.stop();
             let port = player.link.settings().port.display();
-            refuse(shown, format!("Nothing was sent: no board is at {port}"));
+            refuse(shown, &format!("Nothing was sent: no board is at {port}"));
         }
         // After an emergency stop a drag must not start the sound again: only a button pressed while the board is
         // still stopped does.
@@ -301,7 +301,7 @@ impl Board {
             && matches!(shown.board.plays, Plays::Scene | Plays::Motion)
         {
             player.stop();
-            return refuse(shown, error);
+            return refuse(shown, &error);
         }
         let performance = match shown.board.plays {
             Plays::Scene if shown.solution.is_none() => {
@@ -327,7 +327,7 @@ impl Board {
         }
         match player.play(editor.scene(), performance) {
             Ok(notices) => notices.into_iter().for_each(|text| tell(shown, &text, false)),
-            Err(error) => refuse(shown, error),
+            Err(error) => refuse(shown, &error),
         }
     }
 
@@ -483,9 +483,9 @@ async fn surveyed(port: &str, profile: Profile) -> Surveyed {
 }
 
 /// Reports the reason for not sending, and clears the wish.
-fn refuse(shown: &mut Shown, text: String) {
+fn refuse(shown: &mut Shown, text: &str) {
     shown.board.plays = Plays::Nothing;
-    shown.notice = Some(Notice { text: sentence(&text), is_error: true });
+    shown.notice = Some(Notice { text: sentence(text), is_error: true });
 }
 
 /// A short operation, longer in a page.
