@@ -400,6 +400,8 @@ impl Window {
         if let Err(error) = output::refuse_stream(path).and_then(|()| figure::refuse_ending(path, endings)) {
             return self.refuse("Nothing was exported", &error);
         }
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+        self.editor.asking.exported_to = folder.map(Path::to_owned);
         let bytes = match export {
             Export::Figure(format) => return self.print_figure(format, path, ctx),
             Export::Sheet => return self.print_sheet(path, ctx),

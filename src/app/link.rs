@@ -22,7 +22,7 @@ use crate::studio::bring_up::{Report, Verdict, focus_scene, survey_line, tested}
 use crate::studio::output::{self, note};
 use crate::studio::performance::Performance;
 use crate::studio::player::Player;
-use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports, absence};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, PortShown, Ports, absence, sentence};
 use crate::ui::bring_up::Surveyed;
 use crate::ui::{Editor, Notice, Panel, Shown};
 
@@ -95,6 +95,10 @@ impl Board {
                 }
             }
             BoardCommand::TryWithout => self.try_without(editor, shown, ctx),
+            BoardCommand::AskForBoard => {
+                let text = shown.board.missing();
+                shown.notice = Some(Notice { text, is_error: true });
+            }
             BoardCommand::Send => (self.awaits, shown.board.plays) = (true, Plays::Scene),
             BoardCommand::PlayMotion => (self.awaits, shown.board.plays) = (true, Plays::Motion),
             BoardCommand::Stop => {
@@ -127,7 +131,7 @@ impl Board {
     fn survey(&mut self, editor: &mut Editor, shown: &mut Shown, ctx: &Context) {
         if let Err(error) = begin_with_own(editor) {
             editor.board.leave_test();
-            return refuse(shown, error);
+            return refuse(shown, &error);
         }
         *locked(&self.player) = None;
         (shown.board.health, shown.board.found, shown.board.plays) = (None, None, Plays::Nothing);
@@ -143,7 +147,7 @@ impl Board {
         });
         match task {
             Ok(_) => self.survey = Some(receiver),
-            Err(error) => refuse(shown, error.to_string()),
+            Err(error) => refuse(shown, &error.to_string()),
         }
     }
 
@@ -172,7 +176,7 @@ impl Board {
                 shown.board.plays = Plays::Focus;
                 player.show(Content::Still(levels));
             }
-            Err(error) => refuse(shown, error),
+            Err(error) => refuse(shown, &error),
         }
     }
 
@@ -223,7 +227,7 @@ impl Board {
                 self.hear_signals();
                 *locked(&self.player) = Some(player);
             }
-            Err(error) => shown.notice = Some(Notice { text: error, is_error: true }),
+            Err(error) => shown.notice = Some(Notice { text: sentence(&error), is_error: true }),
         }
     }
 
@@ -263,7 +267,7 @@ impl Board {
                 editor.board.port = port;
                 self.list_ports(ctx);
             }
-            Some(Err(error)) => refuse(shown, error),
+            Some(Err(error)) => refuse(shown, &error),
             Some(Ok(None)) | None => {}
         }
         let shared = Arc::clone(&self.player);
@@ -282,7 +286,7 @@ impl Board {
         {
             player.stop();
             let port = player.link.settings().port.display();
-            refuse(shown, format!("Nothing was sent: no board is at {port}"));
+            refuse(shown, &format!("Nothing was sent: no board is at {port}"));
         }
         // After an emergency stop a drag must not start the sound again: only a button pressed while the board is
         // still stopped does.
@@ -297,7 +301,7 @@ impl Board {
             && matches!(shown.board.plays, Plays::Scene | Plays::Motion)
         {
             player.stop();
-            return refuse(shown, error);
+            return refuse(shown, &error);
         }
         let performance = match shown.board.plays {
             Plays::Scene if shown.solution.is_none() => {
@@ -322,8 +326,8 @@ impl Board {
             player.forget();
         }
         match player.play(editor.scene(), performance) {
-            Ok(notices) => notices.into_iter().for_each(|text| tell(shown, text, false)),
-            Err(error) => refuse(shown, error),
+            Ok(notices) => notices.into_iter().for_each(|text| tell(shown, &text, false)),
+            Err(error) => refuse(shown, &error),
         }
     }
 
@@ -439,11 +443,12 @@ fn hear(event: Event, link: &Link, shown: &mut Shown) {
         Event::Lost(why) => (absence(&why, link.health().found > 0), true),
         Event::Notice(text) => (text, false),
     };
-    tell(shown, text, is_error);
+    tell(shown, &text, is_error);
 }
 
 /// Adds a message of the board.
-fn tell(shown: &mut Shown, text: String, is_error: bool) {
+fn tell(shown: &mut Shown, text: &str, is_error: bool) {
+    let text = sentence(text);
     let messages = &mut shown.board.messages;
     messages.push(text.clone());
     let old = messages.len().saturating_sub(KEPT);
@@ -478,9 +483,9 @@ async fn surveyed(port: &str, profile: Profile) -> Surveyed {
 }
 
 /// Reports the reason for not sending, and clears the wish.
-fn refuse(shown: &mut Shown, text: String) {
+fn refuse(shown: &mut Shown, text: &str) {
     shown.board.plays = Plays::Nothing;
-    shown.notice = Some(Notice { text, is_error: true });
+    shown.notice = Some(Notice { text: sentence(text), is_error: true });
 }
 
 /// A short operation, longer in a page.

@@ -35,7 +35,7 @@ use crate::studio::performance::Performance;
 use crate::studio::posing::{posed, posed_in_motion};
 use crate::studio::reach;
 use crate::studio::solving::{Followed, Solved, Solving, Step};
-use crate::ui::board::Plays;
+use crate::ui::board::{Plays, sentence};
 use crate::ui::part::Now;
 #[cfg(not(target_arch = "wasm32"))]
 use crate::ui::part::wake;
@@ -256,7 +256,8 @@ impl Workshop {
         let mut posed = posed(scene);
         if shown.board.plays == Plays::Scene {
             let profile = editor.board.profile;
-            shown.board.steadied = profile.steady(&mut posed, editor.board.baud().unwrap_or(profile.baud()));
+            let steadied = profile.steady(&mut posed, editor.board.baud().unwrap_or(profile.baud()));
+            shown.board.steadied = steadied.as_deref().map(sentence);
         }
         self.solved.keep(Some(&posed));
         let rests = !ctx.input(|input| input.pointer.any_down());
@@ -396,7 +397,7 @@ impl Workshop {
         if let Moment::Frame(index) | Moment::Wave(index) = &mut playback.moment {
             *index = (*index).min(last);
         }
-        let on_board = self.on_board(playback, shown, count, ctx);
+        let on_board = self.on_board(playback, shown, ctx);
         let runs = playback.playing && playback.moment.playing(quantity).is_some();
         let passed = self.motion.passed(runs, ctx);
         if !runs || !is_there {
@@ -426,13 +427,7 @@ impl Workshop {
 
     /// Cycles per second of the board's motion, and the time (s) since its start. Playback starts with it, in real
     /// time, and ends with it.
-    fn on_board(
-        &mut self,
-        playback: &mut Playback,
-        shown: &Shown,
-        count: usize,
-        ctx: &Context,
-    ) -> Option<(f64, f64)> {
+    fn on_board(&mut self, playback: &mut Playback, shown: &Shown, ctx: &Context) -> Option<(f64, f64)> {
         let health = shown.board.health.as_ref().filter(|health| health.in_place);
         let rates = health.filter(|_| shown.board.plays == Plays::Motion).and_then(|health| health.rates);
         let Some(rates) = rates else {
@@ -451,7 +446,7 @@ impl Workshop {
                 now
             }
         };
-        Some((rates.played / count.max(1) as f64, now - since))
+        Some((rates.cycles, now - since))
     }
 
     /// Advances the wave in slow motion, while displayed.

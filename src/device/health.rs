@@ -29,6 +29,8 @@ pub enum State {
 pub struct FrameRates {
     pub asked: f64,
     pub played: f64,
+    /// Cycles per second as played: a board may store fewer frames of a cycle than the scene has.
+    pub cycles: f64,
 }
 
 impl FrameRates {
@@ -81,10 +83,10 @@ mod tests {
 
     #[test]
     fn low_rates_have_decimals_and_a_thousandth_is_no_difference() {
-        let text = |asked, played| FrameRates { asked, played }.to_string();
+        let text = |asked, played| FrameRates { asked, played, cycles: 1.0 }.to_string();
         assert_eq!(text(64.0, 9.25), "64.00 frames/s asked, 9.25 played");
         assert_eq!(text(64.0, 10.0), "64 frames/s asked, 10 played");
-        let differ = |played| FrameRates { asked: 100.0, played }.differ();
+        let differ = |played| FrameRates { asked: 100.0, played, cycles: 1.0 }.differ();
         assert!(!differ(99.95) && !differ(100.05) && differ(99.8) && differ(100.2));
     }
 }

@@ -152,7 +152,7 @@ fn in_words(trial: &Trial) -> String {
     match &trial.outcome {
         TrialOutcome::Impossible(why) => format!("{} baud: {why}", trial.baud),
         TrialOutcome::Tried(figures) => format!(
-            "{} baud: {} frames, {} lost, {} read back wrong, {:.0} frames/s, answers after {:.2} ms",
+            "{} baud: {} frames, {} lost, {} read back wrong, {:.0} frames/s acknowledged, answers after {:.2} ms",
             trial.baud,
             figures.sent,
             figures.lost,

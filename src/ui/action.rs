@@ -453,8 +453,7 @@ impl Action {
         if self.possible(editor, shown).is_err() {
             return;
         }
-        let mut ask_for_file =
-            |purpose: Purpose| editor.dialog = Some(Dialog::path(purpose, &editor.document));
+        let mut ask_for_file = |purpose: Purpose| editor.ask_for_file(purpose);
         match self {
             Self::New => editor.ask(Command::New, commands),
             Self::Open => ask_for_file(Purpose::Open),
@@ -490,8 +489,8 @@ impl Action {
             Self::Snap => editor.snaps = !editor.snaps,
             Self::Grid => editor.view.grid = !editor.view.grid,
             Self::Export(Export::Figure(_)) => {
-                let pieces = figure::displayed(editor, shown);
-                editor.figure.follow(&editor.view, &editor.document.scene, pieces);
+                let offer = [figure::available(editor, shown), figure::displayed(editor, shown)];
+                editor.figure.follow(&editor.view, &editor.document.scene, offer);
                 editor.dialog = Some(Dialog::Figure);
             }
             Self::Export(Export::Motion(_)) => editor.dialog = Some(Dialog::Film),
@@ -545,6 +544,7 @@ fn send(editor: &mut Editor, shown: &Shown, commands: &mut Vec<Command>) {
         None | Some(State::Lost(_)) => {
             editor.panel = Panel::Device;
             (editor.layout.is_drawn_out, editor.layout.is_folded) = (true, false);
+            commands.push(Command::Board(BoardCommand::AskForBoard));
             return;
         }
         Some(State::Connecting | State::Ready) => {}

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::path::PathBuf;
 
-use crate::device::health::{Found, Health};
+use crate::device::health::{Found, Health, State};
 use crate::device::port;
 use crate::device::profile::Profile;
+use crate::studio::figure::capital;
 use crate::ui::bring_up::{BringUp, KeptTest, Surveyed};
 
 /// The settings on the Device page.
@@ -131,6 +132,8 @@ pub enum BoardCommand {
     Disconnect,
     /// Starts a virtual board of the chosen kind and connects to it.
     TryWithout,
+    /// Something was to be sent, but there is no board.
+    AskForBoard,
     /// The scene at rest, once.
     Send,
     /// All frames of the motion, over and over.
@@ -162,6 +165,7 @@ impl BoardCommand {
             | Self::Connect
             | Self::Disconnect
             | Self::TryWithout
+            | Self::AskForBoard
             | Self::Stop
             | Self::TakeCarrier
             | Self::Survey
@@ -205,6 +209,28 @@ pub fn absence(why: &str, was_found: bool) -> String {
     }
 }
 
+/// The notice of a Send without a board.
+const MISSING: &str =
+    "No board is connected: choose a port, or try a virtual board with “Try without a board”";
+
+/// Keys of files in messages, and their names in the window.
+const KEYS: [(&str, &str); 3] = [
+    ("`array.wiring` names", "“Wiring” on the Scene page names"),
+    ("name it as the scene's `array.elements`", "take it as the element table on the Scene page"),
+    ("modulation.shape = ", "the shape "),
+];
+
+/// A message as a sentence for the window: with the board's title, and a capital unless it begins with a file's name.
+pub fn sentence(text: &str) -> String {
+    let text = KEYS.iter().fold(text.to_owned(), |text, (key, name)| text.replace(key, name));
+    let named = Profile::choices().find_map(|profile| {
+        let rest = text.strip_prefix(profile.name())?;
+        rest.starts_with([' ', ':']).then(|| format!("{}{rest}", profile.title()))
+    });
+    let is_word = text.split(' ').next().is_some_and(|word| word.chars().all(char::is_alphabetic));
+    named.unwrap_or_else(|| if is_word { capital(&text) } else { text })
+}
+
 /// The board's known state.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BoardShown {
@@ -224,4 +250,31 @@ pub struct BoardShown {
     pub messages: Vec<String>,
     /// Mean pressure over the foci (Pa, peak) of the drive, and of its version on the board.
     pub pressures: Option<(f64, f64)>,
+}
+
+impl BoardShown {
+    /// The reason for not sending, as a sentence for the window.
+    pub fn missing(&self) -> String {
+        match &self.health {
+            Some(Health { state: State::Lost(why), found, .. }) => absence(why, *found > 0),
+            Some(_) | None => self.unavailable.clone().unwrap_or_else(|| MISSING.to_owned()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_begin_with_a_title_or_a_capital() {
+        for (text, sentence_of_it) in [
+            ("sonicsurface-2: slow", "2 x SonicSurface: slow"),
+            ("sonicsurface has no amplitudes", "SonicSurface has no amplitudes"),
+            ("the sound is steady", "The sound is steady"),
+            ("calibration.csv: not found", "calibration.csv: not found"),
+        ] {
+            assert_eq!(sentence(text), sentence_of_it);
+        }
+    }
 }

@@ -1,13 +1,15 @@
 //! The edited document and the state of its display.
 
 use std::collections::BTreeSet;
+use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
 use crate::scene::{Scene, Target, motion};
+use crate::ui::IN_PAGE;
 use crate::ui::beside;
 use crate::ui::board::BoardForm;
-use crate::ui::command::Command;
+use crate::ui::command::{Command, Purpose};
 use crate::ui::dialog::options::{FigureForm, FilmForm};
 use crate::ui::dialog::state::{Asking, Dialog};
 use crate::ui::document::Document;
@@ -141,7 +143,7 @@ impl Editor {
         self.has_closed_gallery = false;
         self.document = document;
         self.forget_places();
-        self.parts.flight.form.from = None;
+        self.parts.forget_scene();
         self.playback = Playback::opening(self.scene());
     }
 
@@ -155,13 +157,32 @@ impl Editor {
     }
 
     pub fn undo(&mut self) {
-        self.forget_places();
-        self.document.undo();
+        self.step(Document::undo);
     }
 
     pub fn redo(&mut self) {
+        self.step(Document::redo);
+    }
+
+    /// A step in the history; targets that are still there stay selected.
+    fn step(&mut self, go: fn(&mut Document)) {
+        let mut selection = std::mem::take(&mut self.selection);
         self.forget_places();
-        self.document.redo();
+        go(&mut self.document);
+        selection.retain(|&index| index < self.scene().targets.len());
+        self.selection = selection;
+    }
+
+    /// Opens the file dialog with a suggestion; exports go to the folder of the last one.
+    pub fn ask_for_file(&mut self, purpose: Purpose) {
+        let mut dialog = Dialog::path(purpose, &self.document);
+        if let (false, Purpose::Export(_), Dialog::Path { text, .. }) = (IN_PAGE, purpose, &mut dialog)
+            && let Some(folder) = &self.asking.exported_to
+            && let Some(name) = Path::new(text.as_str()).file_name()
+        {
+            *text = folder.join(name).display().to_string();
+        }
+        self.dialog = Some(dialog);
     }
 
     /// Clears references to target indices.

@@ -17,7 +17,7 @@ use crate::ui::measure::{self, ProfileLine};
 use crate::ui::sound;
 use crate::ui::ticks;
 use crate::ui::view::{Cut, Lens};
-use crate::ui::{dialog::state::Dialog, editor::Editor, map::Map, marks, shown::Shown, sound::Sound, theme};
+use crate::ui::{editor::Editor, map::Map, marks, shown::Shown, sound::Sound, theme};
 
 const POINTS: usize = 400;
 /// Points of the screen below the plot: ticks and the axis' name.
@@ -251,7 +251,7 @@ fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut 
     }
     let button = ui.add_enabled(profile.is_some(), egui::Button::new("CSV…"));
     if button.on_hover_text("Write the places and values along the line to a file").clicked() {
-        editor.dialog = Some(Dialog::path(Purpose::Export(Export::Profile), &editor.document));
+        editor.ask_for_file(Purpose::Export(Export::Profile));
     }
 }
 

@@ -228,9 +228,9 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, played: Played) {
         ui.colored_label(theme::warning(ui.visuals()), problem);
     }
     if shown.board.plays == Plays::Motion {
-        let played = shown.board.health.as_ref().and_then(|health| health.rates).map(|rates| rates.played);
-        let frames = played.unwrap_or(clock.rate * clock.frames as f64);
-        let rate = frames / clock.frames.max(1) as f64;
+        let rates = shown.board.health.as_ref().and_then(|health| health.rates);
+        let own = (clock.rate, clock.rate * clock.frames as f64);
+        let (rate, frames) = rates.map_or(own, |rates| (rates.cycles, rates.played));
         let text = format!("Board plays {rate:.2} cycles/s, {frames:.0} frames/s");
         ui.colored_label(theme::CHOSEN, text).on_hover_text("At 1/1 the screen is in step with the board");
     }

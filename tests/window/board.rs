@@ -297,7 +297,7 @@ fn an_array_of_another_shape_is_refused_with_a_message() {
     screen.get_by_label("Send").click();
     let is_refused = |screen: &Screen| {
         let notice = screen.state().shown().notice.as_ref();
-        notice.is_some_and(|notice| notice.is_error && notice.text.contains("sonicsurface is 16 x 16"))
+        notice.is_some_and(|notice| notice.is_error && notice.text.contains("SonicSurface is 16 x 16"))
     };
     until(&mut screen, "a word", is_refused);
     assert_eq!(screen.state().shown().board.plays, Plays::Nothing);
@@ -407,6 +407,10 @@ fn a_board_is_brought_up_step_by_step() {
     until(&mut screen, "silence", |_| is_silent(&board));
     screen.run_steps(3);
     assert!(is_silent(&board) && screen.query_by_label_contains("The board is silent: play again").is_some());
+    for answer in ["Signal seen", "No signal", "Rest of row seen", "Back"] {
+        assert!(screen.get_by_label(answer).accesskit_node().is_disabled(), "{answer}");
+    }
+    assert!(screen.query_by_label_contains("Plays alone").is_none());
     // Left and continued, with its results.
     press(&mut screen, "Pause test");
     assert!(screen.query_by_label_contains("16 elements tested, 1 without signal").is_some());

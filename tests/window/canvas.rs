@@ -158,6 +158,7 @@ fn a_selection_is_scaled_at_a_corner_and_rotated_at_its_handle() {
     assert!(places[0].distance(DVec2::new(-20.0, -10.0)) < 1e-9, "the opposite corner stays");
     assert!(places[1].distance(DVec2::new(60.0, 30.0)) < 0.7, "{}", places[1]);
     press(&mut screen, Modifiers::COMMAND, Key::Z);
+    assert_eq!(screen.state().editor().selection, [0, 1].into(), "undo keeps the selection");
     press(&mut screen, Modifiers::COMMAND, Key::A);
     let middle = at(&screen, 0.0, 0.0);
     let handle = middle + vec2(0.0, at(&screen, 0.0, 10.0).y - middle.y - 36.0);

@@ -8,7 +8,7 @@ use crate::studio::figure::{DENSITIES, WIDTHS};
 use crate::ui::command::{Command, Export, Purpose};
 use crate::ui::dialog::answer::answer;
 use crate::ui::dialog::options::{Extent, FigureForm, Piece, SPANS};
-use crate::ui::{dialog::state::Dialog, editor::Editor, figure, shown::Shown, theme};
+use crate::ui::{editor::Editor, figure, shown::Shown, theme};
 
 /// Limit of the preview's size in points.
 const PREVIEW: f32 = 260.0;
@@ -31,7 +31,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
     });
     if exports {
         let purpose = Purpose::Export(Export::Figure(editor.figure.format));
-        editor.dialog = Some(Dialog::path(purpose, &editor.document));
+        editor.ask_for_file(purpose);
     }
     stays && !exports
 }

@@ -7,7 +7,7 @@ use crate::scene::motion;
 use crate::studio::animate::{Kind, RATES};
 use crate::ui::command::{Export, Purpose};
 use crate::ui::dialog::answer::answer;
-use crate::ui::{dialog::state::Dialog, editor::Editor, shown::Shown};
+use crate::ui::{editor::Editor, shown::Shown};
 
 /// Pixels that a film may be wide.
 const WIDTHS: [usize; 2] = [200, 4096];
@@ -89,7 +89,7 @@ pub(super) fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> bool {
     });
     if exports {
         let purpose = Purpose::Export(Export::Motion(editor.film.kind));
-        editor.dialog = Some(Dialog::path(purpose, &editor.document));
+        editor.ask_for_file(purpose);
     }
     stays && !exports
 }

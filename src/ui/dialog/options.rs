@@ -78,6 +78,8 @@ pub enum Extent {
 #[derive(Clone, Debug, PartialEq)]
 pub struct FigureForm {
     pub pieces: Vec<Piece>,
+    /// What could be shown, and what was, when the pieces were chosen.
+    offer: [Vec<Piece>; 2],
     /// mm; `None`: a column, or both for several panels.
     pub(super) width: Option<f64>,
     pub(super) dpi: f64,
@@ -100,6 +102,7 @@ impl Default for FigureForm {
     fn default() -> Self {
         Self {
             pieces: Vec::new(),
+            offer: [Vec::new(), Vec::new()],
             width: None,
             dpi: Paper::default().dpi,
             columns: None,
@@ -118,9 +121,15 @@ impl Default for FigureForm {
 }
 
 impl FigureForm {
-    /// The pieces on the screen, in colours for the ground of the view.
-    pub fn follow(&mut self, view: &View, scene: &Scene, pieces: Vec<Piece>) {
-        (self.is_light, self.pieces) = (view.is_light, pieces);
+    /// Colours for the ground of the view, and the pieces on the screen, of those that can be shown. While these stay
+    /// the same, the last choice is kept.
+    pub fn follow(&mut self, view: &View, scene: &Scene, [available, displayed]: [Vec<Piece>; 2]) {
+        self.is_light = view.is_light;
+        let offer = [available, displayed];
+        if self.pieces.is_empty() || self.offer != offer {
+            self.pieces.clone_from(&offer[1]);
+            self.offer = offer;
+        }
         if self.extent != Extent::Typed {
             self.span = (scene.plane.size * 1e3).to_array();
         }

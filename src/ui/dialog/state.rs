@@ -109,4 +109,6 @@ pub struct Asking {
     pub(in crate::ui) is_open: bool,
     /// A rejected answer with the reason.
     pub problem: Option<(String, String)>,
+    /// The folder exported to last.
+    pub exported_to: Option<PathBuf>,
 }

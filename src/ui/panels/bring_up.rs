@@ -8,7 +8,7 @@ use crate::device::profile::Profile;
 use crate::device::wiring::{Share, Wiring};
 use crate::scene::Scene;
 use crate::studio::bring_up::{Finding, Verdict, named, tested};
-use crate::ui::board::{BoardCommand, BoardShown, Plays};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, sentence};
 use crate::ui::bring_up::{self, BringUp, Step};
 use crate::ui::panels::form::heading;
 use crate::ui::{editor::Editor, theme};
@@ -99,7 +99,10 @@ fn begin(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl Fn
         let text = match run.step {
             Step::Done => format!("Last test of this board: {}", run.report.conclusion()),
             Step::Line | Step::Elements | Step::Focus | Step::EmergencyStop => {
-                format!("Unfinished test of this board: {marked} elements tested, {silent} without signal.")
+                format!(
+                    "Unfinished test of this board: {} tested, {silent} without signal.",
+                    elements_of(marked)
+                )
             }
         };
         (run.step, text)
@@ -129,6 +132,11 @@ fn begin(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut impl Fn
             start(BringUp::default(), editor, board, ask);
         }
     });
+}
+
+/// "1 element", "16 elements"
+fn elements_of(count: usize) -> String {
+    if count == 1 { "1 element".to_owned() } else { format!("{count} elements") }
 }
 
 /// Starts a test, or continues one.
@@ -166,6 +174,7 @@ fn findings(ui: &mut Ui, findings: &[Finding]) {
             Verdict::Failed => theme::error(ui.visuals()),
             Verdict::Noted | Verdict::Unverified => ui.visuals().weak_text_color(),
         };
+        let finding = Finding { verdict: finding.verdict, what: sentence(&finding.what) };
         ui.add(egui::Label::new(RichText::new(finding.to_string()).color(colour).small()).wrap());
     }
 }
@@ -214,6 +223,11 @@ fn is_silent(board: &BoardShown) -> bool {
     board.plays == Plays::Nothing || board.health.as_ref().is_some_and(|health| health.stopped)
 }
 
+/// A button that answers what the board does: only while it sounds.
+fn answer(ui: &mut Ui, sounds: bool, button: egui::Button<'_>) -> egui::Response {
+    ui.add_enabled(sounds, button).on_disabled_hover_text("The board is silent: play again first")
+}
+
 /// The way on from a silent board, with a word about it.
 fn silence(board: &BoardShown, again: BoardCommand, ui: &mut Ui, ask: &mut impl FnMut(BoardCommand)) {
     let is_silent = is_silent(board);
@@ -242,7 +256,9 @@ fn elements(
     let (scene, wiring) = tested(editor.board.profile, editor.scene());
     let wired: Vec<_> = wiring.wired().collect();
     let (marked, before) = (run.signals.iter().flatten().count(), run.element);
-    ui.label(format!("Plays alone: {}", named(&scene, run.element)));
+    let sounds = !is_silent(board);
+    let state = if sounds { "Plays alone" } else { "Silent, to be tested" };
+    ui.label(format!("{state}: {}", named(&scene, run.element)));
     ui.label(LOOK);
     egui::CollapsingHeader::new("Without an oscilloscope").show(ui, |ui| {
         WITHOUT.iter().for_each(|text| drop(ui.label(*text)));
@@ -250,26 +266,28 @@ fn elements(
         ui.checkbox(&mut run.modulates, "For microphones").on_hover_text(tip);
     });
     ui.horizontal_wrapped(|ui| {
-        if ui.add(theme::primary("Signal seen")).clicked() {
+        if answer(ui, sounds, theme::primary("Signal seen")).clicked() {
             run.mark([run.element], &wiring, true);
         }
-        if ui.button("No signal").on_hover_text("The calibration will switch it off").clicked() {
+        let without = answer(ui, sounds, egui::Button::new("No signal"));
+        if without.on_hover_text("The calibration will switch it off").clicked() {
             run.mark([run.element], &wiring, false);
         }
-        let back = wired.iter().copied().rfind(|&n| n < run.element);
+        let back = wired.iter().copied().rfind(|&n| n < run.element).filter(|_| sounds);
         if ui.add_enabled(back.is_some(), egui::Button::new("Back")).clicked() {
             run.element = back.unwrap_or(run.element);
         }
     });
     silence(board, BoardCommand::One, ui, ask);
     ui.label(format!("{marked} of {} tested, {} without signal", wired.len(), run.silent().len()));
-    several(&scene, run, &wiring, ui);
+    several(&scene, run, &wiring, sounds, ui);
     ui.horizontal_wrapped(|ui| {
         let columns = scene.array.columns as usize;
         let row = run.element / columns.max(1);
         let is_grid = scene.array.file.is_none();
         let tip = "Marks the rest of the row of this element: those that are not marked yet";
-        if is_grid && ui.button("Rest of row seen").on_hover_text(tip).clicked() {
+        let rest = "Rest of row seen";
+        if is_grid && answer(ui, sounds, egui::Button::new(rest)).on_hover_text(tip).clicked() {
             let open = |n: &usize| run.signals.get(*n).copied().flatten().is_none();
             let row: Vec<_> = (row * columns..(row + 1) * columns).filter(open).collect();
             run.mark(row, &wiring, true);
@@ -285,7 +303,7 @@ fn elements(
 }
 
 /// Marks for several elements, typed.
-fn several(scene: &Scene, run: &mut BringUp, wiring: &Wiring, ui: &mut Ui) {
+fn several(scene: &Scene, run: &mut BringUp, wiring: &Wiring, sounds: bool, ui: &mut Ui) {
     let last = scene.elements().saturating_sub(1);
     let mut marked = None;
     ui.horizontal(|ui| {
@@ -294,10 +312,10 @@ fn several(scene: &Scene, run: &mut BringUp, wiring: &Wiring, ui: &mut Ui) {
             egui::TextEdit::singleline(&mut run.range).desired_width(76.0).hint_text(format!("0-{last}"));
         let tip = "Numbers and ranges to mark together, such as 0-15, 32";
         ui.add(field).labelled_by(label.id).on_hover_text(tip);
-        if ui.button("All seen").clicked() {
+        if answer(ui, sounds, egui::Button::new("All seen")).clicked() {
             marked = Some(true);
         }
-        if ui.button("None seen").clicked() {
+        if answer(ui, sounds, egui::Button::new("None seen")).clicked() {
             marked = Some(false);
         }
     });
@@ -326,8 +344,9 @@ fn focus(
          also heard as a quiet hum.",
     );
     ui.horizontal_wrapped(|ui| {
-        let felt = ui.button("Felt").clicked();
-        let unfelt = ui.button("Not felt").clicked();
+        let sounds = !is_silent(board);
+        let felt = answer(ui, sounds, egui::Button::new("Felt")).clicked();
+        let unfelt = answer(ui, sounds, egui::Button::new("Not felt")).clicked();
         if ui.button("Back to elements").clicked() {
             run.step = Step::Elements;
         }

@@ -9,7 +9,7 @@ use crate::rounding;
 use crate::scene::{UNCERTAINTY, motion};
 use crate::studio::bring_up::tested;
 use crate::studio::felt::Offer;
-use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports, absence};
+use crate::ui::board::{BoardCommand, BoardShown, Plays, Ports, absence, sentence};
 use crate::ui::bring_up::Step;
 use crate::ui::panels::form::{choice, count, heading};
 use crate::ui::panels::{bring_up, caption, fact, felt, form, others};
@@ -61,11 +61,15 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
         });
     });
     let profile = editor.board.profile;
+    // A native board may round the phases that it is sent.
+    let phases = match board.found.and_then(|found| found.phase_bits) {
+        Some(bits) => format!("{} of {}", 1_u32 << u32::from(bits).min(31), profile.levels()),
+        None => profile.levels().to_string(),
+    };
     ui.label(
         RichText::new(format!(
-            "{} elements, {} phases; {}",
+            "{} elements, {phases} phases; line: up to {}",
             profile.elements(),
-            profile.levels(),
             profile.bandwidth(editor.board.baud().unwrap_or(profile.baud()))
         ))
         .weak(),
@@ -76,7 +80,7 @@ fn connection(editor: &mut Editor, board: &BoardShown, ui: &mut Ui, ask: &mut im
     let has_corrections =
         !editor.board.calibration.trim().is_empty() || editor.scene().array.placed.corrections().is_some();
     if let Some(warning) = profile.uncalibrated().filter(|_| !has_corrections) {
-        ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
+        ui.label(RichText::new(sentence(warning)).color(theme::warning(ui.visuals())));
     }
     ui.horizontal(|ui| {
         if is_open {
@@ -301,7 +305,7 @@ fn offer(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
     let Some(offer) = offer.filter(|_| !editor.view.quantity.declaration().of_liquid) else { return };
     ui.label(RichText::new("Steady sound is hardly felt by a hand.").color(theme::warning(ui.visuals())));
     if let Some(limit) = offer.limit() {
-        ui.label(RichText::new(limit).weak());
+        ui.label(RichText::new(sentence(&limit)).weak());
     }
     let tip = "Sets the modulation of the scene: a sine, down to silence";
     if ui.button(format!("Modulate at {} Hz", offer.frequency)).on_hover_text(tip).clicked() {
@@ -406,7 +410,11 @@ fn line(board: &BoardShown, profile: Profile, health: &Health, ui: &mut Ui) {
         fact(ui, ("Frames", tip), frames);
         fact(ui, ("Data rate", "To the board"), format!("{:.1} kB/s", health.bytes_per_second / 1e3));
         if let Some(rates) = health.rates {
-            fact(ui, ("Motion", "Frames per second, of the scene and as played"), rates.to_string());
+            let value = match rates.differ() {
+                true => format!("{:.0} of {:.0} frames/s", rates.played, rates.asked),
+                false => format!("{:.0} frames/s", rates.played),
+            };
+            fact(ui, ("Motion", "Frames per second as played, of those that the scene asks for"), value);
         }
         if let Some(latency) = health.latency {
             let tip = "From a change to the last byte of its frame on the line, median";
@@ -456,7 +464,8 @@ fn played(editor: &mut Editor, board: &BoardShown, ui: &mut Ui) {
         None => {
             let wiring = Wiring::of(editor.board.profile, editor.scene(), Share::default());
             if let Err(error) = wiring {
-                ui.label(RichText::new(error.to_string()).color(theme::warning(ui.visuals())));
+                let text = sentence(&error.to_string());
+                ui.label(RichText::new(text).color(theme::warning(ui.visuals())));
             }
         }
     }

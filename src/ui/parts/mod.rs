@@ -102,6 +102,17 @@ impl Parts {
         ]
     }
 
+    /// Resets the settings that belong to a scene: what is shown for it, and its places and times.
+    pub fn forget_scene(&mut self) {
+        self.arrows.form = Arrows::default();
+        self.flight.form = Release { slowness: self.flight.form.slowness, ..Release::default() };
+        self.levitation.form = Levitation::default();
+        self.trade.form = Trade::default();
+        self.waves.form = Waves::default();
+        self.ways.form = Ways::default();
+        (self.course.form.is_shown, self.course.form.place) = Default::default();
+    }
+
     /// Collects finished values, and returns whether there were any.
     pub fn collect(&mut self) -> bool {
         self.all_mut().map(|part| part.collect()).contains(&true)

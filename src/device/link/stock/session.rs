@@ -535,7 +535,7 @@ impl Session<'_> {
 
     /// Frame rates of a motion.
     fn rates(&self, modulated: Modulated, content: &Content) -> Option<FrameRates> {
-        let Content::Motion { rate, .. } = content else { return None };
+        let Content::Motion { rate, frames } = content else { return None };
         let line = match stock::swap(self.profile) {
             // A swap is a byte.
             Some(_) if content.fits_two_buffers() => 1.0 / self.pace.time_of(1).as_secs_f64(),
@@ -547,6 +547,6 @@ impl Session<'_> {
                 rate.min(line)
             }
         };
-        Some(FrameRates { asked: *rate, played })
+        Some(FrameRates { asked: *rate, played, cycles: rate / frames.len() as f64 })
     }
 }

@@ -60,11 +60,16 @@ impl Session<'_> {
             }
             Way::Stored { .. } | Way::Streamed => self.stream(),
         }
-        let rates = FrameRates { asked: rate, played: motion.played(way) };
+        let played = motion.played(way);
+        let cycles = match way {
+            Way::Stored { count, .. } => played / count as f64,
+            // A line that carries fewer frames leaves some out, in the same time.
+            Way::Streamed => rate / frames as f64,
+        };
+        let rates = FrameRates { asked: rate, played, cycles };
         if rates.differ() {
             self.shared.notice(&match way {
                 Way::Stored { count, .. } => {
-                    let cycles = rates.played / count as f64;
                     format!("{rates}: {count} of {frames} frames, {cycles:.4} cycles/s")
                 }
                 Way::Streamed => {
