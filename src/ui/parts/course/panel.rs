@@ -5,6 +5,7 @@ use egui_plot::{Line, PlotPoints};
 
 use crate::field::Quantity;
 use crate::scene::SpectralLine;
+use crate::studio::map::omits_modulation;
 use crate::ui::panels::form::{choice, heading, still_plot};
 use crate::ui::panels::form::{fact, form};
 use crate::ui::parts::course::{BAND, Course, Place};
@@ -51,8 +52,14 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
     form(ui, "course", |ui| {
         let [x, y, z] = course.at.to_array().map(measure::mm);
         fact(ui, ("At", "x, y, z"), format!("{x}, {y}, {z} mm"));
-        let tip = "RMS over time";
-        fact(ui, ("Mean pressure", tip), convention.pressure(course.mean().max(0.0).sqrt()));
+        let (name, tip) = match omits_modulation(editor.scene(), Quantity::Rms) {
+            true => (
+                "Mean with modulation",
+                "Mean pressure (RMS over time) with modulation; the map is at full amplitude",
+            ),
+            false => ("Mean pressure", "RMS over time"),
+        };
+        fact(ui, (name, tip), convention.pressure(course.mean().max(0.0).sqrt()));
         if let Some(line) = course.strongest() {
             let part = 100.0 * line.amplitude / course.mean().max(f64::MIN_POSITIVE);
             let tip = "Lines of |p|²: amplitude relative to the mean";
