@@ -109,7 +109,10 @@ fn a_depression_beyond_linear_theory_warns_with_the_drive_at_its_limit() {
         let args =
             ["render", "a.toml", "-o", "a.png", "--quantity", "depression", "--view", view, "--size", "400"];
         let (_, warned) = output_of(folder.path(), &args);
-        assert!(warned.contains("beyond linear theory") && warned.contains("% of this amplitude"), "{warned}");
+        assert!(
+            warned.contains("beyond linear theory") && warned.contains("% of this amplitude"),
+            "{warned}"
+        );
         let picture = image::open(folder.path().join("a.png")).unwrap();
         assert_eq!(picture.width(), 400);
     }
