@@ -6,7 +6,7 @@ use egui_plot::{Line, PlotPoints};
 use crate::field::Quantity;
 use crate::scene::SpectralLine;
 use crate::studio::map::omits_modulation;
-use crate::ui::panels::form::{choice, heading, still_plot};
+use crate::ui::panels::form::{choice, heading, ruled_plot};
 use crate::ui::panels::form::{fact, form};
 use crate::ui::parts::course::{BAND, Course, Place};
 use crate::ui::{editor::Editor, measure, theme};
@@ -111,7 +111,7 @@ fn hertz(frequency: f64) -> String {
 }
 
 fn plot(id: &str, ui: &mut Ui, curves: Vec<Vec<[f64; 2]>>) {
-    let plot = still_plot(id, HEIGHT).grid_spacing(8.0..=120.0);
+    let plot = ruled_plot(id, HEIGHT, ["", ""]);
     plot.show(ui, |plot| {
         for curve in curves {
             plot.line(Line::new(id, PlotPoints::from(curve)).color(theme::ACCENT).width(1.5));
