@@ -89,7 +89,9 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     let threshold = map.quantity.declaration().is_level().then(|| threshold(map.largest));
     let remark = threshold.as_ref().or(map.remark.as_ref().filter(|_| map.full.is_none()));
     let omission = omits_modulation(editor.scene(), map.quantity).then(|| WITHOUT_MODULATION.to_owned());
-    let remarks: Vec<_> = omission.into_iter().chain(remark.cloned()).collect();
+    let is_clipped = map.quantity.declaration().of_light && map.full.is_some_and(|full| map.largest > full);
+    let clipping = is_clipped.then(|| "brighter places clipped".to_owned());
+    let remarks: Vec<_> = omission.into_iter().chain(clipping).chain(remark.cloned()).collect();
     if !remarks.is_empty() {
         let font = FontId::proportional(11.0);
         let weak = ui.visuals().weak_text_color();
@@ -186,7 +188,7 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         ui.end_row();
     } else if view.quantity.declaration().has_mean {
         ui.checkbox(&mut view.contours, "Contours").on_hover_text(
-            "Lines at a level below the largest value in view; at -6 dB the pressure is half of it",
+            "Lines at a level below the largest value in view; at −6 dB the pressure is half of it",
         );
         ui.add_enabled_ui(view.contours, |ui| {
             let name = Some("Level of the contour lines");
