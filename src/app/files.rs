@@ -356,7 +356,7 @@ impl Window {
             Outcome::Printed(_, Err(error)) => self.refuse("Nothing was exported", &error),
             Outcome::Copied(Ok(picture)) => {
                 ctx.copy_image(image(&picture));
-                self.tell(&format!("Copied {} x {} pixels", picture.width, picture.height), false);
+                self.tell(&format!("Copied {} × {} pixels", picture.width, picture.height), false);
             }
             Outcome::Copied(Err(error)) => self.refuse("The figure cannot be copied", &error),
             Outcome::Read(_, Err(error)) => self.refuse("The drawing cannot be imported", &error),

@@ -12,10 +12,10 @@ use crate::app::window::Window;
 use crate::field::{Evaluator, Quantity, Request, Stages};
 use crate::picture::figure::Format;
 use crate::picture::{export, sheet as page};
-use crate::studio::figure::{Panel, Subject};
+use crate::studio::figure::{Panel, Subject, Wish};
 use crate::studio::{map, output, sheet};
 use crate::ui::part::wake;
-use crate::ui::{Dialog, Piece, Preview, figure, sound};
+use crate::ui::{Dialog, Piece, Preview, figure, sound, timeline};
 
 const SHEET_WIDTH: usize = 1600;
 
@@ -51,7 +51,8 @@ impl Window {
         if panels.is_empty() {
             bail!("Choose at least one panel");
         }
-        Ok(Recipe { panels, wish: editor.figure.wish(&editor.view) })
+        let wish = Wish { moment: timeline::moment_in_words(editor), ..editor.figure.wish(&editor.view) };
+        Ok(Recipe { panels, wish })
     }
 
     fn map(&self, request: Request, is_second: bool) -> Panel {

@@ -65,6 +65,8 @@ pub struct Wish {
     /// dB from the map's largest value; of a level in dB, its values.
     pub contours: Vec<f64>,
     pub convention: Convention,
+    /// The moment of a motion or of waves, in words beside the quantity.
+    pub moment: Option<String>,
     /// Whether there is a colour bar; beside a shaded surface, a bar of a round depth.
     pub has_colour_bar: bool,
     pub has_scale_bar: bool,
@@ -89,6 +91,7 @@ impl Default for Wish {
             fades: false,
             contours: Vec::new(),
             convention: Convention::default(),
+            moment: None,
             has_colour_bar: true,
             has_scale_bar: false,
             has_targets: false,
@@ -456,7 +459,8 @@ fn shaded(
             text: format!("{} {unit}{words}", (metres * factor * 1e6).round() / 1e6),
         }
     };
-    let drawn = format!(" deep, drawn {} ×", relief.exaggeration);
+    let moment = wish.moment.as_ref().map_or_else(String::new, |moment| format!(", {moment}"));
+    let drawn = format!(" deep, drawn {} ×{moment}", relief.exaggeration);
     surface.scale = wish.has_scale_bar.then(|| measure(round_step(plane.size.x / 8.0), to_the_right, ""));
     surface.depth = wish.has_colour_bar.then(|| measure(round_step(LEAST_DEPTH / down), down, &drawn));
     relief.draw(&place)
@@ -542,6 +546,8 @@ struct Law {
     range: Range,
     is_difference: bool,
     convention: Convention,
+    /// The moment, after a comma, if there is one.
+    moment: String,
     /// From a value to the number on the bar: dB, or a factor.
     scale: Scale,
     factor: f64,
@@ -586,6 +592,7 @@ impl Law {
             range,
             is_difference: false,
             convention: wish.convention,
+            moment: wish.moment.as_ref().map_or_else(String::new, |moment| format!(", {moment}")),
             scale,
             factor: factor * stated,
             unit,
@@ -614,15 +621,16 @@ impl Law {
             Some(rest) => format!("{}{rest}", self.convention.title()),
             None => capital(declaration.words),
         };
+        let moment = &self.moment;
         let label = match self.scale {
             Scale::Linear if self.is_difference && declaration.is_root => {
-                format!("Difference / {} {}", self.unit, self.convention.into_str())
+                format!("Difference{moment} / {} {}", self.unit, self.convention.into_str())
             }
-            Scale::Linear if self.is_difference => format!("Difference / {}", self.unit),
-            Scale::Linear => format!("{words} / {}", self.unit),
+            Scale::Linear if self.is_difference => format!("Difference{moment} / {}", self.unit),
+            Scale::Linear => format!("{words}{moment} / {}", self.unit),
             Scale::Logarithmic => {
                 let stated = self.factor / declaration.unit.scaled(self.full).0;
-                format!("{words} / dB re {}", self.quantity.with_unit(self.full * stated))
+                format!("{words}{moment} / dB re {}", self.quantity.with_unit(self.full * stated))
             }
         };
         let is_turn = self.range == Range::Cyclic;

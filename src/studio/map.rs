@@ -7,6 +7,7 @@ use web_time::Instant;
 use crate::field::{By, Colouring, FieldError, Map, Norm, Pressed, Quantity, Range, Request, Stages};
 use crate::picture::{ColourMap, Picture};
 use crate::rounding::milliseconds;
+use crate::scene::{Envelope, Scene};
 use crate::simd::Isa;
 use crate::studio::evaluator::or_by_cpu;
 
@@ -82,6 +83,12 @@ pub fn remark(quantity: Quantity, map: &Map) -> Option<String> {
         return Some(format!("silent: {words} below its rounding, {:.0e} {unit}", map.rounding));
     }
     map.has_larger().then(|| LARGER.to_owned())
+}
+
+/// Whether a map of this quantity leaves out the scene's modulation: pressures are those at full amplitude.
+pub fn omits_modulation(scene: &Scene, quantity: Quantity) -> bool {
+    let is_of_sound = quantity.declaration().is_root || quantity == Quantity::Instantaneous;
+    is_of_sound && scene.modulation.shape != Envelope::Off && scene.modulation.mean_square() < 1.0
 }
 
 /// Values minus values; phases differ by at most half a turn.

@@ -400,6 +400,8 @@ pub struct Label {
 pub fn labels(block: &Block, projection: &Projection, scale: f64) -> Vec<Label> {
     /// Points of the screen between an edge and its words.
     const OFF: f64 = 16.0;
+    /// Points from a corner to the numbers of its edges, which must not touch.
+    const INWARD: f64 = 14.0;
     const LEAST: f64 = 46.0;
     let Some((middle, _)) = projection.screen(block.centre) else { return Vec::new() };
     let mut labels = Vec::new();
@@ -425,8 +427,8 @@ pub fn labels(block: &Block, projection: &Projection, scale: f64) -> Vec<Label> 
         let off = outward * OFF * scale;
         let ends = [block.low()[axis], block.high()[axis]].map(|place| millimetres(place, 0));
         let [low, high] = ends.map(|text| text.replace('-', "−"));
-        labels.push(Label { at: a + off + along * 8.0 * scale, text: low });
-        labels.push(Label { at: b + off - along * 8.0 * scale, text: high });
+        labels.push(Label { at: a + off + along * INWARD * scale, text: low });
+        labels.push(Label { at: b + off - along * INWARD * scale, text: high });
         labels.push(Label { at: (a + b) / 2.0 + off * 1.35, text: name.to_owned() });
     }
     labels

@@ -11,6 +11,7 @@ use crate::scene::Channel;
 use crate::studio::{map, probe};
 use crate::ui::parts::flight;
 use crate::ui::parts::levitation::arrows;
+use crate::ui::playback::Moment;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
@@ -207,7 +208,7 @@ fn shaded(editor: &Editor, shown: &Shown, ui: &Ui, painter: &Painter, lens: &Len
     let size = editor.view.plane(editor.scene(), lens).size * 1e3;
     scale_bar(map, painter, lens);
     let text = format!(
-        "{:.0} x {:.0} mm, at most {} deep, heights × {exaggeration}",
+        "{:.0} × {:.0} mm, at most {} deep, heights × {exaggeration}",
         size.x,
         size.y,
         map.quantity.at_most(map.largest)
@@ -318,7 +319,9 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
     if let (Some(map), Some(sound)) = (&shown.map, &shown.sound) {
         text.push_str(&format!("     {}", value(editor, map, sound, uv, point)));
     }
-    // Wrapped on narrow maps.
+    // Wrapped on narrow maps, between values only.
+    let values = text.split("   ").map(|value| value.trim().replace(' ', "\u{a0}"));
+    let text = values.filter(|value| !value.is_empty()).collect::<Vec<_>>().join("   ");
     let room = (lens.rect.width() - 24.0).max(40.0);
     let galley = painter.layout(text, FontId::proportional(13.0), theme::MARK, room);
     let rect = beside_boards(editor, shown.sound.as_ref(), lens, galley.size());
@@ -366,10 +369,16 @@ fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> 
         let value = value.map_or_else(String::new, |value| quantity.with_unit(value));
         return format!("{value}{of_map}");
     }
+    // A mean over frames has no phase.
+    let phase = match editor.playback.moment.of(quantity) {
+        Moment::Mean => String::new(),
+        Moment::Rest | Moment::Frame(_) | Moment::Wave(_) => {
+            format!("   phase {}", ticks::signed(&format!("{:.0}°", reading.phase().to_degrees())))
+        }
+    };
     format!(
-        "{}   {} dB SPL{of_map}   phase {}",
+        "{}   {} dB SPL{of_map}{phase}",
         editor.view.convention.pressure(reading.peak()),
-        ticks::signed(&format!("{:.1}", reading.spl().max(-99.9))),
-        ticks::signed(&format!("{:.0}°", reading.phase().to_degrees()))
+        ticks::signed(&format!("{:.1}", reading.spl().max(-99.9)))
     )
 }

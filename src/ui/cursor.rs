@@ -32,6 +32,11 @@ pub fn moves_selection(editor: &Editor, ctx: &Context) -> bool {
     !has_focus(ctx) || (editor.tool == Tool::Select && !editor.selection.is_empty())
 }
 
+/// Whether arrow keys step frames instead: in presentation mode and in the shaded relief nothing is edited.
+pub fn steps_frames(editor: &Editor) -> bool {
+    editor.layout.presents || (editor.view.is_shaded() && !editor.space.is_on)
+}
+
 /// Acts on keys while the canvas has the focus.
 pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     if !response.has_focus() || editor.is_typing() || editor.dialog.is_some() {
@@ -42,7 +47,7 @@ pub fn act(editor: &mut Editor, ui: &Ui, response: &Response, lens: &Lens) {
     let mut at = place(editor, lens);
     for event in ui.input(|input| input.events.clone()) {
         let Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
-        if let Some(by) = step(key, modifiers) {
+        if let Some(by) = step(key, modifiers).filter(|_| !steps_frames(editor)) {
             if !moves_selection(editor, ui.ctx()) {
                 at += by;
             } else if modifiers.command {

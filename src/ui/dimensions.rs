@@ -8,7 +8,7 @@ use crate::ui::view::Axes;
 /// Size of a target in mm, or position of a point on the plane.
 pub fn of(target: &Target, axes: &Axes) -> String {
     if let Some(size) = target.shape.size(mm) {
-        return size;
+        return size.replace(" x ", " × ");
     }
     let strokes = edit::outline_on(target, axes);
     match strokes.concat()[..] {
@@ -35,7 +35,7 @@ mod tests {
     fn what_is_drawn_has_its_size_in_words() {
         let axes = View::of(&Scene::default()).axes(&Scene::default());
         let drawn = |tool: Tool| of(&tool.drag(&axes, DVec2::ZERO, DVec2::new(0.04, 0.02)).unwrap(), &axes);
-        assert_eq!(drawn(Tool::Rectangle), "40.0 x 20.0 mm");
+        assert_eq!(drawn(Tool::Rectangle), "40.0 × 20.0 mm");
         assert_eq!(drawn(Tool::Circle), "Ø 89.4 mm");
         assert_eq!(drawn(Tool::Line), "length 44.7 mm, 26.6°");
         let point = Target::new(Shape::Point { at: DVec3::new(-1e-7, 0.012, 0.1) });

@@ -10,6 +10,7 @@ use crate::ui::cursor;
 use crate::ui::gallery;
 use crate::ui::pen;
 use crate::ui::shown::{Notice, Shown};
+use crate::ui::timeline;
 use crate::ui::tool::Tool;
 use crate::ui::typing;
 use crate::ui::{command::Command, editor::Editor};
@@ -37,7 +38,7 @@ pub const GESTURES: &[(&str, &[(&str, &str)])] = &[
         "Drawing and moving",
         &[
             ("Drag inside the selection's box", "Move the selection"),
-            ("Arrows", "Move by 1 mm, with Shift by 10 mm"),
+            ("Arrows", "Move by 1 mm, with Shift by 10 mm; with nothing selected, step the frames"),
             ("Alt and drag", "Drag a copy"),
             ("Shift while drawing", "Lines in steps of 15°, squares"),
             ("Ctrl while dragging", "Free of grid and guides"),
@@ -96,7 +97,10 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
     if presses.iter().any(|(key, _)| *key == Key::Escape) {
         escape(editor, ctx);
     }
-    if cursor::moves_selection(editor, ctx) {
+    let is_free = editor.selection.is_empty() && !cursor::has_focus(ctx) && timeline::is_wanted(editor);
+    if cursor::steps_frames(editor) || is_free {
+        presses.iter().for_each(|&(key, _)| step_frame(editor, key));
+    } else if cursor::moves_selection(editor, ctx) {
         presses.iter().for_each(|&(key, shift)| nudge(editor, key, shift));
     }
 }
@@ -183,6 +187,15 @@ fn plain_press(event: &Event) -> Option<(Key, bool)> {
             Some((*key, modifiers.shift))
         }
         _ => None,
+    }
+}
+
+/// Goes to the previous or the next frame by arrow keys.
+fn step_frame(editor: &mut Editor, key: Key) {
+    match key {
+        Key::ArrowLeft => timeline::step(editor, -1),
+        Key::ArrowRight => timeline::step(editor, 1),
+        _ => {}
     }
 }
 

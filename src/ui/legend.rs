@@ -12,7 +12,7 @@ use crate::picture::ColourMap;
 use crate::picture::figure::axes::{self, round_step};
 use crate::scene::UNCERTAINTY;
 use crate::studio::convention::Convention;
-use crate::studio::map::{OVER_THRESHOLD, contour};
+use crate::studio::map::{OVER_THRESHOLD, contour, omits_modulation};
 use crate::ui::number::{self, Look};
 use crate::ui::view::{Lens, View};
 use crate::ui::{editor::Editor, map::Map, panels, segments, shown::Shown, theme, ticks};
@@ -32,6 +32,8 @@ const WIDTH: f32 = 16.0;
 const GAP: f32 = 14.0;
 /// Width of a remark below the bar.
 const ROOM: f32 = 84.0;
+/// The remark on pressures of modulated sound.
+const WITHOUT_MODULATION: &str = "full amplitude, no modulation";
 
 /// Position of the bar beside a plot.
 fn place(plot: Rect) -> Rect {
@@ -85,10 +87,15 @@ pub fn paint(editor: &Editor, map: &Map, ui: &Ui, lens: &Lens) {
     }
     // A given range shows what it was given for.
     let threshold = map.quantity.declaration().is_level().then(|| threshold(map.largest));
-    if let Some(remark) = threshold.as_ref().or(map.remark.as_ref().filter(|_| map.full.is_none())) {
+    let remark = threshold.as_ref().or(map.remark.as_ref().filter(|_| map.full.is_none()));
+    let omission = omits_modulation(editor.scene(), map.quantity).then(|| WITHOUT_MODULATION.to_owned());
+    let is_clipped = map.quantity.declaration().of_light && map.full.is_some_and(|full| map.largest > full);
+    let clipping = is_clipped.then(|| "brighter places clipped".to_owned());
+    let remarks: Vec<_> = omission.into_iter().chain(clipping).chain(remark.cloned()).collect();
+    if !remarks.is_empty() {
         let font = FontId::proportional(11.0);
         let weak = ui.visuals().weak_text_color();
-        let galley = painter.layout(remark.clone(), font, weak, ROOM);
+        let galley = painter.layout(remarks.join("\n"), font, weak, ROOM);
         painter.galley(bar.left_bottom() + vec2(0.0, 6.0), galley, weak);
     }
     for level in editor.view.contour_levels() {
@@ -121,9 +128,12 @@ pub fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, lens: &Lens) {
     if response.hovered() || response.has_focus() {
         ui.painter().rect_stroke(rect, 3.0, Stroke::new(1.5, theme::ACCENT), StrokeKind::Outside);
     }
-    let response = response
-        .on_hover_cursor(CursorIcon::PointingHand)
-        .on_hover_text("Colour scale. Click to choose colours, range and contour lines");
+    let tip = "Colour scale. Click to choose colours, range and contour lines";
+    let tip = match omits_modulation(editor.scene(), map.quantity) {
+        true => format!("{tip}. Pressures are those at full amplitude, modulation not included"),
+        false => tip.to_owned(),
+    };
+    let response = response.on_hover_cursor(CursorIcon::PointingHand).on_hover_text(tip);
     // Not a menu, in which fields have no frames.
     let popup = Popup::from_toggle_button_response(&response)
         .align(RectAlign::LEFT_START)
@@ -178,7 +188,7 @@ fn choices(view: &mut View, map: &Map, ui: &mut Ui) {
         ui.end_row();
     } else if view.quantity.declaration().has_mean {
         ui.checkbox(&mut view.contours, "Contours").on_hover_text(
-            "Lines at a level below the largest value in view; at -6 dB the pressure is half of it",
+            "Lines at a level below the largest value in view; at −6 dB the pressure is half of it",
         );
         ui.add_enabled_ui(view.contours, |ui| {
             let name = Some("Level of the contour lines");

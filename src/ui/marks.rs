@@ -214,7 +214,7 @@ pub fn dimensions(editor: &Editor, painter: &Painter, lens: &Lens) {
             _ => {
                 edit::bounds(before.iter().filter_map(|(index, _)| editor.scene().targets.get(*index)), &axes)
                     .map(|[low, high]| {
-                        format!("{} x {} mm", measure::mm(high.x - low.x), measure::mm(high.y - low.y))
+                        format!("{} × {} mm", measure::mm(high.x - low.x), measure::mm(high.y - low.y))
                     })
             }
         },

@@ -56,7 +56,7 @@ pub mod space;
 mod status;
 pub mod theme;
 mod ticks;
-mod timeline;
+pub mod timeline;
 mod tip;
 pub mod tool;
 mod transform;

@@ -227,7 +227,7 @@ fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut 
         copied(ui, &told(profile.quantity, lobe.value, editor.view.convention), "Largest value on the line");
         if let Some([before, after]) = lobe.half {
             ui.separator();
-            ui.label("-6 dB width");
+            ui.label("−6 dB width");
             copied(
                 ui,
                 &format!("{} mm", measure::mm(after - before)),
@@ -247,7 +247,7 @@ fn head(editor: &mut Editor, shown: &Shown, profile: Option<&Profile>, ui: &mut 
     if let Some(widths) = editor.parts.survey.exact().and_then(|(_, found)| widths(found.as_ref()?)) {
         ui.separator();
         ui.label("Focus");
-        copied(ui, &widths, "-6 dB widths of the focus across and along the beam, and its -6 dB area across");
+        copied(ui, &widths, "−6 dB widths of the focus across and along the beam, and its −6 dB area across");
     }
     let button = ui.add_enabled(profile.is_some(), egui::Button::new("CSV…"));
     if button.on_hover_text("Write the places and values along the line to a file").clicked() {

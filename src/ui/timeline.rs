@@ -77,6 +77,32 @@ pub fn play_or_pause(editor: &mut Editor) -> bool {
     played.is_some()
 }
 
+/// Goes on by so many frames, or back.
+pub fn step(editor: &mut Editor, by: isize) {
+    let Some(played) = Played::of(editor) else { return };
+    let count = played.clock().frames.max(1);
+    let index = editor.playback.moment.playing(editor.view.quantity);
+    let next = index.map_or(0, |index| (index as isize + by).rem_euclid(count as isize));
+    show_part(editor, next as f64 / count as f64, played);
+}
+
+/// The displayed moment in words; `None` at rest.
+pub fn moment_in_words(editor: &Editor) -> Option<String> {
+    let played = Played::of(editor)?;
+    let clock = played.clock();
+    match (editor.playback.moment.of(editor.view.quantity), played) {
+        (Moment::Mean, Played::Motion(_)) => Some("mean of a cycle".to_owned()),
+        (Moment::Frame(index), Played::Motion(_)) => Some(format!("frame {} of {}", index + 1, clock.frames)),
+        (Moment::Wave(index), Played::Waves(_)) => {
+            Some(format!("{} ms after the onset", clock.time(index as f64 / clock.frames.max(1) as f64)))
+        }
+        (
+            Moment::Rest | Moment::Mean | Moment::Frame(_) | Moment::Wave(_),
+            Played::Motion(_) | Played::Waves(_),
+        ) => None,
+    }
+}
+
 /// Plays or pauses the frames; after the last one from the first.
 fn toggle(editor: &mut Editor, played: Played) {
     let playback = &mut editor.playback;
@@ -194,10 +220,9 @@ fn controls(editor: &mut Editor, shown: &Shown, ui: &mut Ui, played: Played) {
         toggle(editor, played);
     }
     let count = clock.frames.max(1);
-    for (name, tip, by) in [("◀", "Back by a frame", count - 1), ("▶", "On by a frame", 1)] {
+    for (name, tip, by) in [("◀", "Back by a frame", -1), ("▶", "On by a frame", 1)] {
         if ui.button(name).accessible_name(tip).on_hover_text(tip).clicked() {
-            let next = index.map_or(0, |index| (index + by) % count);
-            show_part(editor, next as f64 / count as f64, played);
+            step(editor, by);
         }
     }
     moments(editor, ui, played);

@@ -20,6 +20,8 @@ use crate::ui::{compare, editor::Editor, level, panels, segments, space, timelin
 const FARTHEST: f64 = 0.3;
 /// Points of the screen: what stands behind the quantities, so that another quantity moves neither them nor the map.
 const OF_QUANTITY: f32 = 312.0;
+/// Points of the screen: what the shaded relief adds to it.
+const OF_RELIEF: f32 = 130.0;
 /// Points of the screen in the second row: the numbers of a plane, the slider beside them, overlays, and the brush.
 const POSITION: f32 = 112.0;
 const SLIDER: f32 = 148.0;
@@ -106,7 +108,8 @@ fn quantities(editor: &mut Editor, ui: &mut Ui) {
     let choices: Vec<_> = Quantity::ALL.into_iter().map(choice).collect();
     let (view, scene) = (editor.view.clone(), &editor.document.scene);
     let refusal = |quantity| level::refusal(quantity, &view, scene);
-    segments::show_folded(ui, "Quantity", &mut editor.view.quantity, (&choices, refusal), OF_QUANTITY);
+    let after = OF_QUANTITY + if view.is_shaded() { OF_RELIEF } else { 0.0 };
+    segments::show_folded(ui, "Quantity", &mut editor.view.quantity, (&choices, refusal), after);
 }
 
 /// The convention of pressures in the whole window.

@@ -88,7 +88,7 @@ fn the_line_profile_follows_the_map_and_starts_in_front_of_the_array() {
     let (plot, map) = (screen.get_by_label("Line profile plot").rect(), lens(&screen).rect);
     assert!((plot.left() - map.left()).abs() < 1e-3 && (plot.right() - map.right()).abs() < 1e-3);
     assert!(plot.top() > map.bottom());
-    assert!(screen.query_by_label("-6 dB width").is_some());
+    assert!(screen.query_by_label("−6 dB width").is_some());
     screen.get_by_label("Axial").click();
     rest(&mut screen);
     assert_eq!(screen.state().editor().view.cut, sonoglyph::ui::view::Cut::Xz);

@@ -203,7 +203,7 @@ fn a_figure_is_previewed_written_and_copied() {
     screen.get_by_label("Copy image").click();
     rest(&mut screen);
     let notice = screen.state().shown().notice.as_ref().unwrap();
-    assert!(notice.text.starts_with("Copied 1004 x "), "{notice:?}");
+    assert!(notice.text.starts_with("Copied 1004 × "), "{notice:?}");
     screen.get_by_label("Export…").click();
     rest(&mut screen);
     let purpose = Purpose::Export(Export::Figure(sonoglyph::picture::figure::Format::Svg));

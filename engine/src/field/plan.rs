@@ -53,10 +53,11 @@ pub fn promised(tolerance: f64) -> f64 {
     if tolerance == 0.0 { EXACT } else { tolerance }
 }
 
-/// The warning about a map whose error, relative to its peak, exceeds its tolerance.
+/// The warning about a map whose error, relative to its peak, exceeds its tolerance in the printed figures.
 pub fn missed(error: f64, tolerance: f64) -> Option<String> {
+    const NOTABLE: f64 = 1.05;
     let promised = promised(tolerance);
-    (error > promised).then(|| {
+    (error > NOTABLE * promised).then(|| {
         format!("the map's error may be {error:.1e} of its peak, above the tolerance of {promised:e}")
     })
 }

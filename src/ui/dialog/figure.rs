@@ -49,7 +49,7 @@ fn preview(shown: &Shown, ui: &mut Ui) {
         Some(Ok(preview)) => {
             let picture = preview.texture.size_vec2();
             let size = picture * (room / picture).min_elem();
-            let alt = format!("Figure of {:.0} x {:.0} mm", preview.size[0], preview.size[1]);
+            let alt = format!("Figure of {:.0} × {:.0} mm", preview.size[0], preview.size[1]);
             ui.put(
                 rect,
                 egui::Image::new((preview.texture.id(), size)).fit_to_exact_size(size).alt_text(alt),

@@ -175,6 +175,7 @@ impl FigureForm {
             fades: view.fades,
             contours: contours.iter().copied().filter(|_| self.contours).collect(),
             convention: view.convention,
+            moment: None,
             has_colour_bar: self.colour_bar,
             has_scale_bar: self.scale_bar,
             has_targets: self.targets,

@@ -202,7 +202,7 @@ fn primaries(editor: &mut Editor, ui: &mut Ui) {
         mixed.apply(scene);
     }
     let [length, width] = palm::SIZE;
-    let text = format!("Palm over the map, {length:.0} x {width:.0} mm");
+    let text = format!("Palm over the map, {length:.0} × {width:.0} mm");
     ui.checkbox(&mut editor.view.palm, text).on_hover_text("An adult's hand to scale, on XY");
 }
 

@@ -7,7 +7,7 @@ use egui_plot::{AxisHints, GridMark, Plot};
 use glam::DVec3;
 use strum::VariantArray;
 
-use crate::picture::figure::axes::round_step;
+use crate::picture::figure::axes::{self, round_step};
 use crate::ui::number::{self as typed, Look};
 use crate::ui::{segments, theme, ticks};
 
@@ -192,9 +192,14 @@ pub fn still_plot(id: &str, height: f32) -> Plot<'_> {
         .show_grid(true)
 }
 
-/// A static plot with these names of its axes and round numbers along both.
+/// A static plot with these names of its axes, if they have any, and round numbers along both.
 pub fn ruled_plot<'a>(id: &'a str, height: f32, [across, up]: [&str; 2]) -> Plot<'a> {
-    let axes = |hints: AxisHints<'a>, name: &str| vec![hints.label(name).label_spacing(14.0..=22.0)];
+    let number = |mark: GridMark, _: &RangeInclusive<f64>| {
+        axes::number(mark.value, ticks::decimals(mark.step_size * 1.001))
+    };
+    let axes = |hints: AxisHints<'a>, name: &str| {
+        vec![hints.label(name).label_spacing(8.0..=14.0).formatter(number)]
+    };
     still_plot(id, height)
         .custom_x_axes(axes(AxisHints::new_x(), across))
         .custom_y_axes(axes(AxisHints::new_y(), up))
@@ -203,10 +208,15 @@ pub fn ruled_plot<'a>(id: &'a str, height: f32, [across, up]: [&str; 2]) -> Plot
         .y_grid_spacer(|input| round_marks(input.bounds, 5.0))
 }
 
-/// About as many marks, at round numbers.
+/// About as many marks, at round numbers; more where there would be fewer than three.
 fn round_marks((low, high): (f64, f64), count: f64) -> Vec<GridMark> {
-    let step = round_step((high - low).abs().max(f64::MIN_POSITIVE) / count);
-    ticks::between(low, high, step).map(|value| GridMark { value, step_size: step }).collect()
+    const LEAST: usize = 3;
+    let marks = |count: f64| {
+        let step = round_step((high - low).abs().max(f64::MIN_POSITIVE) / count);
+        ticks::between(low, high, step).map(|value| GridMark { value, step_size: step }).collect::<Vec<_>>()
+    };
+    let coarse = marks(count);
+    if coarse.len() < LEAST { marks(2.0 * count) } else { coarse }
 }
 
 /// Turns -0.00 into 0.

@@ -240,7 +240,7 @@ fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let tip = "`sonoglyph render` draws it, and it is the surface of the liquid";
     let plane = &scene.plane;
     let [x, y, z] = plane.centre.to_array().map(|place| ticks::signed(&format!("{:.0}", place * 1e3)));
-    ui.label(format!("{:.0} x {:.0} mm, centre ({x}, {y}, {z}) mm", plane.size.x * 1e3, plane.size.y * 1e3,))
+    ui.label(format!("{:.0} × {:.0} mm, centre ({x}, {y}, {z}) mm", plane.size.x * 1e3, plane.size.y * 1e3,))
         .on_hover_text(tip);
     ui.horizontal(|ui| {
         if let Some(seen) = seen

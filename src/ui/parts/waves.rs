@@ -14,6 +14,8 @@ use crate::ui::playback::{Moment, Playback};
 const MOST_BYTES: usize = 128 << 20;
 /// Pictures whose caustic is made to find the range of its brightness.
 const TRIED: usize = 6;
+/// Part of a caustic's pixels within the range.
+const COVERED: f64 = 0.995;
 
 /// The duration of the waves.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -115,15 +117,19 @@ fn series(Input { scene, schedule, request }: &Input) -> Result<Series, String> 
     Ok(Series { scene: scene.clone(), plane: request.plane.clone(), surfaces, range })
 }
 
-/// The largest brightness of some of the pictures.
+/// The brightness of some of the pictures that few places exceed: rare peaks would leave all else dark.
 fn brightest(request: &Request, surfaces: &[Vec<f32>], stages: &mut Stages) -> Result<f64, String> {
-    let mut brightest = 0.0f64;
+    let mut brightest = 0.0f32;
     for surface in surfaces.iter().skip(1).step_by(surfaces.len().div_ceil(TRIED).max(1)) {
         let depth = surface.iter().map(|&depth| depth.into()).collect();
         let map = stages.map(&at(request, depth)).map_err(|error| error.to_string())?;
-        brightest = brightest.max(map.peak.into());
+        let mut values = map.values.clone();
+        let index = (values.len() as f64 * COVERED) as usize;
+        if index < values.len() {
+            brightest = brightest.max(*values.select_nth_unstable_by(index, f32::total_cmp).1);
+        }
     }
-    Ok(brightest)
+    Ok(brightest.into())
 }
 
 /// The request of a moving surface.

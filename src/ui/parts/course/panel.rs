@@ -5,7 +5,8 @@ use egui_plot::{Line, PlotPoints};
 
 use crate::field::Quantity;
 use crate::scene::SpectralLine;
-use crate::ui::panels::form::{choice, heading, still_plot};
+use crate::studio::map::omits_modulation;
+use crate::ui::panels::form::{choice, heading, ruled_plot};
 use crate::ui::panels::form::{fact, form};
 use crate::ui::parts::course::{BAND, Course, Place};
 use crate::ui::{editor::Editor, measure, theme};
@@ -51,8 +52,14 @@ fn plots(editor: &Editor, course: &Course, ui: &mut Ui) {
     form(ui, "course", |ui| {
         let [x, y, z] = course.at.to_array().map(measure::mm);
         fact(ui, ("At", "x, y, z"), format!("{x}, {y}, {z} mm"));
-        let tip = "RMS over time";
-        fact(ui, ("Mean pressure", tip), convention.pressure(course.mean().max(0.0).sqrt()));
+        let (name, tip) = match omits_modulation(editor.scene(), Quantity::Rms) {
+            true => (
+                "Mean with modulation",
+                "Mean pressure (RMS over time) with modulation; the map is at full amplitude",
+            ),
+            false => ("Mean pressure", "RMS over time"),
+        };
+        fact(ui, (name, tip), convention.pressure(course.mean().max(0.0).sqrt()));
         if let Some(line) = course.strongest() {
             let part = 100.0 * line.amplitude / course.mean().max(f64::MIN_POSITIVE);
             let tip = "Lines of |p|²: amplitude relative to the mean";
@@ -104,7 +111,7 @@ fn hertz(frequency: f64) -> String {
 }
 
 fn plot(id: &str, ui: &mut Ui, curves: Vec<Vec<[f64; 2]>>) {
-    let plot = still_plot(id, HEIGHT).grid_spacing(8.0..=120.0);
+    let plot = ruled_plot(id, HEIGHT, ["", ""]);
     plot.show(ui, |plot| {
         for curve in curves {
             plot.line(Line::new(id, PlotPoints::from(curve)).color(theme::ACCENT).width(1.5));

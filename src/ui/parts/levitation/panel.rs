@@ -139,7 +139,8 @@ fn figures(levitated: &Levitated, ui: &mut Ui) {
         Outcome::Holds => ui.visuals().strong_text_color(),
         Outcome::TooHeavy | Outcome::Unstable | Outcome::Leaves => theme::warning(ui.visuals()),
     };
-    let verdict = levitation::verdict(hold);
+    let verdict = levitation::verdict(hold).replace(" x ", " × ");
+    let verdict = [" -", "(-"].iter().fold(verdict, |text, sign| text.replace(sign, &sign.replace('-', "−")));
     ui.label(RichText::new(format!("{}.", capital(&verdict))).color(colour));
     form(ui, "force", |ui| {
         let [x, y, z] = hold.at.to_array().map(measure::mm);
@@ -147,7 +148,8 @@ fn figures(levitated: &Levitated, ui: &mut Ui) {
         let [x, y, z] = forces.force.to_array().map(micro);
         fact(ui, ("Force", "Of the sound, along x, y and z"), format!("{x}, {y}, {z} µN"));
         fact(ui, ("Weight", "Less the buoyancy of the air"), format!("{} µN", micro(*load)));
-        let [weak, middle, strong] = hold.modes.map(|mode| format!("{:.3}", mode.stiffness * 1e3));
+        let [weak, middle, strong] =
+            hold.modes.map(|mode| ticks::signed(&format!("{:.3}", mode.stiffness * 1e3)));
         let tip =
             "Principal stiffnesses in ascending order, at the equilibrium or else at the bead's position";
         fact(ui, ("Stiffness", tip), format!("{weak}, {middle}, {strong} mN/m"));
