@@ -80,6 +80,9 @@ pub enum Seen<'a> {
     Space(&'a Stage),
 }
 
+/// Scene, levels and source of a sound.
+type Sounding = (Scene, Option<u32>, Source);
+
 #[derive(Debug)]
 pub struct Workshop {
     pub mapping: Mapping,
@@ -96,7 +99,7 @@ pub struct Workshop {
     /// Start of the board's motion (s on the window's clock), and the playback state before.
     board: Option<(f64, Playback)>,
     /// The played sound, and its inputs.
-    sounded: Option<((Scene, Option<u32>, Source), Sound)>,
+    sounded: Option<(Sounding, Sound)>,
     oscillation: Clock,
     flight: Clock,
 }

@@ -165,7 +165,7 @@ fn list(
     }
     let typed = Path::new(text.as_str()).file_name().unwrap_or_default().to_string_lossy().to_lowercase();
     let begins = |entry: &&Entry| entry.name.to_lowercase().starts_with(&typed);
-    let place = entries.iter().position(|entry| begins(entry)).filter(|_| is_typed && !typed.is_empty());
+    let place = entries.iter().position(begins).filter(|_| is_typed && !typed.is_empty());
     let row_height = ui.spacing().interact_size.y + ui.spacing().item_spacing.y;
     let area = match place {
         Some(place) => area.vertical_scroll_offset(place as f32 * row_height),

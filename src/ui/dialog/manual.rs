@@ -138,8 +138,7 @@ fn plain(line: &str) -> String {
         .replace("**", "")
         .replace("\\|", "|")
         .replace("&#124;", "|")
-        .replace('*', "")
-        .replace(']', "")
+        .replace(['*', ']'], "")
 }
 
 #[cfg(test)]

@@ -83,7 +83,7 @@ fn published(editor: &mut Editor, ui: &mut Ui) {
     ui.menu_button("Known arrays", |ui| {
         for known in KNOWN {
             let button = ui.button(known.title);
-            tip::beside(&button, &known.source());
+            tip::beside(&button, known.source());
             if button.clicked()
                 && let Some((array, boards)) = known.array()
             {

@@ -180,7 +180,7 @@ impl OfBead {
             Radiator::Piston(_) => OF_PISTONS,
         };
         let is_coarse = tolerance >= FINEST_IN_F32;
-        for double in [false, true].into_iter().filter(|double| !exact && (is_coarse || *double)) {
+        for double in [false, true].into_iter().filter(|double| tolerance > 0.0 && (is_coarse || *double)) {
             let map = match site {
                 Some(site) => {
                     let key = (Request { size: (0, 0), part: 1.0, ..request.clone() }, double);

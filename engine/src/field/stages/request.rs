@@ -162,15 +162,16 @@ impl Request {
         if self.drives.is_empty() || !(0.0..=1.0).contains(&self.part) || !self.moment.is_finite() {
             return Err(FieldError::NoMean);
         }
-        if self.quantity.declaration().of_skin && self.drives.len() != self.course.frames() {
-            return Err(FieldError::NoCourse(self.course.frames()));
-        }
         // NaN would go unnoticed in comparisons for peak and error.
         let is_drive = |values: &[f64]| {
             values.len() == self.aperture.positions.len() && values.iter().all(|value| value.is_finite())
         };
         let fits = |drive: &Drive| is_drive(&drive.amplitudes) && is_drive(&drive.phases);
-        if self.drives.iter().all(fits) { Ok(()) } else { Err(FieldError::NoDrive) }
+        if !self.drives.iter().all(fits) {
+            return Err(FieldError::NoDrive);
+        }
+        let has_course = !self.quantity.declaration().of_skin || self.drives.len() == self.course.frames();
+        if has_course { Ok(()) } else { Err(FieldError::NoCourse(self.course.frames())) }
     }
 }
 
