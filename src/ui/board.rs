@@ -223,6 +223,9 @@ const KEYS: [(&str, &str); 3] = [
 /// A message as a sentence for the window: with the board's title, and a capital unless it begins with a file's name.
 pub fn sentence(text: &str) -> String {
     let text = KEYS.iter().fold(text.to_owned(), |text, (key, name)| text.replace(key, name));
+    let text = Profile::choices().fold(text, |text, profile| {
+        text.replace(&format!(" {} is ", profile.name()), &format!(" {} is ", profile.title()))
+    });
     let named = Profile::choices().find_map(|profile| {
         let rest = text.strip_prefix(profile.name())?;
         rest.starts_with([' ', ':']).then(|| format!("{}{rest}", profile.title()))

@@ -245,8 +245,10 @@ fn the_read_out_fits_a_narrow_map() {
     assert!(map.width() < 340.0, "{}", map.width());
     screen.hover_at(map.center());
     rest(&mut screen);
-    let (_, place) =
-        texts(&screen).into_iter().find(|(text, _)| text.starts_with("x ") && text.contains(" z ")).unwrap();
+    let (_, place) = texts(&screen)
+        .into_iter()
+        .find(|(text, _)| text.starts_with("x\u{a0}") && text.contains("z\u{a0}"))
+        .unwrap();
     assert!(map.contains_rect(place), "{place:?} in {map:?}");
 }
 

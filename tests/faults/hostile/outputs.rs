@@ -133,8 +133,9 @@ fn standard_input_and_output_are_files_like_others() {
 }
 
 #[test]
-fn the_sheet_without_a_display_does_not_overwrite_its_scene() {
+fn a_picture_without_a_display_is_not_overwritten_by_a_sheet() {
     let folder = folder_with(&[("sonoglyph.png", SCENE)]);
     let message = refused(folder.path(), &mut program(folder.path(), &["sonoglyph.png"]));
-    assert!(message.contains("writing it would destroy it"), "{message}");
+    assert!(message.contains("only the window reads this"), "{message}");
+    assert_eq!(fs::read_to_string(folder.path().join("sonoglyph.png")).unwrap(), SCENE);
 }

@@ -16,7 +16,7 @@ use crate::acoustics::PartialWaves;
 use crate::acoustics::element::Radiator;
 use crate::drive::Drive;
 use crate::field::cells::Cells;
-use crate::field::evaluator::{on_cpu, unchecked};
+use crate::field::evaluator::unchecked;
 use crate::field::gpu::Gpu;
 use crate::field::gpu_report::GpuError;
 use crate::field::interpolation::{Between, Resampling, interpolate};
@@ -25,6 +25,7 @@ use crate::field::plan::{Costs, Grid, Plan, promised};
 use crate::field::quantity::Quantity;
 use crate::field::samples::Samples;
 use crate::field::slope::shifted;
+use crate::field::sound::narrow;
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::{MARGIN, corners, farthest, largest_sum, rounding_of_terms, spread};
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
@@ -162,7 +163,11 @@ impl OfBead {
         let levitation = Levitation::in_air(aperture, (air, bead), drives, 0.0);
         let order = levitation.sphere.order();
         let sample = |drive: &Drive, samples: &Samples, double: bool| match double {
-            true => Ok(on_cpu(aperture, drive, samples, true)),
+            true => {
+                let points: Vec<_> = (0..samples.len()).map(|i| samples.point(i)).collect();
+                let played = drive.excitation(&aperture.driven);
+                Ok(aperture.pressures(&points, &played).into_iter().map(narrow).collect())
+            }
             false => unchecked(gpu, aperture, drive, samples),
         };
         let by = if gpu.is_some() { By::Gpu } else { By::Cpu };
