@@ -141,7 +141,8 @@ fn example(
         let response = match shown.thumbnails.get(&index) {
             Some(texture) => {
                 let image = Image::new((texture.id(), PICTURE)).fit_to_exact_size(PICTURE);
-                ui.add(Button::image(image).frame_when_inactive(false))
+                // Of the size and in the place of the other, so that a click survives the arrival of the picture.
+                ui.add_sized(PICTURE, Button::image(image).frame_when_inactive(false))
             }
             None => {
                 commands.push(Command::Thumbnail(index));

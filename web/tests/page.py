@@ -27,7 +27,7 @@ TOLERANCE = 2e-5
 #: Sound speed (m/s) of the scene summed below.
 SPEED = 343.0
 CHECKED = []
-#: On the Device page: buttons, in points from the upper left corner. Choosing a port moves the second one down.
+#: On the Device page: the button that chooses a port, in points from the upper left corner.
 CHOOSE = (1110, 219)
 
 
