@@ -95,6 +95,12 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
             }
         }
     });
+    // A dialog is centred by its size in the frame before: after a change it is drawn once more.
+    let (place, before) = (modal.response.rect, ctx.data(|data| data.get_temp(id.with("place"))));
+    if before != Some(place) {
+        ctx.data_mut(|data| data.insert_temp(id.with("place"), place));
+        ctx.request_repaint();
+    }
     // In these, Esc first ends the editing of a number.
     let is_form = matches!(dialog, Dialog::Figure | Dialog::Film);
     let ends_editing = is_form && is_editing && ctx.input(|input| input.key_pressed(egui::Key::Escape));
