@@ -226,8 +226,6 @@ impl Window {
             && self.editor.document.path() != Some(path.as_path())
         {
             let text = text.to_owned();
-            // Enter answers the question, not the field of the name.
-            ctx.memory_mut(|memory| memory.stop_text_input());
             self.editor.dialog = Some(Dialog::Replace { purpose, text, path });
         } else {
             self.go_on(purpose, path, ctx);

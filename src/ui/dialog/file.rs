@@ -2,9 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use egui::text::{CCursor, CCursorRange};
+use egui::text_edit::TextEditState;
 use egui::{Button, Key, RichText, ScrollArea, TextEdit, Ui};
 
 use crate::echo;
+use crate::studio::opening;
 use crate::ui::command::{Command, Purpose};
 use crate::ui::dialog::answer::{answer, is_entered};
 use crate::ui::dialog::state::Entry;
@@ -33,6 +36,9 @@ pub(super) fn show(
         commands.push(Command::List(Some(PathBuf::from(text.as_str()))));
     }
     let entered = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
+    if is_new && !purpose.reads() {
+        select_stem(text, field.id, ui);
+    }
     if is_new || (entered && ui.memory(|memory| memory.focused().is_none())) {
         field.request_focus();
     }
@@ -76,6 +82,17 @@ pub(super) fn show(
         commands.push(Command::Answer(purpose, text.trim().to_owned()));
     }
     stays
+}
+
+/// Selects the name of a file to write, without folder and ending.
+fn select_stem(text: &str, field: egui::Id, ui: &Ui) {
+    let (path, letters) = (Path::new(text), |text: &str| text.chars().count());
+    let Some(name) = path.file_name().and_then(|name| name.to_str()) else { return };
+    let (stem, start) = (opening::stem(path), letters(text).saturating_sub(letters(name)));
+    let (from, to) = (CCursor::new(start), CCursor::new(start + letters(&stem)));
+    let mut state = TextEditState::load(ui.ctx(), field).unwrap_or_default();
+    state.cursor.set_char_range(Some(CCursorRange::two(from, to)));
+    state.store(ui.ctx(), field);
 }
 
 /// The folder and its files, in this room (points); typing scrolls to the first of that name. Returns whether a file was
