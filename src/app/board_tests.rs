@@ -9,7 +9,7 @@ use crate::device::port;
 use crate::device::profile::Profile;
 use crate::scene::strict::Strict;
 use crate::source;
-use crate::studio::bring_up::{Finding, Report, Verdict};
+use crate::studio::bring_up::{Finding, Report};
 use crate::studio::output;
 use crate::ui::board::BoardForm;
 use crate::ui::bring_up::{BringUp, KeptTest, Step};
@@ -20,13 +20,6 @@ const MOST_BYTES: u64 = 1 << 20;
 const MOST: usize = 20;
 /// Elements that marks are read for.
 const MOST_ELEMENTS: usize = 1 << 16;
-
-const VERDICTS: [(Verdict, &str); 4] = [
-    (Verdict::Passed, "passed"),
-    (Verdict::Failed, "failed"),
-    (Verdict::Noted, "noted"),
-    (Verdict::Unverified, "unverified"),
-];
 
 /// The file's contents.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -46,14 +39,12 @@ struct Row {
     baud: Option<u32>,
     marks: String,
     file: String,
-    findings: Vec<[String; 2]>,
+    findings: Vec<Finding>,
 }
 
 impl Row {
     fn of(kept: &KeptTest) -> Self {
         let KeptTest { port, profile, run } = kept;
-        let verdict = |of: Verdict| VERDICTS.iter().find(|(own, _)| *own == of).map_or("", |(_, name)| name);
-        let finding = |it: &Finding| [verdict(it.verdict).to_owned(), it.what.clone()];
         Self {
             port: port.clone(),
             board: profile.name().to_owned(),
@@ -66,14 +57,12 @@ impl Row {
                 .map(|mark| mark.map_or('-', |seen| if seen { 'y' } else { 'n' }))
                 .collect(),
             file: run.file.clone(),
-            findings: run.report.findings.iter().map(finding).collect(),
+            findings: run.report.findings.clone(),
         }
     }
 
     fn test(self) -> Option<KeptTest> {
         let profile = Profile::of_name(&self.board)?;
-        let verdict = |name: &str| VERDICTS.iter().find(|(_, own)| *own == name).map(|(verdict, _)| *verdict);
-        let finding = |[name, what]: [String; 2]| Some(Finding { verdict: verdict(&name)?, what });
         let mark = |letter| match letter {
             'y' => Some(true),
             'n' => Some(false),
@@ -85,7 +74,7 @@ impl Row {
             baud: self.baud,
             signals: self.marks.chars().take(MOST_ELEMENTS).map(mark).collect(),
             file: self.file,
-            report: Report { findings: self.findings.into_iter().filter_map(finding).collect() },
+            report: Report { findings: self.findings },
             ..BringUp::default()
         };
         run.start_from(Calibration::default());
@@ -141,6 +130,7 @@ pub fn write(folder: &Path, tests: &[KeptTest]) {
 mod tests {
     use super::*;
     use crate::device::wiring::Wiring;
+    use crate::studio::bring_up::Verdict;
 
     #[test]
     fn a_test_survives_the_program_a_virtual_one_not() {

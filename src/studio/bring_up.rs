@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::Path;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::acoustics::Aperture;
 use crate::device::link::survey::{Discovery, Trial, TrialOutcome, survey};
@@ -16,7 +17,8 @@ use crate::scene::{Scene, Shape, Target};
 /// Height of the test focus above the array's centre, m.
 pub const HEIGHT: f64 = 0.1;
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Verdict {
     Passed,
     Failed,
@@ -27,7 +29,7 @@ pub enum Verdict {
 }
 
 /// One finding.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Finding {
     pub verdict: Verdict,
     pub what: String,

@@ -1,5 +1,7 @@
 //! Ticks along an axis.
 
+pub use crate::picture::figure::axes::signed;
+
 /// Multiples of `step` from `low` to `high`; no more than a hundred.
 pub fn between(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
     let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
@@ -9,14 +11,6 @@ pub fn between(low: f64, high: f64, step: f64) -> impl Iterator<Item = f64> {
 /// Decimals that distinguish multiples of a round step.
 pub fn decimals(step: f64) -> usize {
     (-step.log10().floor()).clamp(0.0, 6.0) as usize
-}
-
-/// A number as text, perhaps with its unit: a true minus sign, and none before zero.
-pub fn signed(text: &str) -> String {
-    let Some(rest) = text.strip_prefix('-') else { return text.to_owned() };
-    let digits = rest.split(|sign: char| !sign.is_ascii_digit() && sign != '.').next().unwrap_or(rest);
-    let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
-    if is_zero { rest.to_owned() } else { format!("−{rest}") }
 }
 
 #[cfg(test)]

@@ -74,6 +74,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "num_complex",
             "rayon",
             "rustix",
+            "serde",
             "serde_json",
             "signal_hook",
             "sonoglyph_fourier",

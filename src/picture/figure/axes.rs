@@ -25,11 +25,17 @@ fn multiples(low: f64, high: f64, most: f64) -> Vec<(f64, String)> {
     (first..=last).map(|index| index as f64 * step).map(|value| (value, number(value, decimals))).collect()
 }
 
-/// A number with a minus sign, and without one before zero.
+/// A number with these decimals, as [`signed`].
 pub fn number(value: f64, decimals: usize) -> String {
-    let text = format!("{:.decimals$}", value.abs());
-    let is_zero = text.bytes().all(|byte| matches!(byte, b'0' | b'.'));
-    if value < 0.0 && !is_zero { format!("−{text}") } else { text }
+    signed(&format!("{value:.decimals$}"))
+}
+
+/// A number as text, perhaps with its unit: a true minus sign, and none before zero.
+pub fn signed(text: &str) -> String {
+    let Some(rest) = text.strip_prefix('-') else { return text.to_owned() };
+    let digits = rest.split(|sign: char| !sign.is_ascii_digit() && sign != '.').next().unwrap_or(rest);
+    let is_zero = digits.bytes().all(|byte| matches!(byte, b'0' | b'.'));
+    if is_zero { rest.to_owned() } else { format!("−{rest}") }
 }
 
 #[cfg(test)]
