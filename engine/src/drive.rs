@@ -32,7 +32,8 @@ const MOST_BYTES: usize = 1 << 30;
 /// Excess of a modulus over 1 by rounding.
 const ROUNDING: f64 = 1e-6;
 /// Columns of a file with a row per element.
-const COLUMNS: [&str; 10] = ["element", "phase", "amplitude", "re", "im", "frame", "time", "x", "y", "z"];
+const COLUMNS: [&str; 11] =
+    ["element", "phase", "amplitude", "re", "im", "frame", "time", "x", "y", "z", "drive"];
 /// Columns of a file with a row per drive, before the number of the element.
 const PHASES: &str = "phase_";
 const AMPLITUDES: &str = "amplitude_";
@@ -129,7 +130,7 @@ impl Drive {
 ///
 /// With a row per element: `phase` (rad) and optionally `amplitude` (0 to 1, by default 1), or `re` and `im`; optionally
 /// `element` (from 0; without the column in order), which allows leaving elements out: they are silent; several drives
-/// by `frame`, optionally with `time` (s); optionally the elements' `x`, `y` and `z` (m), which must be the array's.
+/// by `frame` (or `drive`), optionally with `time` (s); optionally the elements' `x`, `y` and `z` (m), which must be the array's.
 ///
 /// With a row per drive: `phase_0`, `phase_1` … of all elements (`nan`: silent), and optionally `time` and `amplitude_0`,
 /// `amplitude_1` ….
@@ -153,10 +154,10 @@ pub fn read(csv: impl Read, aperture: &Aperture) -> Result<DriveTable, TableErro
             }
         }
         while let Some(row) = table.next_row()? {
-            let [_, _, _, _, _, frame, time, ..] = row.optional;
+            let [_, _, _, _, _, frame, time, _, _, _, drive] = row.optional;
             let refused = |reason: String| table.refusal(reason);
-            let frame =
-                frames.at(frame.unwrap_or(frames.all.len() as f64), time, table.line()).map_err(refused)?;
+            let number = frame.or(drive).unwrap_or(frames.all.len() as f64);
+            let frame = frames.at(number, time, table.line()).map_err(refused)?;
             for (element, &place) in phases.iter().enumerate() {
                 let Some(phase) = table.value("phase", place)? else { continue };
                 let amplitude =
@@ -173,9 +174,9 @@ pub fn read(csv: impl Read, aperture: &Aperture) -> Result<DriveTable, TableErro
     }
     let is_numbered = table.has("element");
     while let Some(row) = table.next_row()? {
-        let [element, phase, amplitude, re, im, frame, time, x, y, z] = row.optional;
+        let [element, phase, amplitude, re, im, frame, time, x, y, z, drive] = row.optional;
         let refused = |reason: String| table.refusal(reason);
-        let frame = frames.at(frame.unwrap_or(0.0), time, table.line()).map_err(refused)?;
+        let frame = frames.at(frame.or(drive).unwrap_or(0.0), time, table.line()).map_err(refused)?;
         frame.rows += 1;
         let element = match element {
             // Rows beyond the last element are counted and refused below.
@@ -227,7 +228,7 @@ pub fn read(csv: impl Read, aperture: &Aperture) -> Result<DriveTable, TableErro
 /// Whether a file has the columns of drives.
 #[doc(hidden)]
 pub fn is_table(csv: impl Read) -> bool {
-    Table::<_, 0, 10>::open(csv, [], COLUMNS).is_ok_and(|table| {
+    Table::<_, 0, 11>::open(csv, [], COLUMNS).is_ok_and(|table| {
         table.has("phase") || (table.has("re") && table.has("im")) || !table.series(PHASES).is_empty()
     })
 }

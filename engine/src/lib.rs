@@ -10,6 +10,8 @@ pub mod field;
 pub mod force;
 pub mod gauge;
 #[doc(hidden)]
+pub mod measure;
+#[doc(hidden)]
 pub mod memory;
 #[cfg(test)]
 #[path = "../../tests/requirement/mod.rs"]

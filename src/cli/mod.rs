@@ -8,6 +8,7 @@ mod elements;
 mod interrupt;
 mod levitate;
 mod manual;
+mod measure;
 mod motion;
 mod names;
 mod probe;
@@ -32,6 +33,7 @@ use crate::cli::boards::{board, ports};
 use crate::cli::elements::ElementsArgs;
 use crate::cli::levitate::LevitateArgs;
 use crate::cli::manual::{CompletionsArgs, ManualArgs};
+use crate::cli::measure::MeasureArgs;
 use crate::cli::probe::ProbeArgs;
 use crate::cli::render::args::RenderArgs;
 use crate::cli::solve::SolveArgs;
@@ -151,6 +153,21 @@ enum Command {
     ///   sonoglyph levitate levitator.toml --drive own.csv
     #[command(verbatim_doc_comment)]
     Levitate(LevitateArgs),
+    /// Plan a microphone scan, and identify the elements' gains and phases from its readings
+    ///
+    /// Random drives are played while a plotter moves a microphone over a plane; the readings, with or without
+    /// phases, tell gain and phase of every element, dead and reversed ones, strength, speed of sound and the
+    /// scan's place, with standard errors. docs/measuring.md is the guide. Examples:
+    ///
+    ///   sonoglyph measure array.toml --plan -o scan/
+    ///
+    ///   sonoglyph measure array.toml --plan -o scan/ --port /dev/ttyUSB0 --profile sonicsurface
+    ///
+    ///   sonoglyph measure array.toml --scan scan/scan.csv -o calibration.csv --report report.html
+    ///
+    ///   sonoglyph send hit.toml --port /dev/ttyUSB0 --profile sonicsurface --calibration calibration.csv
+    #[command(verbatim_doc_comment)]
+    Measure(Box<MeasureArgs>),
     /// List GPU adapters and field evaluators, and the automatic choice
     Devices,
     /// List serial ports and supported boards
@@ -196,6 +213,8 @@ enum Command {
     ///   sonoglyph board --rtl
     ///
     ///   sonoglyph board --faults drop=0.0001,flip=0.0001,unplug=2
+    ///
+    ///   sonoglyph board --hidden 7 --positions positions.csv --readings scan.csv --microphone snr=30,width=0.005
     #[command(verbatim_doc_comment)]
     Board(BoardArgs),
     /// Write shell completions to standard output
@@ -237,6 +256,7 @@ pub fn run() -> anyhow::Result<Next> {
         Command::Bench(args) => bench::run(&args),
         Command::Elements(args) => elements::run(&args),
         Command::Levitate(args) => levitate::run(&args),
+        Command::Measure(args) => measure::run(&args),
         Command::Devices => devices::run(),
         Command::Ports => ports::run(),
         Command::Send(args) => send::run(&args),

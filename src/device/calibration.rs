@@ -157,6 +157,13 @@ impl Calibration {
     }
 }
 
+/// Corrections of all elements, in their order.
+impl FromIterator<Correction> for Calibration {
+    fn from_iter<T: IntoIterator<Item = Correction>>(elements: T) -> Self {
+        Self { elements: elements.into_iter().collect() }
+    }
+}
+
 /// The number of a row's element, and its correction.
 fn correction(
     [element, offset, gain, off]: [f64; 4],

@@ -18,6 +18,7 @@ pub mod levitation;
 pub mod link;
 pub mod liquid;
 pub mod map;
+pub mod measurement;
 pub mod motion;
 pub mod nonlinear;
 pub mod opening;

@@ -20,7 +20,7 @@
 //! `docs/adding-a-solver.md` is the guide to adding a method.
 
 mod bidiagonal;
-mod cholesky;
+pub(crate) mod cholesky;
 mod contest;
 mod descent;
 mod felt;

@@ -8,6 +8,7 @@ use clap::Args;
 use crate::cli::arguments::seconds;
 #[cfg(unix)]
 use crate::device::board::faults::Faults;
+use crate::device::board::microphone::Microphone;
 use crate::device::calibration::Calibration;
 use crate::device::profile::Profile;
 use crate::scene::Scene;
@@ -41,6 +42,21 @@ pub struct BoardArgs {
     /// Scene with array and plane of the field
     #[arg(long)]
     pub scene: Option<PathBuf>,
+    /// Seed of a hidden truth: elements, air and pose of the scan that differ from their model
+    #[arg(long, value_name = "SEED")]
+    pub hidden: Option<u64>,
+    /// Nominal positions of a microphone: CSV with the columns x, y, z (m)
+    #[arg(long, value_name = "FILE.csv", requires_all = ["hidden", "readings"])]
+    pub positions: Option<PathBuf>,
+    /// Write what the microphone reads of each steady drive as CSV (Pa, peak)
+    #[arg(long, value_name = "FILE.csv", requires = "positions")]
+    pub readings: Option<PathBuf>,
+    /// Microphone: snr=DB (default 40, or inf), width=M, position=M (RMS error), wall=M (height of a wall), complex
+    #[arg(long, value_name = "LIST", value_parser = Microphone::parse, requires = "positions")]
+    pub microphone: Option<Microphone>,
+    /// Write the hidden truth as CSV, for comparison
+    #[arg(long, value_name = "FILE.csv", requires = "hidden")]
+    pub truth: Option<PathBuf>,
 }
 
 /// The board of this name.

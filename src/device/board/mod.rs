@@ -6,12 +6,14 @@
 //!
 //! They share only the line with a link, so both sides are tested against the same bytes. A board in `memory` (the
 //! port `virtual:PROFILE`, on the desktop and in a page) serves its own program; a board at a pseudo-terminal
-//! (Unix) serves any program.
+//! (Unix) serves any program. A `hidden` board differs from its model, and a `microphone` reads its field.
 
 #[cfg(unix)]
 pub mod faults;
+pub mod hidden;
 pub(in crate::device) mod logic;
 pub mod memory;
+pub mod microphone;
 #[cfg(unix)]
 mod pty;
 #[cfg(unix)]
