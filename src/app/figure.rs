@@ -1,12 +1,14 @@
 //! The inputs of a figure of what is shown, and its preview.
 
-use eframe::egui::ColorImage;
+use eframe::egui::{ColorImage, Context, TextureOptions};
 
 use crate::field::{Evaluator, Stages};
 use crate::picture::Picture;
 use crate::picture::figure::{Figure, Paper};
 use crate::studio::figure::{self, Panel, Wish};
 use crate::studio::later::Later;
+use crate::ui::Preview;
+use crate::ui::part::wake;
 
 /// Pixels of a preview's width.
 const PREVIEW: f64 = 900.0;
@@ -21,16 +23,43 @@ pub(super) struct Recipe {
 /// A preview's picture with its figure's size (mm), or an error.
 pub(super) type Made = Result<(Picture, [f64; 2]), String>;
 
-/// The displayed or pending preview.
-#[derive(Debug, Default)]
-pub(super) struct Previews {
-    pub(super) later: Later<Recipe, Made>,
-    pub(super) shown: Option<Recipe>,
+/// The displayed or pending preview of a recipe.
+#[derive(Debug)]
+pub(super) struct Previews<R> {
+    later: Later<R, Made>,
+    shown: Option<R>,
 }
 
-impl Previews {
+impl<R> Default for Previews<R> {
+    fn default() -> Self {
+        Self { later: Later::default(), shown: None }
+    }
+}
+
+impl<R: Clone + PartialEq + Send + 'static> Previews<R> {
     pub(super) fn is_busy(&self) -> bool {
         self.later.is_running()
+    }
+
+    /// Makes the preview on a thread, unless it is displayed. Call it every frame.
+    pub(super) fn update(
+        &mut self,
+        recipe: R,
+        make: fn(&R) -> anyhow::Result<(Picture, [f64; 2])>,
+        preview: &mut Option<Result<Preview, String>>,
+        ctx: &Context,
+    ) {
+        self.later.collect();
+        self.later.ask(&recipe, wake(ctx), move |recipe| make(recipe).map_err(|error| format!("{error:#}")));
+        let Some(made) = self.later.get(&recipe).filter(|_| self.shown.as_ref() != Some(&recipe)) else {
+            return;
+        };
+        *preview = Some(made.clone().map(|(picture, size)| {
+            let texture = ctx.load_texture("figure", image(&picture), TextureOptions::LINEAR);
+            Preview { texture, size }
+        }));
+        self.shown = Some(recipe);
+        ctx.request_repaint();
     }
 }
 

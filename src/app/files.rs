@@ -406,6 +406,8 @@ impl Window {
             Export::Figure(format) => return self.print_figure(format, path, ctx),
             Export::Sheet => return self.print_sheet(path, ctx),
             Export::Motion(_) => return self.film(path, ctx),
+            Export::Report => return self.print_measured(path, ctx),
+            Export::Calibration { .. } => self.calibration_csv(),
             Export::Map => self.view_png(),
             Export::Numbers => self.numbers_npy(),
             Export::Drive => self.drive_csv(),
@@ -413,7 +415,12 @@ impl Window {
             Export::Elements => Ok(elements::of_scene(self.editor.scene()).into_bytes()),
         };
         match bytes.and_then(|bytes| output::write(path, &bytes)) {
-            Ok(()) => self.tell(&format!("Wrote {}", path.display()), false),
+            Ok(()) => {
+                self.tell(&format!("Wrote {}", path.display()), false);
+                if let Export::Calibration { is_used } = export {
+                    self.keep_calibration(path, is_used);
+                }
+            }
             Err(error) => self.refuse("Nothing was exported", &error),
         }
     }

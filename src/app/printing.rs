@@ -4,18 +4,17 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{Context, bail};
-use eframe::egui::{self, TextureOptions};
+use eframe::egui;
 
 use crate::app::errand::Outcome;
-use crate::app::figure::{Previews, Recipe, image};
+use crate::app::figure::{Previews, Recipe};
 use crate::app::window::Window;
 use crate::field::{Evaluator, Quantity, Request, Stages};
 use crate::picture::figure::Format;
 use crate::picture::{export, sheet as page};
 use crate::studio::figure::{Panel, Subject, Wish};
 use crate::studio::{map, output, sheet};
-use crate::ui::part::wake;
-use crate::ui::{Dialog, Piece, Preview, figure, sound, timeline};
+use crate::ui::{Dialog, Piece, figure, sound, timeline};
 
 const SHEET_WIDTH: usize = 1600;
 
@@ -117,19 +116,7 @@ impl Window {
             Ok(recipe) => recipe,
             Err(error) => return self.shown.figure = Some(Err(format!("{error:#}"))),
         };
-        let Previews { later, shown } = &mut self.previews;
-        later.collect();
-        later.ask(&recipe, wake(ctx), |recipe| recipe.preview().map_err(|error| format!("{error:#}")));
-        let Some(made) = later.get(&recipe) else { return };
-        if shown.as_ref() == Some(&recipe) {
-            return;
-        }
-        self.shown.figure = Some(made.clone().map(|(picture, size)| {
-            let texture = ctx.load_texture("figure", image(&picture), TextureOptions::LINEAR);
-            Preview { texture, size }
-        }));
-        *shown = Some(recipe);
-        ctx.request_repaint();
+        self.previews.update(recipe, Recipe::preview, &mut self.shown.figure, ctx);
     }
 
     /// Writes the figure on a thread.
@@ -169,7 +156,7 @@ impl Window {
         });
     }
 
-    fn print(
+    pub(super) fn print(
         &mut self,
         path: &Path,
         ctx: &egui::Context,

@@ -11,8 +11,9 @@ use eframe::egui;
 use crate::app::browser;
 use crate::app::errand::{Errand, Film, Outcome};
 use crate::app::examples::{EXAMPLES, example, linked};
-use crate::app::figure::Previews;
+use crate::app::figure::{Previews, Recipe};
 use crate::app::link::Board;
+use crate::app::measuring::MeasuredFigures;
 use crate::app::recovery::Recovery;
 use crate::app::screen::Screen;
 use crate::app::serving::Serving;
@@ -56,7 +57,8 @@ pub struct Window {
     pub(super) errands: Vec<Errand<Outcome>>,
     pub(super) thumbnails: Thumbnails,
     pub(super) filming: Option<Film>,
-    pub(super) previews: Previews,
+    pub(super) previews: Previews<Recipe>,
+    pub(super) measured: MeasuredFigures,
     /// Destination of the editor if the drawing device is lost.
     pub(super) legacy: Option<Legacy>,
 }
@@ -107,6 +109,7 @@ impl Window {
             thumbnails: Thumbnails::default(),
             filming: None,
             previews: Previews::default(),
+            measured: MeasuredFigures::default(),
             legacy: None,
         }
     }
@@ -192,6 +195,7 @@ impl Window {
         self.workshop.is_busy()
             || self.editor.parts.is_running()
             || self.previews.is_busy()
+            || self.measured.is_busy()
             || !self.errands.is_empty()
     }
 
@@ -222,6 +226,8 @@ impl Window {
             Command::OpenDrive(path) => self.read_drive(path, ctx),
             Command::Waveform(path) => self.read_waveform(path, ctx),
             Command::Thresholds(path) => self.read_thresholds(path, ctx),
+            Command::OpenScan(path) => self.open_scan(path),
+            Command::OpenScanDrive(path) => self.editor.parts.measuring.take_drive(Some(path)),
             Command::Export(export, path) => self.export(export, &path, ctx),
             Command::CopyFigure => self.copy_figure(ctx),
             Command::CallOff => self.filming.iter().for_each(|film| film.progress.call_off()),
@@ -439,6 +445,7 @@ impl Window {
             self.editor.document.settle();
         }
         self.preview_figure(&ctx);
+        self.preview_measured(&ctx);
         self.name_window(&ctx);
         self.keep(&ctx);
         self.keep_settings(&ctx);

@@ -26,6 +26,7 @@ use crate::rounding::millimetres;
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::studio::convention::Convention;
 use crate::studio::evaluator::or_by_cpu;
+use crate::studio::scattered::Scattered;
 use crate::studio::space::Prospect;
 use crate::studio::{liquid, map, width};
 
@@ -147,6 +148,8 @@ pub enum Subject {
     /// A liquid's surface as light falls on it.
     Shaded(Request),
     Space(Box<Prospect>),
+    /// Readings, or their differences from a model.
+    Scattered(Box<Scattered>),
     /// A plot that needs no field.
     Plot(Box<Plot>),
 }
@@ -183,7 +186,7 @@ pub fn draw(
         // One bar beside the maps of a row.
         let end = panels.len().min(index - index % columns + columns);
         let mut rest = panels[index + 1..end].iter();
-        let is_last = !rest.any(|panel| matches!(panel.subject, Subject::Map { .. }));
+        let is_last = !rest.any(|panel| panel.subject.shares_range());
         blank.push(page::Panel { title, plot: subject.blank(wish, is_last)? });
     }
     let title = wish.title.clone().filter(|title| !title.trim().is_empty());
@@ -198,13 +201,20 @@ pub fn draw(
     let largest = Largest {
         value: of_all(|made| match made {
             Made::Map(_, MapOf { map, .. }) => map.peak,
-            Made::Difference(..) | Made::Shaded(..) | Made::Space(..) | Made::Plot => 0.0,
+            Made::Scattered(scattered, values, _) if !scattered.is_difference => largest(values),
+            Made::Difference(..)
+            | Made::Scattered(..)
+            | Made::Shaded(..)
+            | Made::Space(..)
+            | Made::Plot => 0.0,
         }),
         depth: of_all(|made| match made {
-            Made::Shaded(_, MapOf { map, .. }, _) => {
-                map.values.iter().fold(0.0, |most, depth| most.max(depth.abs()))
-            }
-            Made::Map(..) | Made::Difference(..) | Made::Space(..) | Made::Plot => 0.0,
+            Made::Shaded(_, MapOf { map, .. }, _) => largest(&map.values),
+            Made::Map(..)
+            | Made::Difference(..)
+            | Made::Scattered(..)
+            | Made::Space(..)
+            | Made::Plot => 0.0,
         }),
     };
     let mut pictures = Vec::new();
@@ -217,7 +227,7 @@ pub fn draw(
     }
     let maps = made.into_iter().filter_map(|made| match made {
         Made::Map(_, map) | Made::Shaded(_, map, _) => Some(map),
-        Made::Difference(..) | Made::Space(..) | Made::Plot => None,
+        Made::Difference(..) | Made::Scattered(..) | Made::Space(..) | Made::Plot => None,
     });
     Ok(Drawn { maps: maps.collect(), figure: page.figure(pictures) })
 }
@@ -233,6 +243,8 @@ enum Made<'a> {
     Map(&'a Request, MapOf),
     /// Values, and how many are in a row.
     Difference(&'a Request, Vec<f32>, usize),
+    /// Values of pixels, and how many are in a row.
+    Scattered(&'a Scattered, Vec<f32>, usize),
     /// For a picture of so many pixels.
     Shaded(&'a Request, MapOf, [usize; 2]),
     Space(&'a Prospect, [usize; 2]),
@@ -256,12 +268,20 @@ impl Made<'_> {
             (Self::Difference(request, values, width), Plot::Map(content)) => {
                 Some(subtracted(content, request.quantity, (values, *width), wish))
             }
+            (Self::Scattered(scattered, values, width), Plot::Map(content)) => {
+                Some(scattered_picture(content, (scattered, values, *width), largest.value, wish))
+            }
             (Self::Shaded(request, MapOf { map, .. }, size), Plot::Surface(surface)) => {
                 Some(shaded(surface, (request, map, largest.depth), *size, wish))
             }
             (Self::Space(prospect, size), Plot::Space(space)) => Some(viewed(space, prospect, *size, wish)),
             (
-                Self::Map(..) | Self::Difference(..) | Self::Shaded(..) | Self::Space(..) | Self::Plot,
+                Self::Map(..)
+                | Self::Difference(..)
+                | Self::Scattered(..)
+                | Self::Shaded(..)
+                | Self::Space(..)
+                | Self::Plot,
                 Plot::Map(_)
                 | Plot::Surface(_)
                 | Plot::Space(_)
@@ -274,6 +294,15 @@ impl Made<'_> {
 }
 
 impl Subject {
+    /// Whether it has the colours and the bar of the maps beside it.
+    fn shares_range(&self) -> bool {
+        match self {
+            Self::Map { .. } => true,
+            Self::Scattered(scattered) => !scattered.is_difference,
+            Self::Difference(_) | Self::Shaded(_) | Self::Space(_) | Self::Plot(_) => false,
+        }
+    }
+
     /// The plot without what depends on values.
     fn blank(&self, wish: &Wish, has_bar: bool) -> anyhow::Result<Plot> {
         Ok(match self {
@@ -301,6 +330,16 @@ impl Subject {
                 let shape = prospect.points.y / prospect.points.x;
                 Plot::Space(Space { shape, bar, is_light: wish.is_light, ..Space::default() })
             }
+            Self::Scattered(scattered) => {
+                let has_bar = wish.has_colour_bar && (has_bar || scattered.is_difference);
+                let bar = || law_of(scattered, wish, 1.0).bar(colours_of(scattered, wish));
+                Plot::Map(Content {
+                    axes: sheet::axes(&scattered.plane),
+                    bar: has_bar.then(bar),
+                    is_light: wish.is_light,
+                    ..Content::default()
+                })
+            }
             Self::Plot(plot) => Plot::clone(plot),
         })
     }
@@ -323,6 +362,9 @@ impl Subject {
                 Made::Shaded(request, map, [width, height])
             }
             Self::Space(prospect) => Made::Space(prospect, [width, height]),
+            Self::Scattered(scattered) => {
+                Made::Scattered(scattered, scattered.pixels(width, height), width)
+            }
             Self::Plot(_) => Made::Plot,
         })
     }
@@ -401,6 +443,44 @@ fn subtracted(
     let law = Law::of_difference(quantity, wish, largest.into());
     let table = ColourMap::Diverging.on(wish.is_light);
     let colours: Vec<u8> = values.iter().flat_map(|&value| table[law.place(value.into())]).collect();
+    if let Some(bar) = &mut content.bar {
+        *bar = law.bar(table);
+    }
+    Picture::from_field_order(width, values.len() / width.max(1), &colours)
+}
+
+/// The largest modulus of some values.
+fn largest(values: &[f32]) -> f32 {
+    values.iter().filter(|value| !value.is_nan()).fold(0.0, |most, value| most.max(value.abs()))
+}
+
+fn law_of(scattered: &Scattered, wish: &Wish, peak: f64) -> Law {
+    match scattered.is_difference {
+        true => Law::of_difference(scattered.quantity, wish, peak),
+        false => Law::new((scattered.quantity, scattered.quantity.declaration().range), wish, peak),
+    }
+}
+
+fn colours_of(scattered: &Scattered, wish: &Wish) -> [[u8; 4]; 256] {
+    match scattered.is_difference {
+        true => ColourMap::Diverging.on(wish.is_light),
+        false => table(scattered.quantity, wish),
+    }
+}
+
+/// The picture of readings, with its bar. A difference has the range of the values, so that both are seen on one scale.
+fn scattered_picture(
+    content: &mut Content,
+    (scattered, values, width): (&Scattered, &[f32], usize),
+    peak: f64,
+    wish: &Wish,
+) -> Picture {
+    /// Far from all readings.
+    const UNREAD: [u8; 4] = [120, 120, 124, 255];
+    let law = law_of(scattered, wish, peak);
+    let table = colours_of(scattered, wish);
+    let colour = |&value: &f32| if value.is_nan() { UNREAD } else { table[law.place(value.into())] };
+    let colours: Vec<u8> = values.iter().flat_map(colour).collect();
     if let Some(bar) = &mut content.bar {
         *bar = law.bar(table);
     }

@@ -188,6 +188,8 @@ impl Action {
             Self::Export(Export::Drive) => "Phases and amplitudes (CSV)…",
             Self::Export(Export::Profile) => "Line profile (CSV)…",
             Self::Export(Export::Elements) => "Elements (CSV)…",
+            Self::Export(Export::Calibration { .. }) => "Calibration of the measured field (CSV)…",
+            Self::Export(Export::Report) => "Report of the measured field…",
             Self::Export(Export::Motion(_)) => "Motion…",
             Self::Tool(tool) => tool.into_str(),
             Self::SmallerBrush => "Smaller brush",

@@ -7,6 +7,7 @@ use crate::picture::figure::Format;
 use crate::source;
 use crate::studio::animate::Kind;
 use crate::studio::opening;
+use crate::table::Table;
 use crate::ui::board::BoardCommand;
 
 /// Extensions of drawings.
@@ -37,6 +38,10 @@ pub enum Command {
     TakeWiring(PathBuf),
     /// Plays the drives of a file instead of solved ones.
     OpenDrive(PathBuf),
+    /// Fits the array to the readings of a microphone.
+    OpenScan(PathBuf),
+    /// Takes the drives that were played during the scan.
+    OpenScanDrive(PathBuf),
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
@@ -95,6 +100,10 @@ pub enum Export {
     Profile,
     /// Positions and directions of the elements.
     Elements,
+    /// Corrections by a measured field, for the board of the Device page if it is to use them.
+    Calibration { is_used: bool },
+    /// Words and figure of a measured field.
+    Report,
     /// Every frame of the displayed motion, with the options of [`crate::ui::Editor::film`].
     Motion(Kind),
 }
@@ -102,6 +111,17 @@ pub enum Export {
 /// Whether a file is a table of drives, by its columns.
 fn is_drive(path: &Path) -> bool {
     source::open(path).is_ok_and(drive::is_table)
+}
+
+/// Whether a file is a scan of a microphone, by its columns: places with readings, and no elements or frames.
+fn is_scan(path: &Path) -> bool {
+    const COLUMNS: [&str; 9] = ["element", "frame", "time", "nx", "re", "im", "amplitude", "rms", "level"];
+    let Ok(file) = source::open(path) else { return false };
+    Table::open(file, ["x", "y", "z"], COLUMNS).is_ok_and(|table| {
+        let has_any = |names: &[&str]| names.iter().any(|name| table.has(name));
+        let has_readings = has_any(&["amplitude", "rms", "level"]) || (table.has("re") && table.has("im"));
+        has_readings && !has_any(&["element", "frame", "time", "nx"])
+    })
 }
 
 /// The purpose of a file dialog.
@@ -117,6 +137,10 @@ pub enum Purpose {
     Wiring,
     /// Drives to be played instead of solved ones.
     Drive,
+    /// Readings of a microphone.
+    Scan,
+    /// Drives that were played during the scan.
+    ScanDrive,
     /// Waveform of the modulation.
     Waveform,
     /// Thresholds of the skin.
@@ -130,6 +154,7 @@ impl Purpose {
         let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         match ending.as_str() {
             drawing if IMPORTED.contains(&drawing) => Self::Import,
+            table if DRIVES.contains(&table) && is_scan(path) => Self::Scan,
             table if DRIVES.contains(&table) && is_drive(path) => Self::Drive,
             table if ELEMENTS.contains(&table) => Self::Elements,
             _ => Self::Open,
@@ -143,6 +168,8 @@ impl Purpose {
             Self::Elements => "Open a table of elements (CSV, or PAT of OpenMPD)",
             Self::Wiring => "Open a wiring (CSV with element and channel, or PAT of OpenMPD)",
             Self::Drive => "Open a drive: phases and amplitudes of the elements (CSV)",
+            Self::Scan => "Open a scan: readings of a microphone (CSV)",
+            Self::ScanDrive => "Open the drives that were played during the scan (CSV)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Waveform => "Open a waveform of the modulation (WAV)",
             Self::Thresholds => "Open thresholds (CSV with frequency in Hz and displacement in m, peak)",
@@ -153,6 +180,8 @@ impl Purpose {
             Self::Export(Export::Drive) => "Export phases and amplitudes as CSV",
             Self::Export(Export::Elements) => "Export the elements as CSV",
             Self::Export(Export::Profile) => "Export the line profile as CSV",
+            Self::Export(Export::Calibration { .. }) => "Save the calibration as CSV",
+            Self::Export(Export::Report) => "Save the report as PDF, HTML, SVG or PNG",
             Self::Export(Export::Motion(_)) => "Export the motion",
         }
     }
@@ -163,14 +192,17 @@ impl Purpose {
             Self::Open | Self::SaveAs => opening::ENDINGS,
             Self::Import => IMPORTED,
             Self::Elements | Self::Wiring => ELEMENTS,
-            Self::Drive => DRIVES,
+            Self::Drive | Self::Scan | Self::ScanDrive => DRIVES,
             Self::Waveform => &["wav"],
             Self::Thresholds => &["csv"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
             Self::Export(Export::Numbers) => &["npy"],
-            Self::Export(Export::Drive | Export::Profile | Export::Elements) => &["csv"],
+            Self::Export(Export::Drive | Export::Profile | Export::Elements | Export::Calibration { .. }) => {
+                &["csv"]
+            }
+            Self::Export(Export::Report) => &["pdf", "html", "svg", "png"],
             Self::Export(Export::Motion(kind)) => kind.endings(),
         }
     }
@@ -184,6 +216,8 @@ impl Purpose {
                 | Self::Elements
                 | Self::Wiring
                 | Self::Drive
+                | Self::Scan
+                | Self::ScanDrive
                 | Self::Waveform
                 | Self::Thresholds
         )
@@ -191,8 +225,8 @@ impl Purpose {
 
     pub(super) fn verb(self) -> &'static str {
         match self {
-            Self::Open | Self::Drive => "Open",
-            Self::SaveAs => "Save",
+            Self::Open | Self::Drive | Self::Scan | Self::ScanDrive => "Open",
+            Self::SaveAs | Self::Export(Export::Calibration { .. } | Export::Report) => "Save",
             Self::Import | Self::Elements | Self::Wiring | Self::Waveform | Self::Thresholds => "Read",
             Self::Export(_) => "Export",
         }
@@ -206,6 +240,8 @@ impl Purpose {
             Self::Elements => Command::TakeElements(path),
             Self::Wiring => Command::TakeWiring(path),
             Self::Drive => Command::OpenDrive(path),
+            Self::Scan => Command::OpenScan(path),
+            Self::ScanDrive => Command::OpenScanDrive(path),
             Self::Waveform => Command::Waveform(path),
             Self::Thresholds => Command::Thresholds(path),
             Self::Export(export) => Command::Export(export, path),

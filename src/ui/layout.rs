@@ -15,6 +15,7 @@ pub enum Panel {
     Motion,
     Felt,
     Device,
+    Measure,
 }
 
 /// Sizes of resizable panels in points.

@@ -367,6 +367,7 @@ impl<'a> Plot<'a> {
                 Axis { ends: self.values, label },
             ],
             points: values(&|i| profile.values[i]),
+            dots: Vec::new(),
             limits: profile.band.as_ref().map(|band| [0, 1].map(|edge| values(&|i| band[i][edge]))),
             places: self.foci().map(|place| place * 1e3).collect(),
             width,

@@ -60,6 +60,9 @@ pub struct Shown {
     pub export: Option<(String, f32)>,
     /// The preview in the figure dialog, or an error; `None` while pending.
     pub figure: Option<Result<Preview, String>>,
+    /// The figure of a measured field on its page, and the enlarged one.
+    pub measured: Option<Result<Preview, String>>,
+    pub measured_large: Option<Result<Preview, String>>,
 }
 
 /// An example in menus and galleries.

@@ -147,6 +147,11 @@ pub fn focus_ring() -> Stroke {
     Stroke::new(2.0, CHOSEN)
 }
 
+/// The colour of a good result that is visible on the panel.
+pub fn good(visuals: &Visuals) -> Color32 {
+    if visuals.dark_mode { Color32::from_rgb(92, 200, 120) } else { Color32::from_rgb(24, 128, 56) }
+}
+
 /// The colour of a warning that is readable on the panel.
 pub fn warning(visuals: &Visuals) -> Color32 {
     if visuals.dark_mode { Color32::from_rgb(255, 190, 80) } else { Color32::from_rgb(160, 84, 0) }

@@ -21,6 +21,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("surface", &["num_complex", "rayon", "sonoglyph_fourier"]),
     ("field", &["bytemuck", "glam", "num_complex", "rayon", "serde", "sonoglyph_fourier", "thiserror"]),
     ("solver", &["glam", "num_complex", "rayon", "serde", "thiserror", "web_time"]),
+    ("measure", &["glam", "num_complex", "rayon", "strum", "thiserror"]),
     ("field::gpu", &["bytemuck", "glam", "naga", "num_complex", "pollster", "thiserror", "wgpu"]),
     (
         "picture",

@@ -22,7 +22,7 @@ impl egui::DroppedFile for Dropped {
     }
 }
 
-fn drop_file(screen: &mut Screen, path: &Path) {
+pub fn drop_file(screen: &mut Screen, path: &Path) {
     screen.input_mut().dropped_files.push(Arc::new(Dropped(path.to_owned())));
     screen.step();
     rest(screen);

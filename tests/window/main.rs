@@ -20,6 +20,7 @@ mod felt;
 mod figure;
 mod files;
 mod gpu;
+mod measure;
 mod motion;
 #[cfg(all(unix, feature = "cli"))]
 mod parity;
@@ -423,7 +424,7 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     screen.state_mut().editor_mut().dialog = Some(Dialog::Path { purpose, text });
     rest(screen);
     let verb = match purpose {
-        Purpose::Open | Purpose::Drive => "Open",
+        Purpose::Open | Purpose::Drive | Purpose::Scan | Purpose::ScanDrive => "Open",
         Purpose::Elements | Purpose::Wiring | Purpose::Import | Purpose::Waveform | Purpose::Thresholds => {
             "Read"
         }

@@ -52,6 +52,19 @@ impl Parameter {
         self.into_str()
     }
 
+    /// The standard deviation that it has about its nominal value before anything is measured, in its unit.
+    pub fn scatter(self, nominal: &Bench) -> f64 {
+        match self {
+            Self::X | Self::Y | Self::Z => 5e-3,
+            Self::TiltX | Self::TiltY => 0.05,
+            // 5 K of air.
+            Self::SoundSpeed => 0.009 * nominal.at(self),
+            Self::Radius => 0.2 * nominal.at(self).max(1e-4),
+            // A membrane of 5 mm.
+            Self::WidthSquared => 2.5e-5,
+        }
+    }
+
     /// A step of finite differences, in its unit.
     pub(super) fn step(self) -> f64 {
         match self {

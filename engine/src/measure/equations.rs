@@ -53,6 +53,12 @@ impl Equations {
         Self { size, matrix, right }
     }
 
+    /// Adds an observation of one unknown: its weight, and how much more than its present value was observed.
+    pub fn observe(&mut self, unknown: usize, weight: f64, off: f64) {
+        self.matrix[unknown * self.size + unknown] += weight;
+        self.right[unknown] += weight * off;
+    }
+
     /// An entry on or above the diagonal.
     pub fn at(&self, row: usize, column: usize) -> f64 {
         self.matrix[row * self.size + column]

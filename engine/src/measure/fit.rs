@@ -27,6 +27,8 @@ const DAMPING: [f64; 3] = [1e-3, 1e-10, 1e6];
 const VAGUE: f64 = 0.35;
 /// Signal-to-noise that is assumed before anything is known: 30 dB.
 const USUAL_NOISE: f64 = 0.031_622_8;
+/// Part of a parameter's scatter below which its error is what readings tell.
+const TOLD: f64 = 0.7;
 /// Rms error of a phase of which nothing is known, rad.
 const UNKNOWN_PHASE: f64 = 1.813_799;
 
@@ -37,9 +39,12 @@ pub struct Search {
     pub free: Option<Vec<Parameter>>,
     /// Diameter of the microphone's disk, m, if it is known.
     pub width: Option<f64>,
+    /// Relative noise of the readings, complex, where no readings are to spare that would tell; 30 dB by default.
+    pub noise: Option<f64>,
 }
 
-/// A fitted value with its standard error, or one that is held with the error that it would have.
+/// A value with its standard error if no parameter of the bench is known better than the readings tell, whether it was
+/// fitted or held.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     pub value: f64,
@@ -108,7 +113,11 @@ pub fn fit(
     let vague = descent.vague(USUAL_NOISE * power);
     descent.each = vague.is_none();
     descent.search(search, gauge)?;
-    let variance = descent.variance();
+    let (rows, unknowns) = descent.freedom();
+    let variance = match rows > unknowns {
+        true => descent.variance(),
+        false => (search.noise.unwrap_or(USUAL_NOISE) * power).powi(2) / 2.0,
+    };
     Ok(descent.result(scene, vague, variance))
 }
 
@@ -147,6 +156,8 @@ struct Descent<'a> {
     /// Whether every element has its own gain; otherwise all have the same.
     each: bool,
     gains: Vec<Complex64>,
+    /// The nominal bench, about which the parameters are expected.
+    start: Bench,
     bench: Bench,
     transfer: Matrix,
     /// p of the model.
@@ -160,8 +171,8 @@ impl<'a> Descent<'a> {
         let transfer = forward.transfer(&bench);
         let gains = vec![Complex64::ONE; forward.elements()];
         let pressures = forward.pressures(&transfer, &gains);
-        let mut descent =
-            Self { forward, readings, each: true, gains, bench, transfer, pressures, free: Vec::new() };
+        let (each, free, start) = (true, Vec::new(), bench);
+        let mut descent = Self { forward, readings, each, gains, start, bench, transfer, pressures, free };
         let scale = descent.best_scale();
         descent.gains.iter_mut().chain(&mut descent.pressures).for_each(|value| *value *= scale);
         descent
@@ -246,9 +257,26 @@ impl<'a> Descent<'a> {
         (0..unknowns.div_ceil(BLOCK)).into_par_iter().map(block).collect()
     }
 
+    /// The equations of gains and some parameters, with what is known of these before: normal about their nominal values.
     fn equations(&self, parameters: &[Parameter]) -> Equations {
         let residual = self.residual(&self.pressures);
-        Equations::new(&self.columns(parameters), self.of_gains() + parameters.len(), &residual)
+        let of_gains = self.of_gains();
+        let mut equations = Equations::new(&self.columns(parameters), of_gains + parameters.len(), &residual);
+        let variance = self.variance();
+        for (index, &parameter) in parameters.iter().enumerate() {
+            let weight = variance / parameter.scatter(&self.start).powi(2);
+            let off = self.start.at(parameter) - self.bench.at(parameter);
+            equations.observe(of_gains + index, weight, off);
+        }
+        equations
+    }
+
+    /// The sum of squares that what is known of the free parameters adds, with this variance of a reading's part.
+    fn penalty(&self, bench: &Bench, variance: f64) -> f64 {
+        let off = |parameter: &Parameter| {
+            (bench.at(*parameter) - self.start.at(*parameter)) / parameter.scatter(&self.start)
+        };
+        variance * self.free.iter().map(off).map(|off| off * off).sum::<f64>()
     }
 
     /// The reason for which the elements cannot be told apart.
@@ -305,10 +333,11 @@ impl<'a> Descent<'a> {
     fn descend(&mut self, gauge: &Gauge) -> Result<(), MeasureError> {
         let sum = |residual: &[f64]| residual.iter().map(|r| r * r).sum::<f64>();
         let [mut damping, least, most] = DAMPING;
-        let mut cost = sum(&self.residual(&self.pressures));
         for step in 0..STEPS {
             gauge.tell(step.min(12), 12);
-            let equations = self.equations(&self.free.clone());
+            let equations = self.equations(&self.free);
+            let variance = self.variance();
+            let mut cost = sum(&self.residual(&self.pressures)) + self.penalty(&self.bench, variance);
             let before = cost;
             while damping < most {
                 if gauge.is_cancelled() {
@@ -316,8 +345,8 @@ impl<'a> Descent<'a> {
                 }
                 let next = equations.factor(equations.size, damping).map(|factor| {
                     let moved = self.moved(&factor.solve(&equations.right));
-                    let residual = sum(&self.residual(&moved.2));
-                    (moved, residual)
+                    let cost = sum(&self.residual(&moved.2)) + self.penalty(&moved.1, variance);
+                    (moved, cost)
                 });
                 match next {
                     Some(((gains, bench, pressures, transfer), own)) if own <= cost => {
@@ -377,7 +406,22 @@ impl<'a> Descent<'a> {
             done += 1;
             self.descend(&gauge.part(done..done + 1, parts))?;
         }
+        self.descend_anew(&gauge.part(parts - 1..parts, parts))?;
         gauge.tell(1, 1);
+        Ok(())
+    }
+
+    /// Descends once more from equal gains: those that were fitted at a wrong bench may be in a wrong minimum.
+    fn descend_anew(&mut self, gauge: &Gauge) -> Result<(), MeasureError> {
+        if self.free.is_empty() || !self.each || matches!(self.readings, Readings::Complex(_)) {
+            return Ok(());
+        }
+        let equal = Descent::new(self.forward, self.readings, self.bench);
+        let mut anew = Self { free: self.free.clone(), start: self.start, ..equal };
+        anew.descend(gauge)?;
+        if anew.variance() < self.variance() {
+            *self = anew;
+        }
         Ok(())
     }
 
@@ -468,7 +512,7 @@ impl<'a> Descent<'a> {
                 .sum();
             (variance * spread).max(0.0).sqrt()
         });
-        let (parameters, correlated) = self.parameters(&all, &equations, own.as_deref(), variance);
+        let (parameters, correlated) = self.parameters(&all, &equations, variance);
         let squares: f64 = self.residual(&self.pressures).iter().map(|r| r * r).sum();
         let model = match self.readings {
             Readings::Complex(_) => Readings::Complex(self.pressures.clone()),
@@ -496,18 +540,19 @@ impl<'a> Descent<'a> {
         &self,
         all: &[Parameter],
         equations: &Equations,
-        own: Option<&[Vec<f64>]>,
         variance: f64,
     ) -> ([Estimate; Parameter::COUNT], Vec<(Parameter, Parameter, f64)>) {
         let of_gains = self.of_gains();
-        // A microphone that is a point has no slope downwards; it is told apart from one that is wider.
+        // Those that are held may be wrong, too, as far as the readings tell.
         let joint = self.inverse(equations, of_gains + all.len());
         let estimate = |parameter: &Parameter| {
             let index = all.iter().position(|it| it == parameter).map_or(of_gains, |at| of_gains + at);
             let is_free = self.free.contains(parameter);
-            let inverse = if is_free { own } else { joint.as_deref() };
-            let spread = inverse.map_or(f64::INFINITY, |inverse| inverse[index][index]);
-            Estimate { value: self.bench.at(*parameter), error: (variance * spread).max(0.0).sqrt(), is_free }
+            let spread = joint.as_ref().map_or(f64::INFINITY, |inverse| inverse[index][index]);
+            let error = (variance * spread).max(0.0).sqrt();
+            // What is known no better than before, the readings do not tell.
+            let is_told = error < TOLD * parameter.scatter(&self.start);
+            Estimate { value: self.bench.at(*parameter), error: if is_told { error } else { f64::INFINITY }, is_free }
         };
         let mut correlated = Vec::new();
         if let Some(joint) = &joint {

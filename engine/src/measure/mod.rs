@@ -23,8 +23,10 @@
 //! that is wrong and not fitted leaves a residual. With v its column of the Jacobian less its projection on the others', r the
 //! residual at the optimum without it and σ² the variance of the readings, freeing it would lower the sum of squares by
 //! (r·v)²/(v·v), and (r·v)²/(v·v)/σ² is distributed as χ² of one degree of freedom if it is right. Parameters are freed in
-//! order of this figure while it exceeds [`fit::SIGNIFICANT`] (shifts across, and tilts, in pairs). What is held has the
-//! standard error that it would have if it were free.
+//! order of this figure while it exceeds [`SIGNIFICANT`] (shifts across, and tilts, in pairs). Standard
+//! errors of the bench are those with all its parameters unknown. Each parameter is also expected about its nominal value, normally with
+//! [`Parameter::scatter`], which counts like a reading: of two that explain the same, such as radius and speed of sound for
+//! one element's directivity, the likelier is chosen.
 //!
 //! # Errors
 //! Standard errors are those of the inverse of JᵀJ, σ² from the sum of squares over readings less unknowns; before a scan
@@ -32,6 +34,7 @@
 //! square of the readings over that of the noise of p, complex: a modulus and both parts have 1/√2 of it.
 
 mod bench;
+mod depression;
 mod equations;
 mod fit;
 mod forward;
@@ -40,6 +43,7 @@ mod scan;
 mod state;
 
 pub use bench::{Bench, Parameter};
+pub use depression::{DepressionFit, fit_depression};
 pub use fit::{Estimate, Fit, SIGNIFICANT, Search, Vague, fit};
 pub use scan::{MeasureError, Readings, Scan};
 pub use state::State;

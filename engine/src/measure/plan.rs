@@ -12,8 +12,8 @@ use crate::measure::forward::Forward;
 use crate::measure::scan::{MeasureError, Readings};
 use crate::scene::Scene;
 
-/// Phases of a random drive: every board's levels include a sixteenth of a turn or come within its own step of it.
-const PHASES: u64 = 16;
+/// Levels of a random drive's phases that most boards have among theirs.
+pub const LEVELS: u16 = 16;
 /// Wavelengths between a scan and the array, at least.
 const NEAREST: f64 = 3.0;
 /// Height of a scan over the longer side of the array.
@@ -71,8 +71,10 @@ impl Raster {
     }
 }
 
-/// Drives at full amplitude with random phases. Equal seeds make equal drives.
-pub fn random_drives(scene: &Scene, count: usize, seed: u64) -> Vec<Drive> {
+/// Drives at full amplitude with random phases, each one of some levels of a turn, so that a board that has them plays
+/// just these. Equal seeds make equal drives.
+pub fn random_drives(scene: &Scene, count: usize, levels: u16, seed: u64) -> Vec<Drive> {
+    let levels = u64::from(levels.max(2));
     let mut state = seed;
     // SplitMix64 (Steele, Lea and Flood, 2014): its sequence will be the same in years.
     let mut next = || {
@@ -86,7 +88,7 @@ pub fn random_drives(scene: &Scene, count: usize, seed: u64) -> Vec<Drive> {
     let mut drive = || {
         let phases: Vec<_> = driven
             .iter()
-            .map(|_| Complex64::from_polar(1.0, TAU * (next() % PHASES) as f64 / PHASES as f64))
+            .map(|_| Complex64::from_polar(1.0, TAU * (next() % levels) as f64 / levels as f64))
             .collect();
         Drive::uniform(scene.elements(), &driven, &phases)
     };

@@ -66,6 +66,30 @@ pub struct SendArgs {
     board: Option<usize>,
 }
 
+impl SendArgs {
+    /// Plays a drive without corrections, for a time or until Ctrl-C.
+    pub fn of_drive(
+        (scene, drive): (PathBuf, PathBuf),
+        port: PathBuf,
+        profile: Profile,
+        baud: Option<u32>,
+        seconds: Option<f64>,
+    ) -> Self {
+        Self {
+            scene,
+            ports: vec![port],
+            profile,
+            baud,
+            method: None,
+            drive: DriveArgs { drive: Some(drive) },
+            repeat: seconds.is_none(),
+            seconds,
+            calibrations: Vec::new(),
+            board: None,
+        }
+    }
+}
+
 pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     let source = Source { method: args.method, drive: args.drive.drive.as_deref() };
     let mut scene = read_scene(&args.scene, source, &mut Files::new())?;

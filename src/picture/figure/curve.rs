@@ -8,6 +8,9 @@ pub(in crate::picture) const SHAPE: f64 = 0.6;
 const CURVE: Ink = [0, 114, 178];
 const BAND: Ink = [150, 195, 222];
 const FAINT: Ink = [150, 150, 156];
+const DOT: Ink = [213, 94, 0];
+/// mm
+const DOT_RADIUS: f64 = 0.35;
 
 /// A curve with its axes.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -15,6 +18,8 @@ pub struct Curve {
     pub axes: [Axis; 2],
     /// On the axes.
     pub points: Vec<[f64; 2]>,
+    /// Readings beside the curve, on the axes.
+    pub dots: Vec<[f64; 2]>,
     /// Lower and upper limits of what the points scatter by, if known.
     pub limits: Option<[Vec<[f64; 2]>; 2]>,
     /// Places on the axis to the right that a line marks.
@@ -47,6 +52,10 @@ impl Curve {
             lines(&placed(limit), HAIRLINE, BAND);
         }
         lines(&placed(&self.points), STROKE, CURVE);
+        let [left, top, right, bottom] = room;
+        let is_inside = |[x, y]: &[f64; 2]| (left..=right).contains(x) && (top..=bottom).contains(y);
+        let dots = placed(&self.dots).into_iter().filter(is_inside);
+        pen.list.extend(dots.map(|centre| Mark::Disc { centre, radius: DOT_RADIUS, ink: DOT }));
         if let Some((ends, text)) = &self.width {
             pen.length(ends.map(|end| frame.place(&self.axes, end)), text, BLACK, room);
         }

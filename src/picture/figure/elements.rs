@@ -41,6 +41,16 @@ impl Elements {
         Self::new(scene, bar, amplitudes, |n| table[(of[n].clamp(0.0, 1.0) * 255.0).round() as usize])
     }
 
+    /// Values between two ends, NaN grey.
+    pub fn values(scene: &Scene, values: &[f64], ends: [f64; 2], label: &str, colours: ColourMap) -> Self {
+        let table = colours.table();
+        let bar = Bar { table, ends, label: label.to_owned(), numbers: None, mark: None };
+        let known: Vec<_> = values.iter().map(|value| f64::from(u8::from(!value.is_nan()))).collect();
+        let [low, high] = ends;
+        let place = |n: usize| ((values[n] - low) / (high - low)).clamp(0.0, 1.0) * 255.0;
+        Self::new(scene, bar, &known, |n| table[place(n).round() as usize])
+    }
+
     fn new(scene: &Scene, bar: Bar, amplitudes: &[f64], colour: impl Fn(usize) -> [u8; 4]) -> Self {
         let chart = chart::Chart::new(scene);
         let axis =

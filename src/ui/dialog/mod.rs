@@ -8,6 +8,7 @@ mod film;
 mod help;
 mod import;
 mod manual;
+mod measured;
 pub(crate) mod options;
 mod palette;
 pub(crate) mod state;
@@ -42,8 +43,10 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
     let is_palette = matches!(dialog, Dialog::Palette { .. });
     let area = if is_palette { area.anchor(Align2::CENTER_TOP, [0.0, 72.0]) } else { area };
     let modal = Modal::new(id).area(area).show(ctx, |ui| {
-        let is_page = matches!(dialog, Dialog::Examples | Dialog::Manual(_) | Dialog::Help);
-        let width = if is_page { 760.0_f32 } else { 480.0 };
+        let is_page =
+            matches!(dialog, Dialog::Examples | Dialog::Manual(_) | Dialog::Help | Dialog::Measured);
+        let wide = if dialog == Dialog::Measured { 1200.0_f32 } else { 760.0 };
+        let width = if is_page { wide } else { 480.0 };
         let width = width.min(ctx.content_rect().width() - 40.0);
         ui.set_width(width);
         match &mut dialog {
@@ -74,6 +77,11 @@ pub fn show(editor: &mut Editor, shown: &Shown, ctx: &Context, commands: &mut Ve
             }
             Dialog::Figure => stays = figure::show(editor, shown, ui, commands),
             Dialog::Film => stays = film::show(editor, shown, ui),
+            Dialog::Measured => {
+                measured::show(shown, ui);
+                ui.add_space(8.0);
+                stays = !answer(ui, ("Close", true), |_| ());
+            }
             Dialog::Examples => {
                 ui.heading("Examples");
                 let height = (ctx.content_rect().height() - 170.0).clamp(100.0, 620.0);

@@ -50,6 +50,8 @@ pub enum Dialog {
     Figure,
     /// Options of a film of the motion.
     Film,
+    /// The figure of a measured field, enlarged.
+    Measured,
     /// The examples with pictures.
     Examples,
     /// A page of the manual, by its index.

@@ -1,4 +1,4 @@
-//! The panel on the right: one page each for scene, solver, drive, liquid, motion, feeling and device.
+//! The panel on the right: one page each for scene, solver, drive, liquid, motion, feeling, device and measured field.
 
 mod boards;
 mod bring_up;
@@ -19,7 +19,7 @@ pub mod target;
 use egui::{ScrollArea, Ui};
 use strum::VariantArray;
 
-use crate::ui::{command::Command, editor::Editor, layout::Panel, shown::Shown};
+use crate::ui::{command::Command, editor::Editor, layout::Panel, parts::measuring, shown::Shown};
 
 pub use form::{DEGREES, MM, PERCENT, PLAIN, Unit, bare_number, caption, fact, form, number, value};
 
@@ -37,6 +37,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
                 Panel::Motion => "Motion of the targets, and modulation of the sound",
                 Panel::Felt => "What a hand feels",
                 Panel::Device => "The board that plays",
+                Panel::Measure => "What a microphone tells of the array",
             };
             ui.selectable_value(&mut editor.panel, panel, panel.into_str()).on_hover_text(tip);
         }
@@ -53,6 +54,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui, commands: &mut Vec<
             Panel::Motion => motion::show(editor, shown, ui),
             Panel::Felt => felt::show(editor, ui),
             Panel::Device => device::show(editor, shown, ui, commands),
+            Panel::Measure => measuring::panel::show(editor, shown, ui),
         }
         ui.add_space(12.0);
     });

@@ -44,7 +44,9 @@ impl Part for Feeling {
         let (is_shown, is_still) = match now.panel? {
             Panel::Felt => (true, false),
             Panel::Device => (felt::is_for_a_hand(now.scene), now.plays == Plays::Scene),
-            Panel::Scene | Panel::Solver | Panel::Drive | Panel::Liquid | Panel::Motion => (false, false),
+            Panel::Scene | Panel::Solver | Panel::Drive | Panel::Liquid | Panel::Motion | Panel::Measure => {
+                (false, false)
+            }
         };
         let scene = if is_still { at_rest(now.scene) } else { now.scene.clone() };
         let performance = match now.cycle.filter(|_| motion::moves(&scene)) {

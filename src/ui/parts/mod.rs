@@ -5,6 +5,7 @@ pub mod course;
 pub(crate) mod feeling;
 pub mod flight;
 pub mod levitation;
+pub mod measuring;
 mod nonlinear;
 pub(crate) mod radiation;
 mod ranges;
@@ -23,6 +24,7 @@ use crate::ui::parts::feeling::Feeling;
 use crate::ui::parts::flight::Release;
 use crate::ui::parts::levitation::Levitation;
 use crate::ui::parts::levitation::arrows::Arrows;
+use crate::ui::parts::measuring::Measuring;
 use crate::ui::parts::nonlinear::Harmonic;
 use crate::ui::parts::radiation::Radiation;
 use crate::ui::parts::ranges::FigureRanges;
@@ -46,6 +48,7 @@ pub struct Parts {
     pub flight: Derived<Release>,
     pub harmonic: Derived<Harmonic>,
     pub levitation: Derived<Levitation>,
+    pub measuring: Measuring,
     pub radiation: Derived<Radiation>,
     pub ranges: Derived<FigureRanges>,
     pub response: Derived<Response>,
@@ -56,7 +59,7 @@ pub struct Parts {
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 14] {
+    fn all(&self) -> [&dyn Background; 15] {
         let Self {
             arrows,
             bound,
@@ -65,6 +68,7 @@ impl Parts {
             flight,
             harmonic,
             levitation,
+            measuring,
             radiation,
             ranges,
             response,
@@ -74,12 +78,12 @@ impl Parts {
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, flight, harmonic, levitation, radiation, ranges, response,
-            survey, trade, waves, ways,
+            arrows, bound, course, feeling, flight, harmonic, levitation, measuring, radiation, ranges,
+            response, survey, trade, waves, ways,
         ]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 14] {
+    fn all_mut(&mut self) -> [&mut dyn Background; 15] {
         let Self {
             arrows,
             bound,
@@ -88,6 +92,7 @@ impl Parts {
             flight,
             harmonic,
             levitation,
+            measuring,
             radiation,
             ranges,
             response,
@@ -97,8 +102,8 @@ impl Parts {
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, flight, harmonic, levitation, radiation, ranges, response,
-            survey, trade, waves, ways,
+            arrows, bound, course, feeling, flight, harmonic, levitation, measuring, radiation, ranges,
+            response, survey, trade, waves, ways,
         ]
     }
 

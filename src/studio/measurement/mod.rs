@@ -1,5 +1,13 @@
 //! A measured field: what a fit says of elements and bench in words, JSON and a calibration, and what the correction wins.
 
+pub mod figure;
+pub mod liquid;
+pub mod plan;
+mod reading;
+pub mod report;
+
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use num_complex::Complex64;
 use serde_json::{Value, json};
@@ -7,7 +15,10 @@ use serde_json::{Value, json};
 use crate::acoustics::Aperture;
 use crate::device::calibration::Calibration;
 use crate::measure::{Estimate, Fit, Parameter, Readings, Scan, State};
+use crate::picture::figure::axes::signed;
 use crate::scene::{Correction, Scene};
+pub use figure::panels;
+pub use reading::{DRIVE, Reading, read};
 
 /// Signal-to-noise of a quiet bench, dB: a residual that is larger needs an explanation.
 const QUIET: f64 = 25.0;
@@ -17,6 +28,10 @@ const REPEATED: usize = 8;
 const CHANCE: f64 = 1.25;
 /// m: the focus by which corrections are judged is so far from the array's middle, or nearer before a small one.
 const JUDGED_AT: f64 = 0.1;
+
+/// The remark on a scan of one plane.
+const ONE_PLANE: &str = "one plane: speed of sound and height are hardly told apart from a curvature of the phases; give the \
+                         temperature, or scan a second plane 30 mm or more away";
 
 /// A fit with what is known about its scan besides.
 #[derive(Clone, Debug)]
@@ -47,8 +62,6 @@ pub struct Win {
     /// Pressure of a focus over that without corrections: with phases alone, and with gains, too.
     pub phases: f64,
     pub gains: f64,
-    /// Part of the pressure that the elements have with exact phases, before the correction.
-    pub before: f64,
 }
 
 impl Measured {
@@ -60,8 +73,19 @@ impl Measured {
         Self { scene, scan, fit, noise, is_focused }
     }
 
+    /// Whether the scan tells gains and phases of the elements.
     pub fn is_identifiable(&self) -> bool {
-        self.fit.vague.is_none()
+        self.unidentifiable().is_none()
+    }
+
+    /// The reason for which it does not.
+    pub fn unidentifiable(&self) -> Option<String> {
+        let has_lost_its_way = self.is_focused && self.verdict() == Verdict::SomethingElse;
+        let lost = || "a focus dominates the readings, which have no phases, and the fit does not explain them";
+        match &self.fit.vague {
+            Some(vague) => Some(vague.to_string()),
+            None => has_lost_its_way.then(|| lost().to_owned()),
+        }
     }
 
     pub fn verdict(&self) -> Verdict {
@@ -135,22 +159,26 @@ impl Measured {
         let normal = aperture.normals.iter().sum::<DVec3>().normalize_or_zero();
         let transfer = aperture.transfer(&[middle + JUDGED_AT * normal]);
         let level = self.equal_gain();
-        let (mut before, mut phases, mut gains, mut all) = (Complex64::ZERO, 0.0, 0.0, 0.0);
+        let (mut before, mut phases, mut gains) = (Complex64::ZERO, 0.0, 0.0);
         for (h, &n) in transfer.row(0).zip(&aperture.driven) {
             let g = self.fit.gains[n];
             before += h.norm() * g;
-            all += h.norm() * g.norm();
             if self.fit.states[n] != State::Dead {
                 phases += h.norm() * g.norm();
                 gains += h.norm() * g.norm().min(level);
             }
         }
         let before = before.norm().max(f64::MIN_POSITIVE);
-        Win { phases: phases / before, gains: gains / before, before: before / all }
+        Win { phases: phases / before, gains: gains / before }
     }
 
     /// What was found, a line each.
     pub fn lines(&self) -> Vec<String> {
+        self.findings().into_iter().chain(self.bench()).collect()
+    }
+
+    /// What the readings tell of the model and the elements, a line each.
+    pub fn findings(&self) -> Vec<String> {
         let fit = &self.fit;
         let mut lines = Vec::new();
         let percent = |part: f64| format!("{:.2} %", 100.0 * part);
@@ -170,18 +198,23 @@ impl Measured {
                     self.living().filter(|&n| fit.states[n] == State::Good).map(|n| fit.gains[n].arg()).collect();
                 let gains: Vec<_> =
                     self.living().filter(|&n| fit.states[n] == State::Good).map(|n| fit.gains[n].norm() - 1.0).collect();
-                lines.push(format!(
-                    "{} elements: phases {:.1}° rms (± {:.2}°), gains {:.1} % rms",
-                    self.living().count() + self.count(State::Dead),
-                    rms(&phases).to_degrees(),
-                    fit.phase_error.to_degrees(),
-                    100.0 * rms(&gains)
-                ));
+                let driven = self.living().count() + self.count(State::Dead);
+                if driven > 1 {
+                    lines.push(format!(
+                        "{driven} elements: phases {:.1}° rms (± {:.2}°), gains {:.1} % rms",
+                        rms(&phases).to_degrees(),
+                        fit.phase_error.to_degrees(),
+                        100.0 * rms(&gains)
+                    ));
+                }
                 for (state, words) in [(State::Dead, "dead"), (State::Reversed, "reversed"), (State::Undriven, "never driven")] {
                     let own = self.elements(state);
                     if !own.is_empty() {
                         lines.push(format!("{words}: {}", listed(&own)));
                     }
+                }
+                if driven == 1 {
+                    return lines;
                 }
                 let win = self.win();
                 lines.push(format!(
@@ -191,39 +224,74 @@ impl Measured {
                 ));
             }
         }
+        lines
+    }
+
+    /// Strength and bench, a line for each that was fitted and one for those that were not.
+    pub fn bench(&self) -> Vec<String> {
         let strength = self.strength();
-        lines.push(format!(
+        let mut lines = vec![format!(
             "strength {:.3} ± {:.3} Pa·m (scene {} Pa·m)",
             strength.value, strength.error, self.scene.array.strength
-        ));
-        for parameter in Parameter::ALL {
-            lines.push(self.line(parameter));
+        )];
+        let (free, held): (Vec<_>, Vec<_>) =
+            Parameter::ALL.into_iter().partition(|parameter| self.parameter(*parameter).is_free);
+        lines.extend(free.into_iter().map(|parameter| {
+            let [value, error] = self.text(parameter);
+            let (words, unit) = words(parameter);
+            let air = match parameter {
+                Parameter::SoundSpeed => format!(" (air at {:.1} °C)", self.temperature()),
+                Parameter::X
+                | Parameter::Y
+                | Parameter::Z
+                | Parameter::TiltX
+                | Parameter::TiltY
+                | Parameter::Radius
+                | Parameter::WidthSquared => String::new(),
+            };
+            format!("{words} {value} ± {error} {unit}{air}")
+        }));
+        // What no reading speaks of has no error.
+        let held: Vec<_> = held
+            .into_iter()
+            .filter(|parameter| self.parameter(*parameter).error.is_finite())
+            .map(|parameter| {
+                let [value, error] = self.text(parameter);
+                let (words, unit) = words(parameter);
+                format!("{words} {value} ± {error} {unit}")
+            })
+            .collect();
+        if !held.is_empty() {
+            lines.push(format!("held, as the readings ask for no other: {}", held.join(", ")));
         }
         lines
     }
 
-    fn line(&self, parameter: Parameter) -> String {
-        let Estimate { value, error, is_free } = self.parameter(parameter);
+    /// A parameter and its error as numbers in the unit of [`words`].
+    fn text(&self, parameter: Parameter) -> [String; 2] {
+        let Estimate { value, error, .. } = self.parameter(parameter);
         let (value, error) = stated(parameter, value, error);
-        let (words, unit) = words(parameter);
-        let decimals = if error.is_finite() && error > 0.0 { (1.5 - error.log10()).clamp(0.0, 5.0) as usize } else { 2 };
-        let remark = match (is_free, parameter) {
-            (true, Parameter::SoundSpeed) => format!(" (air at {:.1} °C)", self.temperature()),
-            (true, _) => String::new(),
-            (false, _) => " held: the readings do not ask for another".to_owned(),
-        };
-        let error = match error.is_finite() {
-            true => format!(" ± {error:.decimals$}"),
-            false => String::new(),
-        };
-        format!("{words} {value:.decimals$}{error} {unit}{remark}")
+        numbers(value, error)
+    }
+
+    /// Whether all readings are on one plane, and gains were fitted.
+    fn has_one_plane(&self) -> bool {
+        let is_moved = self.scan.points.iter().any(|point| point.distance(self.scan.points[0]) > 0.0);
+        is_moved && self.scan.planes().len() == 1 && self.fit.vague.is_none() && self.fit.gains.len() > 1
+    }
+
+    /// Remarks that are no reasons for care, a line each.
+    pub fn notes(&self) -> Vec<String> {
+        let is_free = |parameter| self.parameter(parameter).is_free;
+        let holds = !is_free(Parameter::SoundSpeed) && !is_free(Parameter::Z);
+        (self.has_one_plane() && holds).then(|| ONE_PLANE.to_owned()).into_iter().collect()
     }
 
     /// Reasons for care, a line each.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Vec::new();
-        if let Some(vague) = &self.fit.vague {
-            warnings.push(format!("gains and phases of the elements are not identifiable: {vague}"));
+        if let Some(reason) = self.unidentifiable() {
+            warnings.push(format!("gains and phases of the elements are not identifiable: {reason}"));
         }
         if self.is_focused {
             warnings.push(
@@ -232,12 +300,9 @@ impl Measured {
                     .to_owned(),
             );
         }
-        if self.scan.planes().len() == 1 && self.is_identifiable() {
-            warnings.push(
-                "one plane: speed of sound and height are hardly told apart from a curvature of the phases; give the \
-                 temperature, or scan a second plane 30 mm or more away"
-                    .to_owned(),
-            );
+        let is_free = |parameter| self.parameter(parameter).is_free;
+        if self.has_one_plane() && (is_free(Parameter::SoundSpeed) || is_free(Parameter::Z)) {
+            warnings.push(ONE_PLANE.to_owned());
         }
         for (one, other, correlation) in &self.fit.correlated {
             let free = |it: &Parameter| self.parameter(*it).is_free;
@@ -310,13 +375,14 @@ impl Measured {
             "identifiable": self.is_identifiable(),
             "win": { "phases": win.phases, "gains": win.gains },
             "warnings": self.warnings(),
+            "notes": self.notes(),
         })
     }
 }
 
 /// The relative noise of readings taken more than once, complex.
 fn repeated(scan: &Scan) -> Option<f64> {
-    let mut of_place: std::collections::BTreeMap<_, Vec<usize>> = std::collections::BTreeMap::new();
+    let mut of_place: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     for (index, (point, drive)) in scan.points.iter().zip(&scan.drives).enumerate() {
         of_place.entry((point.to_array().map(f64::to_bits), *drive)).or_default().push(index);
     }
@@ -363,8 +429,15 @@ fn words(parameter: Parameter) -> (&'static str, &'static str) {
     }
 }
 
+/// A value and its standard error with as many decimals as the error has.
+fn numbers(value: f64, error: f64) -> [String; 2] {
+    let known = error.is_finite() && error > 0.0;
+    let decimals = if known { (1.5 - error.log10()).clamp(0.0, 5.0) as usize } else { 2 };
+    [signed(&format!("{value:.decimals$}")), if known { format!("{error:.decimals$}") } else { "–".to_owned() }]
+}
+
 fn listed(numbers: &[usize]) -> String {
-    const MOST: usize = 24;
+    const MOST: usize = 16;
     let shown: Vec<_> = numbers.iter().take(MOST).map(ToString::to_string).collect();
     let rest = numbers.len().saturating_sub(MOST);
     format!("{}{}", shown.join(", "), if rest > 0 { format!(" and {rest} more") } else { String::new() })

@@ -1,0 +1,149 @@
+//! Scans of the Measure page: opening them, their calibrations, and their figures.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use anyhow::{Context, anyhow, bail};
+use eframe::egui;
+
+use crate::app::figure::{Previews, Recipe};
+use crate::app::window::Window;
+use crate::picture::Picture;
+use crate::picture::figure::page::Plot;
+use crate::picture::figure::{Figure, Paper};
+use crate::studio::figure::{self, Subject, Wish};
+use crate::studio::measurement::report;
+use crate::ui::parts::measuring::Finding;
+use crate::ui::{Dialog, Panel};
+
+/// Width of the page's figure in mm and in pixels.
+const NARROW: f64 = 85.0;
+const PIXELS: f64 = 700.0;
+/// Pixels of a figure's height that every screen can show, at most.
+const TALLEST: f64 = 4096.0;
+
+/// A figure on the screen. A result is the same one or another.
+#[derive(Clone, Debug)]
+struct Sketch {
+    finding: Arc<Finding>,
+    title: String,
+}
+
+impl PartialEq for Sketch {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.finding, &other.finding) && self.title == other.title
+    }
+}
+
+impl Sketch {
+    /// The panels below each other, readable on the page, without what it has in words.
+    fn column(&self) -> anyhow::Result<(Picture, [f64; 2])> {
+        let is_table =
+            |subject: &Subject| matches!(subject, Subject::Plot(plot) if matches!(**plot, Plot::Table(_)));
+        let panels = self.finding.panels.iter().filter(|panel| !is_table(&panel.subject)).cloned().collect();
+        let paper = Paper { width: NARROW, dpi: PIXELS * 25.4 / NARROW };
+        let mut recipe = Recipe { panels, wish: Wish { paper, columns: Some(1), ..Wish::default() } };
+        let mut figure = recipe.figure()?;
+        let most = TALLEST * 25.4 / figure.size()[1].max(1.0);
+        if recipe.wish.paper.dpi > most {
+            recipe.wish.paper.dpi = most;
+            figure = recipe.figure()?;
+        }
+        drawn(&figure)
+    }
+
+    /// The figure as files have it.
+    fn whole(&self) -> anyhow::Result<(Picture, [f64; 2])> {
+        drawn(&report::drawn(&self.finding.measured, &self.title, false)?)
+    }
+}
+
+fn drawn(figure: &Figure) -> anyhow::Result<(Picture, [f64; 2])> {
+    Ok((figure.picture()?, figure.size()))
+}
+
+/// The figures on the page and in its dialog.
+#[derive(Debug, Default)]
+pub(super) struct MeasuredFigures {
+    page: Previews<Sketch>,
+    dialog: Previews<Sketch>,
+}
+
+impl MeasuredFigures {
+    pub(super) fn is_busy(&self) -> bool {
+        self.page.is_busy() || self.dialog.is_busy()
+    }
+}
+
+impl Window {
+    /// Shows a scan on the Measure page, which says what is wrong with it.
+    pub(super) fn open_scan(&mut self, path: PathBuf) {
+        let editor = &mut self.editor;
+        editor.parts.measuring.open(path);
+        (editor.panel, editor.layout.is_drawn_out, editor.layout.is_folded) = (Panel::Measure, true, false);
+    }
+
+    /// The calibration of the displayed result.
+    pub(super) fn calibration_csv(&self) -> anyhow::Result<Vec<u8>> {
+        let measuring = &self.editor.parts.measuring;
+        let finding = measuring.exact().context("the scan is not fitted yet")?;
+        let measured = &finding.map_err(|problem| anyhow!("{problem}"))?.measured;
+        if let Some(reason) = measured.unidentifiable() {
+            bail!("the scan does not tell the elements apart: {reason}");
+        }
+        let elements = measured.scene.elements();
+        Ok(measured.calibration(measuring.with_gains).to_csv(elements).into_bytes())
+    }
+
+    /// Remembers a calibration that was written, for the board if wanted.
+    pub(super) fn keep_calibration(&mut self, path: &Path, is_used: bool) {
+        self.editor.parts.measuring.saved_as(path.to_owned());
+        if is_used {
+            self.editor.board.calibration = path.display().to_string();
+            self.tell(&format!("{} is used from the next connection on", path.display()), false);
+        }
+    }
+
+    /// Writes the report of the displayed result on a thread: HTML, or a figure, by the ending.
+    pub(super) fn print_measured(&mut self, path: &Path, ctx: &egui::Context) {
+        let Some(Ok(finding)) = self.editor.parts.measuring.exact() else {
+            return self.refuse("Nothing was exported", &anyhow!("the scan is not fitted yet"));
+        };
+        let (finding, title) = (Arc::clone(finding), self.title_of_scan());
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("html")) {
+            return self.print(path, ctx, move || Ok(report::html(&finding.measured, &title)?.into_bytes()));
+        }
+        match figure::format(path) {
+            Ok(format) => self
+                .print(path, ctx, move || Ok(report::drawn(&finding.measured, &title, true)?.write(format)?)),
+            Err(error) => self.refuse("Nothing was exported", &error),
+        }
+    }
+
+    fn title_of_scan(&self) -> String {
+        let name = self.editor.parts.measuring.form.scan.as_deref().and_then(Path::file_name);
+        name.map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    }
+
+    /// Updates the figures while they are displayed.
+    pub(super) fn preview_measured(&mut self, ctx: &egui::Context) {
+        let is_shown = self.editor.panel == Panel::Measure && !self.editor.layout.presents;
+        let finding = self.editor.parts.measuring.finding().filter(|_| is_shown);
+        let Some(finding) = finding.filter(|finding| !finding.panels.is_empty()).cloned() else {
+            if self.shown.measured.is_some() || self.shown.measured_large.is_some() || self.measured.is_busy()
+            {
+                self.measured = MeasuredFigures::default();
+                (self.shown.measured, self.shown.measured_large) = (None, None);
+            }
+            return;
+        };
+        let sketch = Sketch { finding, title: self.title_of_scan() };
+        let MeasuredFigures { page, dialog } = &mut self.measured;
+        page.update(sketch.clone(), Sketch::column, &mut self.shown.measured, ctx);
+        if self.editor.dialog == Some(Dialog::Measured) {
+            dialog.update(sketch, Sketch::whole, &mut self.shown.measured_large, ctx);
+        } else if self.shown.measured_large.is_some() || dialog.is_busy() {
+            (*dialog, self.shown.measured_large) = (Previews::default(), None);
+        }
+    }
+}
