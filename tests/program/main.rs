@@ -17,6 +17,8 @@ mod film;
 mod force;
 mod help;
 mod liquid;
+#[cfg(unix)]
+mod measuring;
 mod motion;
 mod plots;
 mod process;
