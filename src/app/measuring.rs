@@ -20,7 +20,9 @@ use crate::ui::{Dialog, Panel};
 const NARROW: f64 = 85.0;
 const PIXELS: f64 = 700.0;
 /// Pixels of a figure's height that every screen can show, at most.
-const TALLEST: f64 = 4096.0;
+const TALLEST: f64 = 2048.0;
+/// Maps on the page: those of the first plane.
+const MAPS: usize = 3;
 
 /// A figure on the screen. A result is the same one or another.
 #[derive(Clone, Debug)]
@@ -40,7 +42,10 @@ impl Sketch {
     fn column(&self) -> anyhow::Result<(Picture, [f64; 2])> {
         let is_table =
             |subject: &Subject| matches!(subject, Subject::Plot(plot) if matches!(**plot, Plot::Table(_)));
-        let panels = self.finding.panels.iter().filter(|panel| !is_table(&panel.subject)).cloned().collect();
+        let plots = self.finding.panels.iter().filter(|panel| !is_table(&panel.subject)).cloned();
+        let (maps, others): (Vec<_>, Vec<_>) =
+            plots.partition(|panel| matches!(panel.subject, Subject::Scattered(_)));
+        let panels = maps.into_iter().take(MAPS).chain(others).collect();
         let paper = Paper { width: NARROW, dpi: PIXELS * 25.4 / NARROW };
         let mut recipe = Recipe { panels, wish: Wish { paper, columns: Some(1), ..Wish::default() } };
         let mut figure = recipe.figure()?;

@@ -244,7 +244,11 @@ impl Steadiness {
         if *drive == self.drive {
             self.looks += 1;
         } else {
-            let is_own = is_heard(drive) && is_heard(&self.drive) && frames == self.frames_then;
+            // A board that is silenced fades by itself.
+            let is_own = is_heard(drive)
+                && is_heard(&self.drive)
+                && frames == self.frames_then
+                && !fades(&self.drive, drive);
             let was_steady = std::mem::replace(&mut self.is_steady, false);
             self.drive.clone_from(drive);
             (self.since, self.frames_then, self.looks) = (now, frames, 1);
@@ -270,6 +274,12 @@ impl Steadiness {
         }
         Change::None
     }
+}
+
+/// Whether no element is louder than before.
+fn fades(before: &Drive, after: &Drive) -> bool {
+    before.amplitudes.iter().zip(&after.amplitudes).all(|(before, after)| after <= before)
+        && before.amplitudes != after.amplitudes
 }
 
 fn is_heard(drive: &Drive) -> bool {

@@ -1,6 +1,6 @@
 //! Measured, model and difference side by side: maps of planes, profiles of lines and arcs, and the elements.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{DVec2, DVec3};
 
@@ -98,8 +98,19 @@ fn sheet(measured: &Measured, normal: usize, drive: usize, readings: Vec<usize>)
     let height = readings.iter().map(|&reading| points[reading][normal]).sum::<f64>() / readings.len() as f64;
     let centre = x_axis * middle.x + y_axis * middle.y + DVec3::AXES[normal] * height;
     let plane = Plane { centre, x_axis, y_axis, size: high - low + spacing, ..Plane::default() };
-    let places = places.iter().map(|at| at - middle).collect();
-    Some(Sheet { drive, plane, readings, places })
+    let places: Vec<_> = places.iter().map(|at| at - middle).collect();
+    let is_covered = is_covered(&places, high - low, spacing);
+    is_covered.then_some(Sheet { drive, plane, readings, places })
+}
+
+/// Whether places (m from the middle) spread over a rectangle rather than along a line or an arc in it.
+fn is_covered(places: &[DVec2], size: DVec2, spacing: f64) -> bool {
+    /// Part of the cells with a place in them.
+    const COVERED: f64 = 0.6;
+    let cells = (size / (1.5 * spacing)).ceil().max(DVec2::ONE);
+    let cell = |at: &DVec2| ((at / size + 0.5) * cells).floor().min(cells - 1.0).as_ivec2().to_array();
+    let met: BTreeSet<_> = places.iter().map(cell).collect();
+    met.len() as f64 > COVERED * cells.element_product()
 }
 
 /// Measured, model and difference of a plane: `read` and `model` have a value per reading of the scan, in units of which
