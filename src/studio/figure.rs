@@ -202,19 +202,13 @@ pub fn draw(
         value: of_all(|made| match made {
             Made::Map(_, MapOf { map, .. }) => map.peak,
             Made::Scattered(scattered, values, _) if !scattered.is_difference => largest(values),
-            Made::Difference(..)
-            | Made::Scattered(..)
-            | Made::Shaded(..)
-            | Made::Space(..)
-            | Made::Plot => 0.0,
+            Made::Difference(..) | Made::Scattered(..) | Made::Shaded(..) | Made::Space(..) | Made::Plot => {
+                0.0
+            }
         }),
         depth: of_all(|made| match made {
             Made::Shaded(_, MapOf { map, .. }, _) => largest(&map.values),
-            Made::Map(..)
-            | Made::Difference(..)
-            | Made::Scattered(..)
-            | Made::Space(..)
-            | Made::Plot => 0.0,
+            Made::Map(..) | Made::Difference(..) | Made::Scattered(..) | Made::Space(..) | Made::Plot => 0.0,
         }),
     };
     let mut pictures = Vec::new();
@@ -362,9 +356,7 @@ impl Subject {
                 Made::Shaded(request, map, [width, height])
             }
             Self::Space(prospect) => Made::Space(prospect, [width, height]),
-            Self::Scattered(scattered) => {
-                Made::Scattered(scattered, scattered.pixels(width, height), width)
-            }
+            Self::Scattered(scattered) => Made::Scattered(scattered, scattered.pixels(width, height), width),
             Self::Plot(_) => Made::Plot,
         })
     }

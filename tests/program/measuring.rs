@@ -21,7 +21,8 @@ struct Board(Child, String);
 
 impl Board {
     fn start(folder: &Path, args: &[&str]) -> Self {
-        let mut command = program(folder, &["board", "--hidden", "7", "--profile", "native", "--scene", "scene.toml"]);
+        let mut command =
+            program(folder, &["board", "--hidden", "7", "--profile", "native", "--scene", "scene.toml"]);
         let mut child = command.args(args).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap();
         let mut port = String::new();
         BufReader::new(child.stdout.as_mut().unwrap()).read_line(&mut port).unwrap();
@@ -59,7 +60,10 @@ fn reading(path: &Path) -> f64 {
 
 #[test]
 fn a_hidden_board_is_found_out_and_its_focus_corrected() {
-    let folder = folder_with(&[("scene.toml", "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[solver]\nmethod = \"focus\"\n")]);
+    let folder = folder_with(&[(
+        "scene.toml",
+        "format = 1\n[[target]]\nat = [0, 0, 0.1]\n[solver]\nmethod = \"focus\"\n",
+    )]);
     let path = folder.path();
     let plan = ["measure", "scene.toml", "--plan", "-o", "plan", "--profile", "native"];
     let words = succeed(path, &plan);
@@ -67,11 +71,21 @@ fn a_hidden_board_is_found_out_and_its_focus_corrected() {
     fs::copy(path.join("plan/drive.csv"), path.join("drive.csv")).unwrap();
     let board = Board::start(
         path,
-        &["--positions", "plan/positions.csv", "--readings", "scan.csv", "--microphone", "snr=30", "--truth", "truth.csv"],
+        &[
+            "--positions",
+            "plan/positions.csv",
+            "--readings",
+            "scan.csv",
+            "--microphone",
+            "snr=30",
+            "--truth",
+            "truth.csv",
+        ],
     );
     succeed(path, &[&plan[..], &["--port", &board.1, "--seconds", "3"]].concat());
     drop(board);
-    let text = succeed(path, &["measure", "scene.toml", "--scan", "scan.csv", "-o", "calibration.csv", "--json"]);
+    let text =
+        succeed(path, &["measure", "scene.toml", "--scan", "scan.csv", "-o", "calibration.csv", "--json"]);
     let found = json(&text);
     let truth = truth(path);
     let number = |key: &str, n: usize| found[key][n].as_f64().unwrap();
@@ -87,7 +101,8 @@ fn a_hidden_board_is_found_out_and_its_focus_corrected() {
     // The phase common to all is free.
     let turn: Complex64 = truth.iter().zip(&found_gains).map(|(truth, found)| truth.conj() * found).sum();
     let errors = truth.iter().zip(&found_gains).filter(|(truth, _)| truth.norm() > 0.0);
-    let errors: Vec<_> = errors.map(|(truth, found)| (found * truth.conj() * turn.conj()).arg().to_degrees()).collect();
+    let errors: Vec<_> =
+        errors.map(|(truth, found)| (found * truth.conj() * turn.conj()).arg().to_degrees()).collect();
     let rms = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
     assert!(rms < 2.5, "{rms}°");
     assert_eq!(found["explained"], true, "{found}");
@@ -162,11 +177,19 @@ fn readings_of_every_kind_give_the_same_gains() {
         let (text, notes) = output_of(path, &["measure", "scene.toml", "--scan", "plan/scan.csv", "--json"]);
         assert!(notes.contains("plan/drive.csv"), "{notes}");
         let found = json(&text);
-        assert_eq!((&found["states"][3], &found["states"][9], &found["states"][0]), (&"dead".into(), &"reversed".into(), &"good".into()));
+        assert_eq!(
+            (&found["states"][3], &found["states"][9], &found["states"][0]),
+            (&"dead".into(), &"reversed".into(), &"good".into())
+        );
         let phase = |n: usize| found["phases"][n].as_f64().unwrap() - found["phases"][0].as_f64().unwrap();
         let expected = |n: usize| gains[n].arg() - gains[0].arg();
         for n in [1, 2, 6, 15] {
-            assert!((phase(n) - expected(n)).abs() < 2e-3, "{columns}, element {n}: {} {}", phase(n), expected(n));
+            assert!(
+                (phase(n) - expected(n)).abs() < 2e-3,
+                "{columns}, element {n}: {} {}",
+                phase(n),
+                expected(n)
+            );
         }
         assert!(found["residual"].as_f64().unwrap() < 1e-3, "{columns}");
         let strength = found["strength"].as_f64().unwrap();
@@ -183,8 +206,12 @@ fn radius_and_strength_follow_from_angles_of_one_element() {
     let arc = (-35..=35).map(|step| f64::from(step) * 2f64.to_radians());
     let points: Vec<_> = arc.map(|angle| 0.2 * dvec3(angle.sin(), 0.0, angle.cos())).collect();
     let drives = [Drive { amplitudes: vec![1.0], phases: vec![0.0] }];
-    fs::write(folder.path().join("scan.csv"), scan(&scene, &drives, &points, &[Complex64::ONE], "amplitude")).unwrap();
-    let found = json(&succeed(folder.path(), &["measure", "scene.toml", "--scan", "scan.csv", "--json", "--figure", "angles.svg"]));
+    fs::write(folder.path().join("scan.csv"), scan(&scene, &drives, &points, &[Complex64::ONE], "amplitude"))
+        .unwrap();
+    let found = json(&succeed(
+        folder.path(),
+        &["measure", "scene.toml", "--scan", "scan.csv", "--json", "--figure", "angles.svg"],
+    ));
     let value = |key: &str| found[key].as_f64().unwrap();
     assert!((value("radius") - 0.0042).abs() < 1e-5 && (value("strength") - 2.5).abs() < 1e-3, "{found}");
     assert_eq!(found["fitted"], serde_json::json!(["radius"]));
@@ -199,7 +226,18 @@ fn a_liquid_tells_the_strength() {
     let path = folder.path();
     succeed(
         path,
-        &["render", "louder.toml", "-o", "x.png", "--quantity", "depression", "--size", "120", "--data", "heights.npy"],
+        &[
+            "render",
+            "louder.toml",
+            "-o",
+            "x.png",
+            "--quantity",
+            "depression",
+            "--size",
+            "120",
+            "--data",
+            "heights.npy",
+        ],
     );
     let found = json(&succeed(path, &["measure", "scene.toml", "--scan", "heights.npy", "--json"]));
     let strength = found["strength"].as_f64().unwrap();
@@ -225,7 +263,10 @@ fn scans_that_do_not_tell_are_refused() {
         (&["--plan", "-o", "plan", "--drive", "focus.csv"][..], "a focus dominates the readings"),
         (&["--plan", "-o", "plan", "--step", "0.01"], "readings do not determine 511 unknowns"),
         (&["--plan", "-o", "plan", "--size", "0.05", "--step", "0.001"], "does not tell the elements apart"),
-        (&["--scan", "few.csv", "-o", "calibration.csv"], "no calibration was written: 2 readings do not determine"),
+        (
+            &["--scan", "few.csv", "-o", "calibration.csv"],
+            "no calibration was written: 2 readings do not determine",
+        ),
         (&["--scan", "none.csv"], "none.csv:1: no readings"),
         (&["--scan", "negative.csv"], "negative.csv:3: -3: a modulus must not be negative"),
         (&["--scan", "drive-2.csv"], "the scan names drive 5, and there is one"),

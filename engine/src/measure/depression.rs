@@ -63,12 +63,7 @@ fn value(map: &Map, size: DVec2, place: DVec2) -> f64 {
 
 /// Fits depressions (m, down) at places of a plane of this size (m from its centre) to the depression map of the scene's
 /// drive; `None` if they do not determine the strength.
-pub fn fit_depression(
-    map: &Map,
-    size: DVec2,
-    places: &[DVec2],
-    readings: &[f64],
-) -> Option<DepressionFit> {
+pub fn fit_depression(map: &Map, size: DVec2, places: &[DVec2], readings: &[f64]) -> Option<DepressionFit> {
     let mut shift = DVec2::ZERO;
     let step = size / DVec2::new(map.width as f64, map.height as f64);
     let mut solution = [0.0; UNKNOWNS];
@@ -141,8 +136,9 @@ mod tests {
         };
         let values = (0..width * height).map(pixel).collect();
         let map = Map { width, height, values, ..Map::default() };
-        let places: Vec<_> =
-            (0..600).map(|n| DVec2::new(f64::from(n % 30) - 14.5, f64::from(n / 30) - 9.5) * 1.2e-3).collect();
+        let places: Vec<_> = (0..600)
+            .map(|n| DVec2::new(f64::from(n % 30) - 14.5, f64::from(n / 30) - 9.5) * 1.2e-3)
+            .collect();
         let shift = DVec2::new(0.7e-3, -0.4e-3);
         // A strength of 1.2, a camera with a zero and a tilt of its own.
         let readings: Vec<_> =

@@ -28,7 +28,8 @@ impl Equations {
     /// The first `size` columns; `residual` has a value per row.
     pub fn new(columns: &[Columns], size: usize, residual: &[f64]) -> Self {
         let blocks = size.div_ceil(BLOCK);
-        let pairs: Vec<_> = (0..blocks).flat_map(|row| (row..blocks).map(move |column| (row, column))).collect();
+        let pairs: Vec<_> =
+            (0..blocks).flat_map(|row| (row..blocks).map(move |column| (row, column))).collect();
         let tile = |&(row, column): &(usize, usize)| {
             Isa::best().run(Product { left: &columns[row], right: &columns[column] })
         };

@@ -82,7 +82,9 @@ pub struct Fit {
 /// A reason for which gains are not identifiable.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Vague {
-    #[error("{readings} readings do not determine {unknowns} unknowns: at least {least} readings are needed, and twice as many are better")]
+    #[error(
+        "{readings} readings do not determine {unknowns} unknowns: at least {least} readings are needed, and twice as many are better"
+    )]
     TooFew { readings: usize, unknowns: usize, least: usize },
     #[error("the scan does not tell the elements apart: their phases would be uncertain by {:.0}°; scan a plane as wide as the array or wider, at most half a wavelength from point to point", phase_error.to_degrees())]
     Blurred { phase_error: f64 },
@@ -449,7 +451,8 @@ impl<'a> Descent<'a> {
                 .map(|(j, solved)| equations.right[j] - dot(&equations.right[..size], solved))
                 .collect();
             // What the others explain already is lost to rounding.
-            let is_lost = (0..own.len()).any(|i| entry(i, i) <= 1e-9 * equations.at(own.start + i, own.start + i));
+            let is_lost =
+                (0..own.len()).any(|i| entry(i, i) <= 1e-9 * equations.at(own.start + i, own.start + i));
             let gain = Factor::new(own.len(), entry).map(|factor| dot(&factor.solve(&rest), &rest));
             gain.filter(|_| !is_lost).map_or(0.0, |gain| gain / variance / own.len() as f64)
         };
@@ -472,8 +475,12 @@ impl<'a> Descent<'a> {
     /// The result with a variance of a reading's part.
     fn result(self, scene: &Scene, vague: Option<Vague>, variance: f64) -> Fit {
         let power = self.readings.rms();
-        let all: Vec<Parameter> =
-            self.free.iter().chain(Parameter::ALL.iter().filter(|it| !self.free.contains(it))).copied().collect();
+        let all: Vec<Parameter> = self
+            .free
+            .iter()
+            .chain(Parameter::ALL.iter().filter(|it| !self.free.contains(it)))
+            .copied()
+            .collect();
         let equations = self.equations(&all);
         let of_gains = self.of_gains();
         let own = self.inverse(&equations, of_gains + self.free.len());
@@ -488,7 +495,9 @@ impl<'a> Descent<'a> {
             let g = self.gains[index] / self.gains[index].norm().max(f64::MIN_POSITIVE);
             let column = if self.each { index } else { 0 };
             let error = |direction: Complex64| {
-                let spread = own.as_ref().map_or(f64::INFINITY, |inverse| across(inverse, column, -Complex64::I * direction));
+                let spread = own
+                    .as_ref()
+                    .map_or(f64::INFINITY, |inverse| across(inverse, column, -Complex64::I * direction));
                 (variance * spread).max(0.0).sqrt()
             };
             let of_phase = (error(Complex64::I * g) / self.gains[index].norm()).min(UNKNOWN_PHASE);
@@ -552,7 +561,11 @@ impl<'a> Descent<'a> {
             let error = (variance * spread).max(0.0).sqrt();
             // What is known no better than before, the readings do not tell.
             let is_told = error < TOLD * parameter.scatter(&self.start);
-            Estimate { value: self.bench.at(*parameter), error: if is_told { error } else { f64::INFINITY }, is_free }
+            Estimate {
+                value: self.bench.at(*parameter),
+                error: if is_told { error } else { f64::INFINITY },
+                is_free,
+            }
         };
         let mut correlated = Vec::new();
         if let Some(joint) = &joint {

@@ -54,7 +54,12 @@ impl Matrix {
 impl Forward {
     /// # Errors
     /// A drive of the readings that is not there, or no driven element.
-    pub fn new(scene: &Scene, drives: &[Drive], points: &[DVec3], of: &[usize]) -> Result<Self, MeasureError> {
+    pub fn new(
+        scene: &Scene,
+        drives: &[Drive],
+        points: &[DVec3],
+        of: &[usize],
+    ) -> Result<Self, MeasureError> {
         let mut aperture = Aperture::new(scene);
         let used: Vec<bool> = (0..drives.len()).map(|drive| of.contains(&drive)).collect();
         if let Some(&drive) = of.iter().find(|&&drive| drive >= drives.len()) {
@@ -81,7 +86,15 @@ impl Forward {
         }
         let middle = points.iter().sum::<DVec3>() / points.len().max(1) as f64;
         let drives = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
-        Ok(Self { aperture, nominal: Bench::nominal(scene), middle, points: unique, readings, drives, of_drive })
+        Ok(Self {
+            aperture,
+            nominal: Bench::nominal(scene),
+            middle,
+            points: unique,
+            readings,
+            drives,
+            of_drive,
+        })
     }
 
     /// Points without repetition.

@@ -47,7 +47,8 @@ pub(super) fn states(gains: &[Complex64]) -> (Vec<State>, Vec<Complex64>, f64) {
         common = Complex64::from_polar(1.0, sum.arg());
     }
     // With a rare reversal and normal phases, the likelier of the two explanations.
-    let folded = gains.iter().filter(lives).map(|g| phase(g, common).abs()).map(|angle| angle.min(PI - angle));
+    let folded =
+        gains.iter().filter(lives).map(|g| phase(g, common).abs()).map(|angle| angle.min(PI - angle));
     let deviation = 1.4826 * middle(folded.collect());
     let limit = (FRAC_PI_2 - deviation * deviation * USUALLY_REVERSED.ln() / PI).min(0.75 * PI);
     let state = |g: &Complex64| match () {
@@ -56,8 +57,12 @@ pub(super) fn states(gains: &[Complex64]) -> (Vec<State>, Vec<Complex64>, f64) {
         () => State::Good,
     };
     let states: Vec<_> = gains.iter().map(state).collect();
-    let good: Vec<_> =
-        gains.iter().zip(&states).filter(|(_, state)| **state == State::Good).map(|(g, _)| g.norm()).collect();
+    let good: Vec<_> = gains
+        .iter()
+        .zip(&states)
+        .filter(|(_, state)| **state == State::Good)
+        .map(|(g, _)| g.norm())
+        .collect();
     let scale = match good.len() {
         0 => median,
         count => good.iter().sum::<f64>() / count as f64,

@@ -66,7 +66,10 @@ pub fn run(args: &MeasureArgs, scan_path: &Path) -> anyhow::Result<()> {
 fn of_liquid(args: &MeasureArgs, scene: Scene, path: &Path) -> anyhow::Result<()> {
     let others = [
         (args.output.is_some(), "-o: heights tell the strength, and no calibration of the elements"),
-        (args.drive.is_some(), "--drive: heights are of the scene's own drive; name the file as `drive` in the scene"),
+        (
+            args.drive.is_some(),
+            "--drive: heights are of the scene's own drive; name the file as `drive` in the scene",
+        ),
         (args.fit.report.is_some(), "--report is of pressures: use --figure"),
         (args.fit.free.is_some() || args.fit.width.is_some(), "--free and --width are of pressures"),
     ];

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::cli::boards::arguments::parse_profile;
 use crate::cli::arguments::{above_zero, between, parse_place, seconds};
+use crate::cli::boards::arguments::parse_profile;
 use crate::device::profile::Profile;
 
 /// Pa m and m of a scan's lengths, at most.

@@ -93,7 +93,8 @@ pub fn run(args: &MeasureArgs) -> anyhow::Result<()> {
 /// Whether a file is there and is not an empty table.
 fn is_filled(path: &std::path::Path, empty: &str) -> bool {
     fs::read_to_string(path).is_ok_and(|text| {
-        let readings = |text: &str| text.lines().any(|line| line.ends_with(|last: char| last.is_ascii_digit()));
+        let readings =
+            |text: &str| text.lines().any(|line| line.ends_with(|last: char| last.is_ascii_digit()));
         readings(&text) && text != empty
     })
 }
@@ -103,7 +104,13 @@ fn play(args: &MeasureArgs, plan: &Plan, drives: PathBuf) -> anyhow::Result<()> 
     let own = &args.plan_args;
     let (Some(port), Some(profile)) = (&own.port, own.profile) else { return Ok(()) };
     let send = |drive: PathBuf, seconds: Option<f64>| {
-        send::run(&send::SendArgs::of_drive((args.scene.clone(), drive), port.clone(), profile, own.baud, seconds))
+        send::run(&send::SendArgs::of_drive(
+            (args.scene.clone(), drive),
+            port.clone(),
+            profile,
+            own.baud,
+            seconds,
+        ))
     };
     if plan.drives.len() == 1 {
         return send(drives, own.seconds);

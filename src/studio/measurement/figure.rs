@@ -141,12 +141,7 @@ pub fn maps(
 }
 
 /// Readings and model along the row of a plane with the loudest reading.
-pub fn row_of_loudest(
-    sheet: &Sheet,
-    of: (f64, &str),
-    read: &[f64],
-    model: &[f64],
-) -> Option<Panel> {
+pub fn row_of_loudest(sheet: &Sheet, of: (f64, &str), read: &[f64], model: &[f64]) -> Option<Panel> {
     let loudest = (0..sheet.readings.len())
         .max_by(|&a, &b| read[sheet.readings[a]].total_cmp(&read[sheet.readings[b]]))?;
     let row = sheet.places[loudest].y;
@@ -168,16 +163,20 @@ fn curve(
     let value = |of: &[f64], &(at, reading): &(f64, usize)| [at, factor * of[reading]];
     let points: Vec<_> = along.iter().map(|it| value(model, it)).collect();
     let dots: Vec<_> = along.iter().map(|it| value(read, it)).collect();
-    let (low, high) = points.iter().chain(&dots).fold((0.0f64, 0.0f64), |(low, high), [_, value]| {
-        (low.min(*value), high.max(*value))
-    });
+    let (low, high) = points
+        .iter()
+        .chain(&dots)
+        .fold((0.0f64, 0.0f64), |(low, high), [_, value]| (low.min(*value), high.max(*value)));
     let (&(first, _), &(last, _)) = (along.first()?, along.last()?);
     (last > first && high > low).then(|| {
         let axes = [
             Axis { ends: [first, last], label: axis.to_owned() },
             Axis { ends: [1.05 * low, 1.05 * high], label: label.to_owned() },
         ];
-        plot(&format!("{name}: readings (dots), model"), Plot::Curve(Curve { axes, points, dots, ..Curve::default() }))
+        plot(
+            &format!("{name}: readings (dots), model"),
+            Plot::Curve(Curve { axes, points, dots, ..Curve::default() }),
+        )
     })
 }
 
@@ -203,8 +202,10 @@ fn of_line(measured: &Measured) -> Option<(Vec<(f64, usize)>, String, &'static s
         let aperture = Aperture::new(&measured.scene);
         let (at, normal) = (aperture.positions[element], aperture.normals[element]);
         let distance = |reading: usize| (points[reading] - at).length();
-        let (near, far) =
-            readings.clone().map(distance).fold((f64::MAX, 0.0), |(a, b): (f64, f64), d| (a.min(d), b.max(d)));
+        let (near, far) = readings
+            .clone()
+            .map(distance)
+            .fold((f64::MAX, 0.0), |(a, b): (f64, f64), d| (a.min(d), b.max(d)));
         // To either side of the array's x axis, as it is turned.
         let angle = |reading: usize| {
             let offset = points[reading] - at;
@@ -212,7 +213,9 @@ fn of_line(measured: &Measured) -> Option<(Vec<(f64, usize)>, String, &'static s
             side * (offset.dot(normal) / offset.length()).clamp(-1.0, 1.0).acos().to_degrees()
         };
         return Some(match far < 1.1 * near {
-            true => (readings.map(|i| (angle(i), i)).collect(), "angle / °".to_owned(), "Angles of one element"),
+            true => {
+                (readings.map(|i| (angle(i), i)).collect(), "angle / °".to_owned(), "Angles of one element")
+            }
             false => {
                 let along = readings.map(|i| (distance(i) * 1e3, i)).collect();
                 (along, "distance / mm".to_owned(), "Distances of one element")
@@ -241,7 +244,13 @@ fn elements(measured: &Measured) -> [Panel; 2] {
     [
         plot(
             "Phase error per element",
-            Plot::Elements(Elements::values(scene, &phases, [-180.0, 180.0], "phase error / °", ColourMap::Cyclic)),
+            Plot::Elements(Elements::values(
+                scene,
+                &phases,
+                [-180.0, 180.0],
+                "phase error / °",
+                ColourMap::Cyclic,
+            )),
         ),
         plot(
             "Gain per element",

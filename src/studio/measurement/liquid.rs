@@ -184,7 +184,8 @@ impl MeasuredLiquid {
             places: self.heights.places.clone(),
         };
         let (read, model) = (&self.heights.depressions, &self.fit.model);
-        let mut panels = maps(&sheet, (Quantity::Depression, 1.0), read, model, (self.fit.residual, "")).to_vec();
+        let mut panels =
+            maps(&sheet, (Quantity::Depression, 1.0), read, model, (self.fit.residual, "")).to_vec();
         panels.extend(row_of_loudest(&sheet, (1e6, "depression / µm"), read, model));
         panels
     }

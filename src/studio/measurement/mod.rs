@@ -81,7 +81,8 @@ impl Measured {
     /// The reason for which it does not.
     pub fn unidentifiable(&self) -> Option<String> {
         let has_lost_its_way = self.is_focused && self.verdict() == Verdict::SomethingElse;
-        let lost = || "a focus dominates the readings, which have no phases, and the fit does not explain them";
+        let lost =
+            || "a focus dominates the readings, which have no phases, and the fit does not explain them";
         match &self.fit.vague {
             Some(vague) => Some(vague.to_string()),
             None => has_lost_its_way.then(|| lost().to_owned()),
@@ -184,7 +185,9 @@ impl Measured {
         let percent = |part: f64| format!("{:.2} %", 100.0 * part);
         let verdict = match self.verdict() {
             Verdict::Explained => "the model explains the readings",
-            Verdict::Plausible => "that of a quiet bench; repeated readings, or --snr, would tell noise from error",
+            Verdict::Plausible => {
+                "that of a quiet bench; repeated readings, or --snr, would tell noise from error"
+            }
             Verdict::SomethingElse => {
                 "something else is in the room, or the drive is another: reflections, a moved table, scattered positions"
             }
@@ -194,10 +197,16 @@ impl Measured {
         match &fit.vague {
             Some(vague) => lines.push(format!("elements taken to be alike: {vague}")),
             None => {
-                let phases: Vec<_> =
-                    self.living().filter(|&n| fit.states[n] == State::Good).map(|n| fit.gains[n].arg()).collect();
-                let gains: Vec<_> =
-                    self.living().filter(|&n| fit.states[n] == State::Good).map(|n| fit.gains[n].norm() - 1.0).collect();
+                let phases: Vec<_> = self
+                    .living()
+                    .filter(|&n| fit.states[n] == State::Good)
+                    .map(|n| fit.gains[n].arg())
+                    .collect();
+                let gains: Vec<_> = self
+                    .living()
+                    .filter(|&n| fit.states[n] == State::Good)
+                    .map(|n| fit.gains[n].norm() - 1.0)
+                    .collect();
                 let driven = self.living().count() + self.count(State::Dead);
                 if driven > 1 {
                     lines.push(format!(
@@ -207,7 +216,9 @@ impl Measured {
                         100.0 * rms(&gains)
                     ));
                 }
-                for (state, words) in [(State::Dead, "dead"), (State::Reversed, "reversed"), (State::Undriven, "never driven")] {
+                for (state, words) in
+                    [(State::Dead, "dead"), (State::Reversed, "reversed"), (State::Undriven, "never driven")]
+                {
                     let own = self.elements(state);
                     if !own.is_empty() {
                         lines.push(format!("{words}: {}", listed(&own)));
@@ -308,7 +319,9 @@ impl Measured {
             let free = |it: &Parameter| self.parameter(*it).is_free;
             if free(one) && free(other) {
                 let ((one, _), (other, _)) = (words(*one), words(*other));
-                warnings.push(format!("{one} and {other} are hardly told apart: their correlation is {correlation:.2}"));
+                warnings.push(format!(
+                    "{one} and {other} are hardly told apart: their correlation is {correlation:.2}"
+                ));
             }
         }
         if self.verdict() == Verdict::SomethingElse {
@@ -342,8 +355,16 @@ impl Measured {
         let radius = self.parameter(Parameter::Radius);
         let width = self.parameter(Parameter::WidthSquared);
         let (width_value, width_error) = stated(Parameter::WidthSquared, width.value, width.error);
-        let free: Vec<_> = Parameter::ALL.into_iter().filter(|it| self.parameter(*it).is_free).map(Parameter::name).collect();
-        let held: Vec<_> = Parameter::ALL.into_iter().filter(|it| !self.parameter(*it).is_free).map(Parameter::name).collect();
+        let free: Vec<_> = Parameter::ALL
+            .into_iter()
+            .filter(|it| self.parameter(*it).is_free)
+            .map(Parameter::name)
+            .collect();
+        let held: Vec<_> = Parameter::ALL
+            .into_iter()
+            .filter(|it| !self.parameter(*it).is_free)
+            .map(Parameter::name)
+            .collect();
         let correlations: Vec<_> = fit
             .correlated
             .iter()
@@ -433,7 +454,10 @@ fn words(parameter: Parameter) -> (&'static str, &'static str) {
 fn numbers(value: f64, error: f64) -> [String; 2] {
     let known = error.is_finite() && error > 0.0;
     let decimals = if known { (1.5 - error.log10()).clamp(0.0, 5.0) as usize } else { 2 };
-    [signed(&format!("{value:.decimals$}")), if known { format!("{error:.decimals$}") } else { "–".to_owned() }]
+    [
+        signed(&format!("{value:.decimals$}")),
+        if known { format!("{error:.decimals$}") } else { "–".to_owned() },
+    ]
 }
 
 fn listed(numbers: &[usize]) -> String {

@@ -55,7 +55,10 @@ pub struct PlanWish {
 pub enum Course {
     Planes(Raster),
     /// It does not move; elements sound one at a time, or together with random phases.
-    Still { at: DVec3, is_single: bool },
+    Still {
+        at: DVec3,
+        is_single: bool,
+    },
 }
 
 impl Plan {
@@ -145,7 +148,10 @@ impl Plan {
             format!("{name} ± {error:.2} {unit}")
         };
         if places > 1 {
-            let all: Vec<_> = [Parameter::SoundSpeed, Parameter::Z, Parameter::X, Parameter::TiltX, Parameter::Radius].map(bench).into();
+            let all: Vec<_> =
+                [Parameter::SoundSpeed, Parameter::Z, Parameter::X, Parameter::TiltX, Parameter::Radius]
+                    .map(bench)
+                    .into();
             lines.push(format!("if they are not known: {}", all.join(", ")));
         }
         if fit.phase_error.to_degrees() > USEFUL {
@@ -155,7 +161,11 @@ impl Plan {
             ));
         }
         let apart = fit.correlated.iter().map(|(one, other, correlation)| {
-            format!("{} and {} are hardly told apart (correlation {correlation:.2})", words(*one).0, words(*other).0)
+            format!(
+                "{} and {} are hardly told apart (correlation {correlation:.2})",
+                words(*one).0,
+                words(*other).0
+            )
         });
         lines.extend(apart.filter(|_| places > 1));
         lines
@@ -163,7 +173,11 @@ impl Plan {
 
     /// Columns element, phase (rad), amplitude and, with several drives, drive.
     pub fn drive_csv(&self) -> String {
-        let mut text = String::from(if self.drives.len() > 1 { "element,phase,amplitude,drive\n" } else { "element,phase,amplitude\n" });
+        let mut text = String::from(if self.drives.len() > 1 {
+            "element,phase,amplitude,drive\n"
+        } else {
+            "element,phase,amplitude\n"
+        });
         for (number, drive) in self.drives.iter().enumerate() {
             for (element, (phase, amplitude)) in drive.phases.iter().zip(&drive.amplitudes).enumerate() {
                 let _ = write!(text, "{element},{phase},{amplitude}");
@@ -205,7 +219,9 @@ impl Plan {
 
     /// The path for a plotter or printer, mm, its zero in the array's middle on the height of the elements.
     pub fn gcode(&self) -> String {
-        let mut text = String::from("; microphone scan: origin in the middle of the array, z = 0 at its elements\nG21 ; mm\nG90 ; absolute\n");
+        let mut text = String::from(
+            "; microphone scan: origin in the middle of the array, z = 0 at its elements\nG21 ; mm\nG90 ; absolute\n",
+        );
         let speed = SPEED * 6e4;
         for drive in 0..self.drives.len() {
             if self.drives.len() > 1 {
@@ -214,7 +230,12 @@ impl Plan {
             for (index, place) in self.places.iter().enumerate() {
                 let DVec3 { x, y, z } = place * 1e3;
                 let _ = writeln!(text, "G1 X{x:.3} Y{y:.3} Z{z:.3} F{speed:.0}");
-                let _ = writeln!(text, "G4 P{:.0} ; reading {}", self.dwell * 1e3, drive * self.places.len() + index + 1);
+                let _ = writeln!(
+                    text,
+                    "G4 P{:.0} ; reading {}",
+                    self.dwell * 1e3,
+                    drive * self.places.len() + index + 1
+                );
             }
         }
         text

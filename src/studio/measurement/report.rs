@@ -74,7 +74,11 @@ pub fn html(measured: &Measured, title: &str) -> anyhow::Result<String> {
     let item = |line: String| format!("<li>{}</li>\n", escaped(&line));
     let findings: String = measured.lines().into_iter().map(item).collect();
     let warnings: String = measured.warnings().into_iter().map(item).collect();
-    let care = if warnings.is_empty() { String::new() } else { format!("<h2>Take care</h2>\n<ul>\n{warnings}</ul>\n") };
+    let care = if warnings.is_empty() {
+        String::new()
+    } else {
+        format!("<h2>Take care</h2>\n<ul>\n{warnings}</ul>\n")
+    };
     let title = escaped(title);
     Ok(format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<title>{title}</title>\n<style>body {{ font-family: \
