@@ -20,8 +20,10 @@ pub(super) struct Recipe {
     pub(super) wish: Wish,
 }
 
-/// A preview's picture with its figure's size (mm), or an error.
-pub(super) type Made = Result<(Picture, [f64; 2]), String>;
+/// A picture with its figure's size (mm).
+pub(super) type Drawing = (Picture, [f64; 2]);
+/// A preview's, or an error.
+pub(super) type Made = Result<Drawing, String>;
 
 /// The displayed or pending preview of a recipe.
 #[derive(Debug)]
@@ -45,7 +47,7 @@ impl<R: Clone + PartialEq + Send + 'static> Previews<R> {
     pub(super) fn update(
         &mut self,
         recipe: R,
-        make: fn(&R) -> anyhow::Result<(Picture, [f64; 2])>,
+        make: fn(&R) -> anyhow::Result<Drawing>,
         preview: &mut Option<Result<Preview, String>>,
         ctx: &Context,
     ) {
@@ -70,7 +72,7 @@ impl Recipe {
     }
 
     /// In so few pixels that a screen shows them.
-    pub(super) fn preview(&self) -> anyhow::Result<(Picture, [f64; 2])> {
+    pub(super) fn preview(&self) -> anyhow::Result<Drawing> {
         let mut small = self.clone();
         let paper = self.wish.paper;
         small.wish.paper = Paper { dpi: paper.dpi.min(PREVIEW * 25.4 / paper.width), ..paper };

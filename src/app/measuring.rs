@@ -6,9 +6,8 @@ use std::sync::Arc;
 use anyhow::{Context, anyhow, bail};
 use eframe::egui;
 
-use crate::app::figure::{Previews, Recipe};
+use crate::app::figure::{Drawing, Previews, Recipe};
 use crate::app::window::Window;
-use crate::picture::Picture;
 use crate::picture::figure::page::Plot;
 use crate::picture::figure::{Figure, Paper};
 use crate::studio::figure::{self, Subject, Wish};
@@ -39,7 +38,7 @@ impl PartialEq for Sketch {
 
 impl Sketch {
     /// The panels below each other, readable on the page, without what it has in words.
-    fn column(&self) -> anyhow::Result<(Picture, [f64; 2])> {
+    fn column(&self) -> anyhow::Result<Drawing> {
         let is_table =
             |subject: &Subject| matches!(subject, Subject::Plot(plot) if matches!(**plot, Plot::Table(_)));
         let plots = self.finding.panels.iter().filter(|panel| !is_table(&panel.subject)).cloned();
@@ -58,12 +57,12 @@ impl Sketch {
     }
 
     /// The figure as files have it.
-    fn whole(&self) -> anyhow::Result<(Picture, [f64; 2])> {
+    fn whole(&self) -> anyhow::Result<Drawing> {
         drawn(&report::drawn(&self.finding.measured, &self.title, false)?)
     }
 }
 
-fn drawn(figure: &Figure) -> anyhow::Result<(Picture, [f64; 2])> {
+fn drawn(figure: &Figure) -> anyhow::Result<Drawing> {
     Ok((figure.picture()?, figure.size()))
 }
 

@@ -371,7 +371,6 @@ impl<'a> Descent<'a> {
     }
 
     /// Gains, bench, pressures and, at another bench, transfer after a step.
-    #[expect(clippy::type_complexity, reason = "parts of a descent's point")]
     fn moved(&self, step: &[f64]) -> (Vec<Complex64>, Bench, Vec<Complex64>, Option<Matrix>) {
         let (of_gains, of_bench) = step.split_at(self.of_gains());
         let steps: Vec<_> = of_gains.chunks(2).map(|parts| Complex64::new(parts[0], parts[1])).collect();
@@ -544,7 +543,6 @@ impl<'a> Descent<'a> {
     }
 
     /// Estimates of all parameters, and the pairs that are hardly told apart. `all` are those of the equations.
-    #[expect(clippy::type_complexity, reason = "two parts of the result")]
     fn parameters(
         &self,
         all: &[Parameter],

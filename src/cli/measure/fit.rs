@@ -78,7 +78,7 @@ fn of_liquid(args: &MeasureArgs, scene: Scene, path: &Path) -> anyhow::Result<()
     }
     let heights = liquid::read(&scene, path).map_err(|error| anyhow!(error))?;
     let name = path.display().to_string();
-    let measured = MeasuredLiquid::new(scene, heights).map_err(|error| anyhow!("{name}: {error}"))?;
+    let measured = MeasuredLiquid::new(scene, &heights).map_err(|error| anyhow!("{name}: {error}"))?;
     if let Some(path) = &args.fit.figure {
         let title = format!("{}: measured depression", opening::stem(Path::new(&name)));
         output::write(path, &report::page(&measured.panels(), &title)?.write(figure::format(path)?)?)?;

@@ -149,13 +149,19 @@ pub fn row_of_loudest(sheet: &Sheet, of: (f64, &str), read: &[f64], model: &[f64
     let middle = sheet.plane.centre.dot(sheet.plane.x_axis);
     let along = own.map(|i| ((sheet.places[i].x + middle) * 1e3, sheet.readings[i])).collect();
     let axis = if sheet.plane.x_axis == DVec3::Y { "y / mm" } else { "x / mm" };
-    curve(along, (axis, "Row of the loudest reading"), of, (read, model))
+    curve(Line { along, axis, name: "Row of the loudest reading" }, of, (read, model))
+}
+
+/// Places of readings along an axis, with the readings' numbers in the scan.
+struct Line {
+    along: Vec<(f64, usize)>,
+    axis: &'static str,
+    name: &'static str,
 }
 
 /// Readings as dots beside the model's curve.
 fn curve(
-    mut along: Vec<(f64, usize)>,
-    (axis, name): (&str, &str),
+    Line { mut along, axis, name }: Line,
     (factor, label): (f64, &str),
     (read, model): (&[f64], &[f64]),
 ) -> Option<Panel> {
@@ -187,13 +193,12 @@ fn profile(measured: &Measured, sheet: Option<&Sheet>) -> Option<Panel> {
     if let Some(sheet) = sheet {
         return row_of_loudest(sheet, PRESSURE, &read, &model);
     }
-    let (along, axis, name) = of_line(measured)?;
-    curve(along, (&axis, name), PRESSURE, (&read, &model))
+    curve(of_line(measured)?, PRESSURE, (&read, &model))
 }
 
 /// Readings of a scan without planes against the angle or the distance from the only driven element, or against the axis
 /// along which they spread.
-fn of_line(measured: &Measured) -> Option<(Vec<(f64, usize)>, String, &'static str)> {
+fn of_line(measured: &Measured) -> Option<Line> {
     let points = &measured.scan.points;
     let readings = 0..points.len();
     let driven: Vec<_> =
@@ -212,14 +217,14 @@ fn of_line(measured: &Measured) -> Option<(Vec<(f64, usize)>, String, &'static s
             let side = if offset.x + 1e-9 * offset.y < 0.0 { -1.0 } else { 1.0 };
             side * (offset.dot(normal) / offset.length()).clamp(-1.0, 1.0).acos().to_degrees()
         };
+        let line = |place: &dyn Fn(usize) -> f64, axis, name| Line {
+            along: readings.clone().map(|reading| (place(reading), reading)).collect(),
+            axis,
+            name,
+        };
         return Some(match far < 1.1 * near {
-            true => {
-                (readings.map(|i| (angle(i), i)).collect(), "angle / °".to_owned(), "Angles of one element")
-            }
-            false => {
-                let along = readings.map(|i| (distance(i) * 1e3, i)).collect();
-                (along, "distance / mm".to_owned(), "Distances of one element")
-            }
+            true => line(&angle, "angle / °", "Angles of one element"),
+            false => line(&|reading| distance(reading) * 1e3, "distance / mm", "Distances of one element"),
         });
     }
     let low = points.iter().fold(DVec3::MAX, |low, at| low.min(*at));
@@ -227,7 +232,7 @@ fn of_line(measured: &Measured) -> Option<(Vec<(f64, usize)>, String, &'static s
     let spread = high - low;
     let axis = (0..3).max_by(|&a, &b| spread[a].total_cmp(&spread[b]))?;
     let along = readings.map(|i| (points[i][axis] * 1e3, i)).collect();
-    (spread[axis] > THIN).then(|| (along, format!("{} / mm", ["x", "y", "z"][axis]), "Line"))
+    (spread[axis] > THIN).then(|| Line { along, axis: ["x / mm", "y / mm", "z / mm"][axis], name: "Line" })
 }
 
 /// Phases and gains of the elements.

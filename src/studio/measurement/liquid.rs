@@ -108,7 +108,7 @@ impl MeasuredLiquid {
     ///
     /// # Errors
     /// A scene that cannot be solved or has no depression, or heights that do not tell the strength.
-    pub fn new(scene: Scene, heights: Heights) -> Result<Self, String> {
+    pub fn new(scene: Scene, heights: &Heights) -> Result<Self, String> {
         let solution = solver::solve(&scene).map_err(|error| error.to_string())?;
         let drives = responding(&scene, solution.drives(), false);
         let size = scene.plane.size;
