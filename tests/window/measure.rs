@@ -216,7 +216,9 @@ fn the_figure_is_enlarged_and_written() {
     assert_eq!(screen.state().editor().dialog, Some(Dialog::Measured));
     screen.get_by_label("Figure of the measured field, enlarged");
     press_button(&mut screen, "Close");
-    assert!(screen.state().shown().measured.is_some() && screen.state().shown().measured_large.is_none());
+    assert_eq!(screen.state().editor().dialog, None);
+    assert!(screen.state().shown().measured.is_some());
+    assert!(screen.state().shown().measured_large.is_none());
     press_button(&mut screen, "Save report…");
     let path = folder.path().join("own.svg");
     let (purpose, text) = (Purpose::Export(Export::Report), path.display().to_string());
