@@ -1,4 +1,4 @@
-//! Scans of the Measure page: opening them, their calibrations, and their figures.
+//! Scans of the Measure page: opening them, their calibrations and reports.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -6,78 +6,12 @@ use std::sync::Arc;
 use anyhow::{Context, anyhow, bail};
 use eframe::egui;
 
-use crate::app::figure::{Drawing, Previews, Recipe};
+use crate::app::figure::Previews;
+use crate::app::measured_figures::{MeasuredFigures, Sketch};
 use crate::app::window::Window;
-use crate::picture::figure::page::Plot;
-use crate::picture::figure::{Figure, Paper};
-use crate::studio::figure::{self, Subject, Wish};
+use crate::studio::figure;
 use crate::studio::measurement::report;
-use crate::ui::parts::measuring::Finding;
 use crate::ui::{Dialog, Panel};
-
-/// Width of the page's figure in mm and in pixels.
-const NARROW: f64 = 85.0;
-const PIXELS: f64 = 700.0;
-/// Pixels of a figure's height that every screen can show, at most.
-const TALLEST: f64 = 2048.0;
-/// Maps on the page: those of the first plane.
-const MAPS: usize = 3;
-
-/// A figure on the screen. A result is the same one or another.
-#[derive(Clone, Debug)]
-struct Sketch {
-    finding: Arc<Finding>,
-    title: String,
-}
-
-impl PartialEq for Sketch {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.finding, &other.finding) && self.title == other.title
-    }
-}
-
-impl Sketch {
-    /// The panels below each other, readable on the page, without what it has in words.
-    fn column(&self) -> anyhow::Result<Drawing> {
-        let is_table =
-            |subject: &Subject| matches!(subject, Subject::Plot(plot) if matches!(**plot, Plot::Table(_)));
-        let plots = self.finding.panels.iter().filter(|panel| !is_table(&panel.subject)).cloned();
-        let (maps, others): (Vec<_>, Vec<_>) =
-            plots.partition(|panel| matches!(panel.subject, Subject::Scattered(_)));
-        let panels = maps.into_iter().take(MAPS).chain(others).collect();
-        let paper = Paper { width: NARROW, dpi: PIXELS * 25.4 / NARROW };
-        let mut recipe = Recipe { panels, wish: Wish { paper, columns: Some(1), ..Wish::default() } };
-        let mut figure = recipe.figure()?;
-        let most = TALLEST * 25.4 / figure.size()[1].max(1.0);
-        if recipe.wish.paper.dpi > most {
-            recipe.wish.paper.dpi = most;
-            figure = recipe.figure()?;
-        }
-        drawn(&figure)
-    }
-
-    /// The figure as files have it.
-    fn whole(&self) -> anyhow::Result<Drawing> {
-        drawn(&report::drawn(&self.finding.measured, &self.title, false)?)
-    }
-}
-
-fn drawn(figure: &Figure) -> anyhow::Result<Drawing> {
-    Ok((figure.picture()?, figure.size()))
-}
-
-/// The figures on the page and in its dialog.
-#[derive(Debug, Default)]
-pub(super) struct MeasuredFigures {
-    page: Previews<Sketch>,
-    dialog: Previews<Sketch>,
-}
-
-impl MeasuredFigures {
-    pub(super) fn is_busy(&self) -> bool {
-        self.page.is_busy() || self.dialog.is_busy()
-    }
-}
 
 impl Window {
     /// Shows a scan on the Measure page, which says what is wrong with it.

@@ -27,6 +27,7 @@ mod folders;
 mod job;
 mod link;
 mod mapping;
+mod measured_figures;
 mod measuring;
 #[cfg(target_arch = "wasm32")]
 pub mod page;

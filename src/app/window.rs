@@ -13,7 +13,7 @@ use crate::app::errand::{Errand, Film, Outcome};
 use crate::app::examples::{EXAMPLES, example, linked};
 use crate::app::figure::{Previews, Recipe};
 use crate::app::link::Board;
-use crate::app::measuring::MeasuredFigures;
+use crate::app::measured_figures::MeasuredFigures;
 use crate::app::recovery::Recovery;
 use crate::app::screen::Screen;
 use crate::app::serving::Serving;

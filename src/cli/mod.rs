@@ -33,7 +33,7 @@ use crate::cli::boards::{board, ports};
 use crate::cli::elements::ElementsArgs;
 use crate::cli::levitate::LevitateArgs;
 use crate::cli::manual::{CompletionsArgs, ManualArgs};
-use crate::cli::measure::MeasureArgs;
+use crate::cli::measure::args::MeasureArgs;
 use crate::cli::probe::ProbeArgs;
 use crate::cli::render::args::RenderArgs;
 use crate::cli::solve::SolveArgs;

@@ -215,7 +215,7 @@ fn the_figure_is_enlarged_and_written() {
     press_button(&mut screen, "Enlarge");
     assert_eq!(screen.state().editor().dialog, Some(Dialog::Measured));
     screen.get_by_label("Figure of the measured field, enlarged");
-    press_button(&mut screen, "Close");
+    key(&mut screen, Key::Escape);
     assert_eq!(screen.state().editor().dialog, None);
     assert!(screen.state().shown().measured.is_some());
     assert!(screen.state().shown().measured_large.is_none());

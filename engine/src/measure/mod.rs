@@ -13,7 +13,7 @@
 //! any other its modulus. The phase common to all g is free.
 //!
 //! # Fit
-//! Least squares over g and θ by Levenberg's and Marquardt's damping of Gauss-Newton steps ([`fit`]): with complex readings and a
+//! Least squares over g and θ by Levenberg's and Marquardt's damping of Gauss-Newton steps ([`fit()`]): with complex readings and a
 //! known bench the problem is linear, and one step solves it. With moduli the first guess g = 1 leads to the solution if the
 //! drive is random: then every reading tells of all elements. Under a focus most readings are side lobes, whose phases the
 //! guess does not know.

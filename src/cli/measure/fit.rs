@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::{Context, anyhow, bail};
 
-use crate::cli::measure::MeasureArgs;
+use crate::cli::measure::args::MeasureArgs;
 use crate::cli::progress;
 use crate::cli::scene::{Source, read_scene};
 use crate::measure::{Parameter, Search, fit};

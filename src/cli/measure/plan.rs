@@ -7,7 +7,7 @@ use anyhow::{Context, bail};
 use glam::DVec2;
 
 use crate::cli::boards::send;
-use crate::cli::measure::MeasureArgs;
+use crate::cli::measure::args::MeasureArgs;
 use crate::cli::scene::{Source, read_scene};
 use crate::device::profile::Profile;
 use crate::measure::plan::{LEVELS, Raster};

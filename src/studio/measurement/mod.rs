@@ -228,11 +228,9 @@ impl Measured {
                     return lines;
                 }
                 let win = self.win();
-                lines.push(format!(
-                    "correction: focus {:+.1} % with phases, {:+.1} % with gains, too",
-                    100.0 * (win.phases - 1.0),
-                    100.0 * (win.gains - 1.0)
-                ));
+                let [phases, gains] = [win.phases, win.gains]
+                    .map(|win| format!("{:+.1}", 100.0 * (win - 1.0)).replace('-', "−"));
+                lines.push(format!("correction: focus {phases} % with phases, {gains} % with gains, too"));
             }
         }
         lines
