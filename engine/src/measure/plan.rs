@@ -52,7 +52,7 @@ impl Raster {
         }
     }
 
-    /// The places, plane by plane and row by row, to and fro.
+    /// The places, plane by plane and row by row, back and forth.
     pub fn places(&self) -> Vec<DVec3> {
         let count = |length: f64| (length / self.step).round().max(1.0) as usize;
         let (columns, rows) = (count(self.size.x), count(self.size.y));
