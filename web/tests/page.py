@@ -28,7 +28,7 @@ TOLERANCE = 2e-5
 SPEED = 343.0
 CHECKED = []
 #: On the Device page: the button that chooses a port, in points from the upper left corner.
-CHOOSE = (1110, 219)
+CHOOSE = (1110, 247)
 
 
 def checked(what):
