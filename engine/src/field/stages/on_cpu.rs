@@ -331,8 +331,8 @@ impl OnCpu {
         let ending = if is_moment { Ending::Sum } else { declaration.ending() };
         let finished = runs.map(|values| finish(values, 1.0, ending));
         let peak = finished.reduce(|| f32::NEG_INFINITY, f32::max);
-        if !declaration.is_root && !declaration.is_pressed() {
-            elsewhere = weakest::off_at_loudest(job, values);
+        if !declaration.is_pressed() {
+            elsewhere = weakest::off_at_loudest(job, values).max(elsewhere);
         }
         let means = &self.cells.value;
         let places = &job.probes.places;
