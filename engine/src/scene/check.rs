@@ -103,7 +103,7 @@ fn medium(medium: &Medium) -> Result<(), KeyError> {
         within("density", density, 1e-3, 1e4, "kg/m³")?;
     }
     if let Some(absorption) = medium.absorption {
-        within("absorption", absorption, 0.0, 1e3, "dB/m")?;
+        within("absorption", absorption, 0.0, 1e5, "dB/m")?;
     }
     Ok(())
 }
@@ -120,7 +120,7 @@ fn array(array: &Array) -> Result<(), KeyError> {
     }
     length("pitch", array.pitch)?;
     length("element_radius", array.element_radius)?;
-    within("frequency", array.frequency, 1e3, 1e6, "Hz")?;
+    within("frequency", array.frequency, 1e3, 20e6, "Hz")?;
     within("strength", array.strength, 1e-9, 1e6, "Pa·m")?;
     within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")?;
     spread(&array.spread).map_err(|e| e.under(&["spread".into()]))?;
@@ -128,7 +128,7 @@ fn array(array: &Array) -> Result<(), KeyError> {
         None | Some(Response::Preset(_)) => Ok(()),
         Some(Response::Pole(pole)) => {
             let under = |e: KeyError| e.under(&["response".into()]);
-            within("resonance", pole.resonance, 1e3, 1e6, "Hz").map_err(under)?;
+            within("resonance", pole.resonance, 1e3, 20e6, "Hz").map_err(under)?;
             within("tau", pole.tau, 1e-6, 0.1, "s").map_err(under)
         }
     }

@@ -281,11 +281,11 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
             }
             let elements = array.elements() * boards;
             array.off.retain(|&element| element < elements);
-            number(ui, ("Pitch", "Distance between neighbouring elements"), &mut array.pitch, MM, 1e-4..=0.2);
+            number(ui, ("Pitch", "Distance between neighbouring elements"), &mut array.pitch, MM, 1e-5..=0.2);
         }
-        number(ui, ("Element radius", "Of the radiating surface"), &mut array.element_radius, MM, 1e-5..=0.1);
+        number(ui, ("Element radius", "Of the radiating surface"), &mut array.element_radius, MM, 1e-6..=0.1);
         let khz = Unit { per: 1e-3, suffix: " kHz", decimals: 2, speed: 0.1 };
-        number(ui, ("Frequency", "Of the carrier"), &mut array.frequency, khz, 1e3..=1e6);
+        number(ui, ("Frequency", "Of the carrier"), &mut array.frequency, khz, 1e3..=20e6);
         let strength = Unit { per: 1.0, suffix: " Pa·m", decimals: 2, speed: 0.02 };
         number(
             ui,
@@ -329,7 +329,7 @@ fn response(array: &mut Array, ui: &mut Ui) {
     choice(ui, ("Response", tip), &mut array.response, &choices);
     if let Some(Response::Pole(pole)) = &mut array.response {
         let hertz = Unit { per: 1.0, suffix: " Hz", decimals: 0, speed: 5.0 };
-        number(ui, ("Resonance", "Of the motional branch"), &mut pole.resonance, hertz, 1e3..=1e6);
+        number(ui, ("Resonance", "Of the motional branch"), &mut pole.resonance, hertz, 1e3..=20e6);
         let ms = Unit { per: 1e3, suffix: " ms", decimals: 3, speed: 0.001 };
         number(ui, ("Time constant", "Of the amplitude"), &mut pole.tau, ms, 1e-6..=0.1);
     }
