@@ -11,7 +11,7 @@ use egui::Context;
 
 use crate::import::Drawing;
 use crate::picture::Picture;
-use crate::scene::{Array, Curve, DriveFile, Wave};
+use crate::scene::{Array, Curve, Directivity, DriveFile, Wave};
 use crate::studio::later;
 use crate::ui::{Folder, Purpose};
 
@@ -125,6 +125,8 @@ pub enum Outcome {
     Heard(Result<Wave, String>),
     /// Thresholds of the skin, read.
     Felt(Result<Curve, String>),
+    /// Directivity of the elements, read.
+    Directed(Result<Directivity, String>),
     /// An array with loaded elements.
     Placed(Result<Box<Array>, String>),
     /// An array with loaded wires.

@@ -16,13 +16,13 @@ use crate::drive::Drive;
 use crate::field::{Colouring, Evaluator, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{Picture, export, numbers};
-use crate::scene::{Array, Curve, Elements, Envelope, Scene, Wave, Wires, check};
+use crate::scene::{Array, Curve, Directivity, ElementModel, Elements, Envelope, Scene, Wave, Wires, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
 use crate::studio::opening::stem;
 use crate::studio::paintings::Placed;
-use crate::studio::{elements, figure, link, liquid, opening, output, thresholds, waveform};
+use crate::studio::{directivity, elements, figure, link, liquid, opening, output, thresholds, waveform};
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
@@ -272,6 +272,18 @@ impl Window {
         (skin.threshold, skin.curve) = (name, curve);
     }
 
+    /// Reads a directivity, then applies it to the elements.
+    pub(super) fn read_directivity(&mut self, path: PathBuf, ctx: &egui::Context) {
+        self.send(ctx, move |_| Outcome::Directed(directivity::read(&path)));
+    }
+
+    fn take_directivity(&mut self, measured: Directivity) {
+        let Some(file) = &measured.from else { return };
+        let name = Some(self.beside_document(file));
+        let array = &mut self.editor.document.scene.array;
+        (array.directivity, array.measured, array.element) = (name, measured, ElementModel::Measured);
+    }
+
     /// The name of a file in the scene: relative to the scene's folder, if it lies there.
     fn beside_document(&self, file: &Path) -> String {
         let folder = self.editor.document.path().and_then(Path::parent);
@@ -332,6 +344,8 @@ impl Window {
             Outcome::Heard(Err(error)) => self.refuse("The waveform cannot be read", &anyhow!(error)),
             Outcome::Felt(Ok(curve)) => self.take_thresholds(curve),
             Outcome::Felt(Err(error)) => self.refuse("The thresholds cannot be read", &anyhow!(error)),
+            Outcome::Directed(Ok(measured)) => self.take_directivity(measured),
+            Outcome::Directed(Err(error)) => self.refuse("The directivity cannot be read", &anyhow!(error)),
             Outcome::Placed(Ok(array)) => self.editor.document.scene.array = *array,
             Outcome::Wired(Ok(array)) => {
                 let own = &mut self.editor.document.scene.array;

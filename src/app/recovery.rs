@@ -178,6 +178,7 @@ fn read(path: &Path) -> Option<(Scene, Origin, Paintings)> {
     }
     let _ = opening::load_wave(&mut scene.modulation, folder);
     let _ = opening::load_thresholds(scene.skin.as_mut(), folder);
+    let _ = opening::load_directivity(&mut scene.array, folder);
     let mut paintings = Paintings::default();
     paintings.adopt(&mut scene, path);
     Some((scene, origin, paintings))

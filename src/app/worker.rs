@@ -13,7 +13,9 @@ use wasm_bindgen::prelude::{Closure, JsValue, wasm_bindgen};
 use web_sys::{MessageEvent, Worker, WorkerOptions, WorkerType};
 
 use crate::app::job::{CompareMethods, Follow, Job, Solve};
-use crate::scene::{DriveFile, DriveTable, Elements, Grey, Pixels, Placed, Scene, Wire, Wires, file};
+use crate::scene::{
+    Directivity, DriveFile, DriveTable, Elements, Grey, Pixels, Placed, Reading, Scene, Wire, Wires, file,
+};
 
 const SCRIPT: &str = "./worker.js";
 
@@ -34,6 +36,7 @@ struct Parcel {
     pixels: Vec<Option<Grey>>,
     elements: Option<Vec<Placed>>,
     wires: Option<(Vec<Option<Wire>>, bool)>,
+    directivity: Option<Vec<Reading>>,
     drives: Option<DriveTable>,
 }
 
@@ -44,7 +47,8 @@ impl Parcel {
         let elements = scene.array.placed.get().map(<[_]>::to_vec);
         let wires = scene.wires().and_then(|wires| Some((wires.get()?.to_vec(), wires.repeats)));
         let drives = scene.drive.table().cloned();
-        Self { text: file::write(scene), pixels: pixels.collect(), elements, wires, drives }
+        let directivity = scene.array.measured.get().map(|measured| measured.readings.clone());
+        Self { text: file::write(scene), pixels: pixels.collect(), elements, wires, directivity, drives }
     }
 
     fn scene(self) -> Option<Scene> {
@@ -62,6 +66,9 @@ impl Parcel {
             // Those of the elements' file count only without a table of their own.
             let wires = Wires::new(wires, repeats, None);
             (scene.array.placed.wires, scene.array.wires) = (wires.clone(), wires);
+        }
+        if let Some(readings) = self.directivity {
+            scene.array.measured = Directivity::new(readings, None);
         }
         if let Some(drives) = self.drives {
             scene.drive = DriveFile::new(std::mem::take(&mut scene.drive.name), drives, None);

@@ -156,7 +156,8 @@ pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     let wave = Some(&scene.modulation.file).filter(|name| !name.is_empty());
     let drive = Some(&scene.drive.name).filter(|name| !name.is_empty());
     let thresholds = scene.skin.as_ref().filter(|skin| skin.known().is_none()).map(|skin| &skin.threshold);
-    if let Some(name) = table.chain(wave).chain(drive).chain(thresholds).next() {
+    let directivity = scene.array.directivity.as_ref();
+    if let Some(name) = table.chain(wave).chain(drive).chain(thresholds).chain(directivity).next() {
         return Err(EditError::NamesFile(echo::value(name)));
     }
     opening::load(&mut scene, Path::new(""))?;

@@ -74,7 +74,7 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
     if !scene.modulation.file.is_empty() {
         return Err(LinkError::Wave(scene.modulation.file.clone()));
     }
-    let tables = [&scene.array.file, &scene.array.wiring];
+    let tables = [&scene.array.file, &scene.array.wiring, &scene.array.directivity];
     if let Some(name) = tables.into_iter().flatten().find(|name| !name.starts_with(arrays::PRESET)) {
         return Err(LinkError::Table(name.clone()));
     }

@@ -231,10 +231,16 @@ impl Axis {
 /// Acoustic power (W) of elements that each radiate by themselves: S²/(2ρc) ∫ D² dΩ over the half-space.
 fn power(aperture: &Aperture, air: &Air, u: &[Complex64]) -> f64 {
     const STEPS: usize = 256;
+    const SPOKES: usize = 32;
     let element = &aperture.element;
     let ring = |i: usize| {
-        let angle = PI / 2.0 * (i as f64 + 0.5) / STEPS as f64;
-        element.directivity(angle.sin()).powi(2) * angle.sin()
+        let (sin, cos) = (PI / 2.0 * (i as f64 + 0.5) / STEPS as f64).sin_cos();
+        let spoke = |spoke: usize| {
+            let round = TAU * (spoke as f64 + 0.5) / SPOKES as f64;
+            let towards = DVec3::new(sin * round.cos(), sin * round.sin(), cos);
+            element.loudness(towards, DVec3::Z, DVec3::X).powi(2)
+        };
+        (0..SPOKES).map(spoke).sum::<f64>() / SPOKES as f64 * sin
     };
     let solid = TAU * (0..STEPS).map(ring).sum::<f64>() * PI / 2.0 / STEPS as f64;
     let squares: f64 = u.iter().map(|u| u.norm_sqr()).sum();

@@ -1,4 +1,5 @@
-//! Opens scenes: the file, and the pictures, waveform, thresholds, drives, elements and wires that it names.
+//! Opens scenes: the file, and the pictures, waveform, thresholds, directivity, drives, elements and wires that it
+//! names.
 //!
 //! A scene file names a picture; opening loads the pixels, which the scene then shares and the file never contains.
 
@@ -15,7 +16,7 @@ use crate::scene::{
     Array, DriveFile, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Skin, Target, Wires,
 };
 use crate::source;
-use crate::studio::{arrays, elements, thresholds, waveform};
+use crate::studio::{arrays, directivity, elements, thresholds, waveform};
 
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
@@ -31,7 +32,7 @@ pub fn stem(path: &Path) -> String {
     stem.strip_suffix(".sonoglyph").filter(|name| !name.is_empty()).unwrap_or(&stem).to_owned()
 }
 
-/// The scene of a file, with its pictures, waveform, thresholds, drives, and tables of elements and wires.
+/// The scene of a file, with its pictures, waveform, thresholds, directivity, drives, and tables of elements and wires.
 ///
 /// # Errors
 /// The errors of [`file::read`], and a picture, a waveform, thresholds, drives or a table that cannot be read.
@@ -50,7 +51,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures, waveform, thresholds, drives, elements and wires named by a scene, relative to a folder, and
+/// Loads the pictures, waveform, thresholds, directivity, drives, elements and wires named by a scene, relative to a folder, and
 /// checks the scene again if there are pictures, drives or a table.
 ///
 /// # Errors
@@ -59,6 +60,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     load_wave(&mut scene.modulation, folder)?;
     load_thresholds(scene.skin.as_mut(), folder)?;
+    load_directivity(&mut scene.array, folder)?;
     let lacks_table = scene.array.lacks_elements() || scene.array.lacks_wires() || scene.drive.is_missing();
     if !scene.targets.iter().any(Target::lacks_pixels) && !lacks_table {
         return Ok(());
@@ -168,6 +170,19 @@ pub fn load_thresholds(skin: Option<&mut Skin>, folder: &Path) -> Result<(), Key
         let read = thresholds::read(&folder.join(&skin.threshold));
         let key = [Key::from("skin"), Key::from("threshold")];
         skin.curve = read.map_err(|message| KeyError::new(key, message))?;
+    }
+    Ok(())
+}
+
+/// Loads the directivity of an array's elements, if a file has it and it is not loaded.
+///
+/// # Errors
+/// The errors of [`directivity::read`].
+pub fn load_directivity(array: &mut Array, folder: &Path) -> Result<(), KeyError> {
+    if let Some(name) = array.directivity.as_ref().filter(|_| array.lacks_directivity()) {
+        let key = [Key::from("array"), Key::from("directivity")];
+        array.measured =
+            directivity::read(&folder.join(name)).map_err(|message| KeyError::new(key, message))?;
     }
     Ok(())
 }

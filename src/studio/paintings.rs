@@ -64,6 +64,9 @@ impl Paintings {
         if let (Some(name), Some(place)) = (&mut array.wiring, &array.wires.from) {
             *name = name_from(&path, &absolute(place), name);
         }
+        if let (Some(name), Some(place)) = (&mut array.directivity, &array.measured.from) {
+            *name = name_from(&path, &absolute(place), name);
+        }
         let drive = &mut placed.scene.drive;
         if let Some(place) = &drive.from {
             let before = if Path::new(&drive.name).is_absolute() { "" } else { &*drive.name };

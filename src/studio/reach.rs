@@ -12,7 +12,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::{Aperture, Face};
-use crate::scene::{Scene, Target, outline};
+use crate::scene::{ElementModel, Scene, Target, outline};
 
 /// Limit relative to the pressure of a single focus at the best distance.
 const WEAK: f64 = 0.1;
@@ -57,6 +57,9 @@ pub enum Warning {
     /// The board's number, from 1.
     #[error("Board {0} faces away from every target and contributes nothing")]
     TurnedAway(usize),
+    /// Largest difference of a measured directivity from its table, relative to the axis.
+    #[error("The smooth fit of `array.directivity` is up to {:.0} % of the amplitude at 0 degrees off its table", 100.0 * .0)]
+    RoughFit(f64),
     /// Remainder of a truncated series of reflections, relative to the direct sound.
     #[error(
         "The reflections between the array's face and the reflectors converge slowly: the remainder after {faces} of them is up to \
@@ -71,13 +74,23 @@ pub fn of_targets(scene: &Scene) -> Vec<Warning> {
     if aperture.driven.is_empty() {
         return Vec::new();
     }
+    let rough = rough_fit(scene);
     let (best, distance) = best(&aperture);
     let shown = || scene.targets.iter().enumerate().filter(|(_, target)| target.visible).take(MOST_TARGETS);
     let mut warnings: Vec<_> =
         shown().filter_map(|(index, target)| warning(&aperture, index, target, (best, distance))).collect();
     let places: Vec<_> = shown().map(|(_, target)| outline::centre(&target.shape)).collect();
     warnings.extend(turned_away(&aperture, &places));
+    warnings.extend(rough);
     warnings
+}
+
+/// The warning about a directivity that is too rough for its fit.
+fn rough_fit(scene: &Scene) -> Option<Warning> {
+    /// Limit relative to the amplitude at 0°.
+    const ROUGH: f64 = 0.02;
+    let measured = scene.array.measured.get().filter(|_| scene.array.element == ElementModel::Measured)?;
+    (measured.residual > ROUGH).then_some(Warning::RoughFit(measured.residual))
 }
 
 /// Boards without sound at any target.
@@ -135,13 +148,14 @@ fn single_focus(aperture: &Aperture, at: DVec3) -> f64 {
 
 /// The largest directivity of any element towards a point.
 fn straightest(aperture: &Aperture, at: DVec3) -> f64 {
-    let directivity = |&n: &usize| {
-        let offset = at - aperture.positions[n];
-        let height = offset.dot(aperture.normals[n]);
-        let across = (offset - aperture.normals[n] * height).length();
-        if height > 0.0 { aperture.element.directivity(across / offset.length()).abs() } else { 0.0 }
+    let of_board = |board: &Face| {
+        let (at, layout) = (board.pose.local(at), &board.layout);
+        let driven = aperture.driven.iter().filter(|n| board.elements().contains(n)).map(|n| n - board.first);
+        let loudness =
+            |n: usize| aperture.element.loudness(at - layout.positions[n], layout.normal(n), layout.aside(n));
+        driven.map(loudness).fold(0.0, f64::max)
     };
-    aperture.driven.iter().map(directivity).fold(0.0, f64::max)
+    aperture.boards().map(of_board).fold(0.0, f64::max)
 }
 
 /// The largest pressure (Pa) of a single focus in front of the array's centre, and its distance (m).

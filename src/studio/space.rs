@@ -12,7 +12,7 @@ use crate::field::volume::scenery::{Body, Item, Shot};
 use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
 use crate::picture::{ColourMap, Picture};
 use crate::rounding::millimetres;
-use crate::scene::{Focus, Scene, outline};
+use crate::scene::{ElementModel, Focus, Scene, outline};
 
 /// m, sides of a box.
 pub const SIDES: [f64; 2] = [1e-4, 10.0];
@@ -326,11 +326,21 @@ impl Items<'_> {
             let [r, g, b, _] = table[((phase / TAU + 0.5).rem_euclid(1.0) * 255.0).round() as usize];
             let tint = Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0;
             let colour = if is_driven.contains(&n) { SILENT.lerp(tint, loud.sqrt()) } else { SILENT };
-            self.items.push(Item::Disc {
-                centre: aperture.positions[n],
-                normal: aperture.normals[n],
-                radius,
-                colour: colour.extend(1.0),
+            let (centre, colour) = (aperture.positions[n], colour.extend(1.0));
+            self.items.push(match aperture.element.model {
+                ElementModel::Rectangle => {
+                    let x = board.pose.world_direction(board.layout.aside(n - board.first));
+                    let y = aperture.normals[n].cross(x);
+                    let half = aperture.element.size / 2.0;
+                    Item::Panel { centre, half: [x * half.x, y * half.y], colour }
+                }
+                ElementModel::Piston
+                | ElementModel::ExactPiston
+                | ElementModel::Point
+                | ElementModel::Cosine
+                | ElementModel::Measured => {
+                    Item::Disc { centre, normal: aperture.normals[n], radius, colour }
+                }
             });
         }
     }

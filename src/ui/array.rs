@@ -8,7 +8,7 @@ use glam::{DMat3, DVec2, DVec3};
 
 use crate::field::Quantity;
 use crate::picture::ColourMap;
-use crate::scene::{Board, Placed, Reflector, Scene};
+use crate::scene::{Board, ElementModel, Placed, Reflector, Scene};
 use crate::studio::map;
 use crate::ui::theme;
 use crate::ui::view::{Axes, Lens, array_size};
@@ -74,12 +74,28 @@ impl Seen<'_> {
     }
 
     fn discs(&self, sound: &Sound, elements: Range<usize>) {
-        let radius = (sound.aperture.element.radius / self.lens.window.scale) as f32;
+        let aperture = &sound.aperture;
+        let radius = (aperture.element.radius / self.lens.window.scale) as f32;
+        let half = aperture.element.size / 2.0;
+        let Some(board) = aperture.boards().find(|board| board.elements().contains(&elements.start)) else {
+            return;
+        };
         for element in elements {
-            let at = self.lens.screen(self.axes.flat(sound.aperture.positions[element]));
+            let place = aperture.positions[element];
             let colour = colour(sound, element);
-            let edge = Stroke::new(1.0, colour.gamma_multiply(0.7));
-            self.painter.circle(at, radius, colour.gamma_multiply(0.3), edge);
+            let (fill, edge) = (colour.gamma_multiply(0.3), Stroke::new(1.0, colour.gamma_multiply(0.7)));
+            if aperture.element.model == ElementModel::Rectangle {
+                let x = board.pose.world_direction(board.layout.aside(element - board.first));
+                let y = aperture.normals[element].cross(x);
+                let corner = |[along, across]: [f64; 2]| {
+                    let corner = place + x * (along * half.x) + y * (across * half.y);
+                    self.lens.screen(self.axes.flat(corner))
+                };
+                let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner);
+                self.painter.add(Shape::convex_polygon(corners.to_vec(), fill, edge));
+            } else {
+                self.painter.circle(self.lens.screen(self.axes.flat(place)), radius, fill, edge);
+            }
         }
     }
 
@@ -146,7 +162,7 @@ fn edges(scene: &Scene, placed: &[Placed]) -> (DVec2, DVec2) {
     let grow =
         |(low, high): (DVec2, DVec2), it: &Placed| (low.min(it.at.truncate()), high.max(it.at.truncate()));
     let (low, high) = placed.iter().fold((DVec2::MAX, DVec2::MIN), grow);
-    (low - scene.array.element_radius, high + scene.array.element_radius)
+    (low - scene.array.element_half(), high + scene.array.element_half())
 }
 
 /// Colour of an element: its phase if it is driven.

@@ -49,6 +49,8 @@ pub enum Command {
     Waveform(PathBuf),
     /// Takes a table of thresholds of feeling for the skin.
     Thresholds(PathBuf),
+    /// Takes a table as the directivity of the elements.
+    Directivity(PathBuf),
     /// Copies the scene as a link to the clipboard.
     CopyLink,
     /// Opens the scene of a link.
@@ -145,6 +147,8 @@ pub enum Purpose {
     Waveform,
     /// Thresholds of the skin.
     Thresholds,
+    /// Directivity of an element.
+    Directivity,
     Export(Export),
 }
 
@@ -172,6 +176,9 @@ impl Purpose {
             Self::ScanDrive => "Open the drives that were played during the scan (CSV)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Waveform => "Open a waveform of the modulation (WAV)",
+            Self::Directivity => {
+                "Open a directivity (CSV with angle in degrees, amplitude or level in dB, and phase)"
+            }
             Self::Thresholds => "Open thresholds (CSV with frequency in Hz and displacement in m, peak)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the view as PNG",
@@ -194,7 +201,7 @@ impl Purpose {
             Self::Elements | Self::Wiring => ELEMENTS,
             Self::Drive | Self::Scan | Self::ScanDrive => DRIVES,
             Self::Waveform => &["wav"],
-            Self::Thresholds => &["csv"],
+            Self::Thresholds | Self::Directivity => &["csv"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
@@ -220,6 +227,7 @@ impl Purpose {
                 | Self::ScanDrive
                 | Self::Waveform
                 | Self::Thresholds
+                | Self::Directivity
         )
     }
 
@@ -227,7 +235,12 @@ impl Purpose {
         match self {
             Self::Open | Self::Drive | Self::Scan | Self::ScanDrive => "Open",
             Self::SaveAs | Self::Export(Export::Calibration { .. } | Export::Report) => "Save",
-            Self::Import | Self::Elements | Self::Wiring | Self::Waveform | Self::Thresholds => "Read",
+            Self::Import
+            | Self::Elements
+            | Self::Wiring
+            | Self::Waveform
+            | Self::Thresholds
+            | Self::Directivity => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -244,6 +257,7 @@ impl Purpose {
             Self::ScanDrive => Command::OpenScanDrive(path),
             Self::Waveform => Command::Waveform(path),
             Self::Thresholds => Command::Thresholds(path),
+            Self::Directivity => Command::Directivity(path),
             Self::Export(export) => Command::Export(export, path),
         }
     }

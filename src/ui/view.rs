@@ -429,7 +429,7 @@ fn around(scene: &Scene, axes: &Axes) -> (DVec2, DVec2) {
     let flat = elements.chain(targets).map(|place| axes.flat(place));
     let (low, high) =
         flat.fold((DVec2::MAX, DVec2::MIN), |(low, high), place| (low.min(place), high.max(place)));
-    ((low + high) / 2.0, (high - low + 4.0 * scene.array.element_radius) * 1.1)
+    ((low + high) / 2.0, (high - low + 4.0 * scene.array.element_half()) * 1.1)
 }
 
 /// m, over all elements.

@@ -9,7 +9,7 @@ use crate::acoustics::air::Air;
 use crate::acoustics::element::Element;
 use crate::acoustics::face;
 use crate::acoustics::face::{Face, Layout, Pose};
-use crate::scene::{Placed, Reflector, Scene};
+use crate::scene::{Reflector, Scene};
 
 /// The array as a radiator: boards of equal elements at known positions, the driven ones, and their images in
 /// reflectors.
@@ -40,15 +40,24 @@ impl Aperture {
             model: array.element,
             wavenumber: TAU * array.frequency / air.sound_speed,
             radius: array.element_radius,
+            size: array.element_size,
+            exponent: array.element_exponent,
+            measured: array.measured.series(),
             strength: array.strength,
             attenuation: air.attenuation,
         };
         let placed = array.places();
+        let places = || placed.iter().map(|it| it.at).collect();
         let (layout, columns) = match array.file {
-            Some(_) => {
-                (Layout { normals: placed.iter().map(|it| it.normal).collect(), ..flat(&placed) }, None)
-            }
-            None => (flat(&placed), Some(array.columns as usize)),
+            Some(_) => (
+                Layout {
+                    normals: placed.iter().map(|it| it.normal).collect(),
+                    asides: placed.iter().map(|it| face::aside(it.normal)).collect(),
+                    ..flat(places())
+                },
+                None,
+            ),
+            None => (flat(places()), Some(array.columns as usize)),
         };
         let (layout, own) = Layout { columns, ..layout }.level();
         let (layout, standing) = (Arc::new(layout), scene.standing());
@@ -75,7 +84,7 @@ impl Aperture {
 
     /// The same elements at other positions in z = 0 (m), all driven, without reflectors.
     pub(crate) fn with_elements(&self, positions: Vec<DVec3>) -> Self {
-        let layout = Layout { positions: positions.clone(), normals: Vec::new(), columns: None };
+        let layout = flat(positions.clone());
         Self {
             normals: vec![DVec3::Z; positions.len()],
             driven: (0..positions.len()).collect(),
@@ -168,8 +177,8 @@ impl Aperture {
 }
 
 /// Elements of a board that all radiate along z.
-pub fn flat(placed: &[Placed]) -> Layout {
-    Layout { positions: placed.iter().map(|it| it.at).collect(), normals: Vec::new(), columns: None }
+fn flat(positions: Vec<DVec3>) -> Layout {
+    Layout { positions, normals: Vec::new(), asides: Vec::new(), columns: None }
 }
 
 #[cfg(test)]
@@ -284,7 +293,8 @@ mod tests {
             for (row, point) in points.iter().enumerate() {
                 let elements = aperture.positions.iter().zip(&aperture.normals).zip(transfer.row(row));
                 for ((position, normal), own) in elements {
-                    let expected = aperture.element.towards(*point - *position, *normal);
+                    let expected =
+                        aperture.element.towards(*point - *position, *normal, face::aside(*normal));
                     let off = (own - expected).norm();
                     assert!(off <= 1e-9 * expected.norm(), "{point} of {position}: {own}, not {expected}");
                     silent += usize::from(expected == Complex64::ZERO);

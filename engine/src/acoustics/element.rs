@@ -7,11 +7,12 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
 use crate::acoustics::gauss;
 use crate::scene::ElementModel;
+use crate::scene::directivity::{self as table, Series};
 
 /// m. Far fields diverge at the element, so heights above the array are clamped to this value. A point this little
 /// behind the array counts as in front, to be robust against rounding.
@@ -36,6 +37,15 @@ pub struct Element {
     pub wavenumber: f64,
     /// m
     pub radius: f64,
+    /// m, width and height of a rectangle.
+    #[doc(hidden)]
+    pub size: DVec2,
+    /// n of cosⁿθ.
+    #[doc(hidden)]
+    pub exponent: f64,
+    /// Coefficients of a measured directivity.
+    #[doc(hidden)]
+    pub measured: Series,
     /// Pa·m, peak, on axis at full drive
     pub strength: f64,
     /// Np/m
@@ -51,6 +61,19 @@ pub enum Radiator {
     Piston(f64),
     /// The near and far field of such a disk.
     Disk(f64),
+    /// The far field of a baffled rectangle of this width and height, m.
+    Rectangle(DVec2),
+    /// cosⁿθ
+    Cosine(f64),
+    /// A sum of Chebyshev polynomials in 2 cosθ - 1.
+    Measured,
+}
+
+/// A directivity towards a point, and its derivatives by the components of the unit vector there, in the element's axes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pattern {
+    pub value: Complex64,
+    pub slopes: [Complex64; 3],
 }
 
 impl Element {
@@ -60,6 +83,30 @@ impl Element {
             ElementModel::Piston => Radiator::Piston(self.radius),
             ElementModel::ExactPiston if self.radius < SMALLEST_DISK => Radiator::Monopole,
             ElementModel::ExactPiston => Radiator::Disk(self.radius),
+            ElementModel::Rectangle => Radiator::Rectangle(self.size),
+            ElementModel::Cosine => Radiator::Cosine(self.exponent),
+            ElementModel::Measured => Radiator::Measured,
+        }
+    }
+
+    /// m: the radius of a piston whose directivity is as steep; 0 of points, and of disks, which are none.
+    pub(crate) fn steepness(&self) -> f64 {
+        /// Largest slope of 2 J1(x)/x.
+        const OF_PISTON: f64 = 0.36;
+        const ANGLES: u32 = 180;
+        match self.radiator() {
+            Radiator::Monopole | Radiator::Disk(_) => 0.0,
+            Radiator::Piston(radius) => radius,
+            // Along a diagonal, two sincs multiply.
+            Radiator::Rectangle(size) => size.length() / 2.0,
+            Radiator::Cosine(_) | Radiator::Measured => {
+                let slope = |i: u32| {
+                    let angle = PI / 2.0 * (f64::from(i) - 0.5) / f64::from(ANGLES);
+                    let pattern = self.pattern(DVec3::new(angle.sin(), 0.0, angle.cos()));
+                    (pattern.slopes[2] * angle.sin()).norm()
+                };
+                (1..=ANGLES).map(slope).fold(0.0, f64::max) / (OF_PISTON * self.wavenumber)
+            }
         }
     }
 
@@ -69,7 +116,11 @@ impl Element {
             return Complex64::ZERO;
         }
         let lowest = match self.radiator() {
-            Radiator::Monopole | Radiator::Piston(_) => NEAREST,
+            Radiator::Monopole
+            | Radiator::Piston(_)
+            | Radiator::Rectangle(_)
+            | Radiator::Cosine(_)
+            | Radiator::Measured => NEAREST,
             Radiator::Disk(_) => 0.0,
         };
         let (rho, z) = (offset.truncate().length(), offset.z.max(lowest));
@@ -78,21 +129,80 @@ impl Element {
             Radiator::Monopole => spherical(self.wavenumber, r),
             Radiator::Piston(_) => spherical(self.wavenumber, r) * self.directivity(rho / r),
             Radiator::Disk(radius) => self.disk(radius, rho, z),
+            Radiator::Rectangle(_) | Radiator::Cosine(_) | Radiator::Measured => {
+                spherical(self.wavenumber, r) * self.pattern(offset.with_z(z) / r).value
+            }
         };
         wave * self.strength * (-self.attenuation * r).exp()
     }
 
-    /// The same of an element that radiates along `normal`, a unit vector.
-    pub fn towards(&self, offset: DVec3, normal: DVec3) -> Complex64 {
+    /// The same of an element that radiates along `normal`, a unit vector, with its x axis along `aside`, another.
+    pub fn towards(&self, offset: DVec3, normal: DVec3, aside: DVec3) -> Complex64 {
         let height = offset.dot(normal);
-        self.transfer(DVec3::new((offset - normal * height).length(), 0.0, height))
+        let across = match self.radiator() {
+            Radiator::Rectangle(_) => DVec2::new(offset.dot(aside), offset.dot(normal.cross(aside))),
+            Radiator::Monopole
+            | Radiator::Piston(_)
+            | Radiator::Disk(_)
+            | Radiator::Cosine(_)
+            | Radiator::Measured => DVec2::new((offset - normal * height).length(), 0.0),
+        };
+        self.transfer(across.extend(height))
     }
 
-    /// D = 2 J1(x)/x with x = ka sinθ.
+    /// The modulus of the directivity at an angle from the axis; of a rectangle along its width. D = 2 J1(x)/x with x = ka sinθ
+    /// of a piston.
     pub fn directivity(&self, sin: f64) -> f64 {
         match self.radiator() {
             Radiator::Monopole => 1.0,
             Radiator::Piston(radius) | Radiator::Disk(radius) => directivity(self.wavenumber * radius * sin),
+            Radiator::Rectangle(_) | Radiator::Cosine(_) | Radiator::Measured => {
+                self.pattern(DVec3::new(sin, 0.0, (1.0 - sin * sin).max(0.0).sqrt())).value.norm()
+            }
+        }
+    }
+
+    /// The modulus of the directivity towards an offset from an element with a normal and an x axis; 0 behind it.
+    #[doc(hidden)]
+    pub fn loudness(&self, offset: DVec3, normal: DVec3, aside: DVec3) -> f64 {
+        let (height, r) = (offset.dot(normal), offset.length());
+        match self.radiator() {
+            _ if height <= 0.0 => 0.0,
+            Radiator::Rectangle(_) => {
+                let towards = [aside, normal.cross(aside), normal].map(|axis| axis.dot(offset) / r);
+                self.pattern(DVec3::from_array(towards)).value.norm()
+            }
+            Radiator::Monopole
+            | Radiator::Piston(_)
+            | Radiator::Disk(_)
+            | Radiator::Cosine(_)
+            | Radiator::Measured => self.directivity((offset - normal * height).length() / r).abs(),
+        }
+    }
+
+    /// D towards a unit vector in the element's axes, of a height above 0; 1 for forms of another kind.
+    pub(super) fn pattern(&self, towards: DVec3) -> Pattern {
+        let real = |value: f64, slopes: [f64; 3]| Pattern {
+            value: value.into(),
+            slopes: slopes.map(Complex64::from),
+        };
+        match self.radiator() {
+            Radiator::Monopole | Radiator::Piston(_) | Radiator::Disk(_) => real(1.0, [0.0; 3]),
+            Radiator::Rectangle(size) => {
+                let half = size * (self.wavenumber / 2.0);
+                let ([x, dx], [y, dy]) =
+                    (sinc_with_slope(half.x * towards.x), sinc_with_slope(half.y * towards.y));
+                real(x * y, [half.x * dx * y, half.y * dy * x, 0.0])
+            }
+            Radiator::Cosine(exponent) => {
+                let value = towards.z.powf(exponent);
+                real(value, [0.0, 0.0, exponent * value / towards.z])
+            }
+            Radiator::Measured => {
+                let [value, slope] = table::with_slope(&self.measured, towards.z);
+                let [value, slope] = [value, slope].map(|[re, im]| Complex64::new(re, im));
+                Pattern { value, slopes: [Complex64::ZERO, Complex64::ZERO, slope] }
+            }
         }
     }
 
@@ -173,8 +283,25 @@ pub fn directivity(x: f64) -> f64 {
     if x.abs() < 1e-4 { 1.0 - x * x / 8.0 } else { 2.0 * libm::j1(x) / x }
 }
 
-fn sinc(x: f64) -> f64 {
+/// sin x/x.
+pub(crate) fn sinc(x: f64) -> f64 {
     if x.abs() < 1e-4 { 1.0 - x * x / 6.0 } else { x.sin() / x }
+}
+
+/// sin x/x and its derivative.
+fn sinc_with_slope(x: f64) -> [f64; 2] {
+    /// Below, cosine and sinc are too much alike, and this series is right to 1e-16.
+    const SMALL: f64 = 0.5;
+    let square = x * x;
+    let slope = if x.abs() < SMALL {
+        // Σ (-1)ⁿ 2n/(2n + 1)! x²ⁿ⁻¹
+        let terms =
+            [-1.0 / 3.0, 1.0 / 30.0, -1.0 / 840.0, 1.0 / 45_360.0, -1.0 / 3_991_680.0, 1.0 / 518_918_400.0];
+        x * terms.iter().rev().fold(0.0, |sum, term| sum * square + term)
+    } else {
+        (x.cos() - x.sin() / x) / x
+    };
+    [sinc(x), slope]
 }
 
 #[cfg(test)]
@@ -184,7 +311,18 @@ mod tests {
     use super::*;
 
     fn element(model: ElementModel) -> Element {
-        Element { model, wavenumber: 732.7, radius: 0.005, strength: 1.0, attenuation: 0.0 }
+        let size = DVec2::new(0.008, 0.003);
+        let (wavenumber, exponent, measured) = (732.7, 1.3, table::EVEN);
+        Element {
+            model,
+            wavenumber,
+            radius: 0.005,
+            size,
+            exponent,
+            measured,
+            strength: 1.0,
+            attenuation: 0.0,
+        }
     }
 
     #[test]
@@ -198,6 +336,47 @@ mod tests {
             let expected = Complex64::from_polar(amplitude, PI / 2.0 - 0.5 * k * (rim + z));
             let got = element.transfer(DVec3::new(0.0, 0.0, z));
             assert!((got - expected).norm() < 1e-12 * amplitude.abs(), "z = {z}: {got} {expected}");
+        }
+    }
+
+    /// The far field of a rectangle is the Fourier transform of its surface: Gauss's rule over the rectangle of e^{jk(ux + vy)}.
+    #[test]
+    fn the_rectangle_is_the_transform_of_its_surface() {
+        let element = element(ElementModel::Rectangle);
+        for (u, v) in [(0.0, 0.0), (0.3, -0.2), (-0.9, 0.1), (1e-5, 0.999), (0.6, 0.6)] {
+            let z = f64::sqrt(1.0 - u * u - v * v);
+            let along = |half: f64, u: f64| {
+                let part = |(x, weight): (f64, f64)| {
+                    Complex64::cis(element.wavenumber * u * half * x) * weight / 2.0
+                };
+                gauss::legendre(40).into_iter().map(part).sum::<Complex64>()
+            };
+            let transform = along(0.004, u) * along(0.0015, v);
+            let expected = spherical(element.wavenumber, 0.1) * transform;
+            let got = element.transfer(DVec3::new(u, v, z) * 0.1);
+            assert!((got - expected).norm() < 1e-12 * 10.0, "({u}, {v}): {got} {expected}");
+            // Towards a normal, with its own x axis.
+            let (normal, aside) = (DVec3::new(0.6, 0.0, 0.8), DVec3::new(0.8, 0.0, -0.6));
+            let turned = (aside * u + normal.cross(aside) * v + normal * z) * 0.1;
+            assert!((element.towards(turned, normal, aside) - got).norm() < 1e-11, "({u}, {v})");
+        }
+    }
+
+    #[test]
+    fn slopes_of_directivities_are_their_differences() {
+        let models = [ElementModel::Rectangle, ElementModel::Cosine, ElementModel::Measured];
+        for mut element in models.map(element) {
+            element.measured[3] = [0.4, -0.2];
+            for towards in [DVec3::new(0.3, -0.5, 0.4), DVec3::new(1e-3, 0.2, 0.9)] {
+                let own = element.pattern(towards);
+                for axis in 0..3 {
+                    let step = DVec3::AXES[axis] * 1e-5;
+                    let [ahead, behind] =
+                        [towards + step, towards - step].map(|at| element.pattern(at).value);
+                    let off = (own.slopes[axis] - (ahead - behind) / 2e-5).norm();
+                    assert!(off < 1e-8, "{:?} {towards}, {axis}: {own:?}", element.model);
+                }
+            }
         }
     }
 

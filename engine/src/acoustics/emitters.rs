@@ -34,6 +34,8 @@ pub(super) struct Emitters {
     places: [Vec<f64>; 3],
     /// Unit vectors.
     normals: [Vec<f64>; 3],
+    /// Unit vectors of the elements' x axes, in the same form.
+    asides: [Vec<f64>; 3],
     /// j times strength, gain and drive; zero beyond the last.
     played: [Vec<f64>; 2],
 }
@@ -47,8 +49,9 @@ impl Emitters {
                 let u = excitation[column] * (aperture.element.strength * face.gain);
                 if u != Complex64::ZERO {
                     let n = aperture.driven[column] - face.first;
-                    let normal = face.pose.world_direction(face.layout.normal(n));
-                    emitters.push(face.pose.world(face.layout.positions[n]), normal, Complex64::I * u);
+                    let axes = [face.layout.normal(n), face.layout.aside(n)]
+                        .map(|direction| face.pose.world_direction(direction));
+                    emitters.push(face.pose.world(face.layout.positions[n]), axes, Complex64::I * u);
                 }
             }
         }
@@ -64,27 +67,35 @@ impl Emitters {
 
     /// Without any source.
     pub(super) fn none(element: Element) -> Self {
-        Self { element, places: Default::default(), normals: Default::default(), played: Default::default() }
+        Self {
+            element,
+            places: Default::default(),
+            normals: Default::default(),
+            asides: Default::default(),
+            played: Default::default(),
+        }
     }
 
-    pub(super) fn push(&mut self, place: DVec3, normal: DVec3, played: Complex64) {
+    /// Adds a source with a normal and an x axis.
+    pub(super) fn push(&mut self, place: DVec3, [normal, aside]: [DVec3; 2], played: Complex64) {
         self.places.iter_mut().zip(place.to_array()).for_each(|(all, value)| all.push(value));
         self.normals.iter_mut().zip(normal.to_array()).for_each(|(all, value)| all.push(value));
+        self.asides.iter_mut().zip(aside.to_array()).for_each(|(all, value)| all.push(value));
         self.played.iter_mut().zip([played.re, played.im]).for_each(|(all, value)| all.push(value));
     }
 
     pub(super) fn pad(&mut self) {
         let room = self.places[0].len().next_multiple_of(LANES);
-        for values in self.places.iter_mut().chain(&mut self.normals) {
+        for values in self.places.iter_mut().chain(&mut self.normals).chain(&mut self.asides) {
             values.resize(room, values.last().copied().unwrap_or(0.0));
         }
         self.played.iter_mut().for_each(|values| values.resize(room, 0.0));
     }
 
-    /// Place and normal of a source.
-    pub(super) fn source(&self, n: usize) -> (DVec3, DVec3) {
+    /// Place of a source, its normal and its x axis.
+    pub(super) fn source(&self, n: usize) -> (DVec3, [DVec3; 2]) {
         let at = |values: &[Vec<f64>; 3]| DVec3::from_array([0, 1, 2].map(|axis| values[axis][n]));
-        (at(&self.places), at(&self.normals))
+        (at(&self.places), [at(&self.normals), at(&self.asides)])
     }
 
     /// The waves of all sources at a point, each for itself; `false` for exact pistons, which have no closed form.
@@ -101,6 +112,7 @@ impl Emitters {
             Radiator::Piston(radius) => {
                 Some(Pattern::Piston { ka2: (self.element.wavenumber * radius).powi(2) })
             }
+            Radiator::Rectangle(_) | Radiator::Cosine(_) | Radiator::Measured => Some(Pattern::Own),
             Radiator::Disk(_) => None,
         }
     }
@@ -118,6 +130,8 @@ enum Pattern {
     Piston {
         ka2: f64,
     },
+    /// [`Element::pattern`], element by element.
+    Own,
 }
 
 /// The sources heard at a point.
@@ -128,12 +142,8 @@ struct Heard<'a> {
     pattern: Pattern,
 }
 
-/// The waves of a block of sources at a point, real and imaginary parts, with the ways and the normals.
-struct Block {
-    waves: [Wave; 2],
-    ways: [Lanes; 3],
-    normals: [Lanes; 3],
-}
+/// The waves of a block of sources at a point, real and imaginary parts: the pressure and its slopes along the scene's axes.
+type Block = [[Lanes; 4]; 2];
 
 impl Heard<'_> {
     fn blocks(&self) -> usize {
@@ -179,9 +189,49 @@ impl Heard<'_> {
         let pattern = match pattern {
             Pattern::Even => Wave::EVEN,
             Pattern::Piston { ka2 } => Wave::piston::<I>(ka2, &h, &inverse),
+            Pattern::Own => return self.own(block, (&d, &n), &wave, &sloped),
         };
-        let [re, im] = [0, 1].map(|part: usize| pattern.product(&wave[part], &sloped[part]));
-        Block { waves: [re, im], ways: d, normals: n }
+        [0, 1].map(|part: usize| {
+            let wave = pattern.product(&wave[part], &sloped[part]);
+            let [x, y, z] = axes!(A => lanes::<LANES>(|l| wave.q[l] * d[A][l] + wave.h[l] * n[A][l]));
+            [wave.value, x, y, z]
+        })
+    }
+
+    /// Elements of any directivity D(d/r), given their ways and normals, the waves of points and these' derivatives by Q:
+    /// ∇(SD) = S' D d + S/r (g - (g·d) d/r²), g the derivatives of D.
+    #[inline(never)]
+    fn own(
+        &self,
+        block: usize,
+        (ways, normals): (&[Lanes; 3], &[Lanes; 3]),
+        wave: &[Lanes; 2],
+        sloped: &[Lanes; 2],
+    ) -> Block {
+        let mut all = [[[0.0; LANES]; 4]; 2];
+        for lane in 0..LANES {
+            let at = |values: &[Lanes; 3]| DVec3::from_array(values.map(|values| values[lane]));
+            let (way, normal) = (at(ways), at(normals));
+            let aside =
+                DVec3::from_array([0, 1, 2].map(|axis| self.emitters.asides[axis][block * LANES + lane]));
+            let axes = [aside, normal.cross(aside), normal];
+            let r = way.length();
+            let towards = DVec3::from_array(axes.map(|axis| axis.dot(way) / r));
+            let pattern = self.emitters.element.pattern(towards);
+            let [wave, sloped] = [wave, sloped].map(|it| Complex64::new(it[0][lane], it[1][lane]));
+            let across: Complex64 = (0..3).map(|axis| pattern.slopes[axis] * towards[axis]).sum();
+            let along = sloped * pattern.value - wave * across / (r * r);
+            let mut values = [wave * pattern.value, along * way.x, along * way.y, along * way.z];
+            for (slope, axis) in pattern.slopes.iter().zip(axes) {
+                for (value, part) in values[1..].iter_mut().zip(axis.to_array()) {
+                    *value += wave * slope * (part / r);
+                }
+            }
+            for (part, value) in values.into_iter().enumerate() {
+                (all[0][part][lane], all[1][part][lane]) = (value.re, value.im);
+            }
+        }
+        all
     }
 }
 
@@ -199,10 +249,8 @@ impl Kernel for Sum<'_> {
     fn run<I: Instructions>(self) -> [Complex64; 4] {
         let mut sums = [[[0.0; LANES]; 4]; 2];
         for block in 0..self.0.blocks() {
-            let Block { waves, ways: d, normals: n } = self.0.block::<I>(block);
-            for (sums, wave) in sums.iter_mut().zip(&waves) {
-                let [x, y, z] = axes!(A => lanes::<LANES>(|l| wave.q[l] * d[A][l] + wave.h[l] * n[A][l]));
-                for (sum, own) in sums.iter_mut().zip([&wave.value, &x, &y, &z]) {
+            for (sums, wave) in sums.iter_mut().zip(&self.0.block::<I>(block)) {
+                for (sum, own) in sums.iter_mut().zip(wave) {
                     *sum = lanes(|l| sum[l] + own[l]);
                 }
             }
@@ -222,12 +270,10 @@ impl Kernel for Each<'_> {
     #[inline(always)]
     fn run<I: Instructions>(self) {
         for block in 0..self.heard.blocks() {
-            let Block { waves, ways: d, normals: n } = self.heard.block::<I>(block);
             let place = block * LANES..(block + 1) * LANES;
-            for (part, wave) in waves.iter().enumerate() {
-                let [x, y, z] = axes!(I => lanes::<LANES>(|l| wave.q[l] * d[I][l] + wave.h[l] * n[I][l]));
-                for (to, values) in self.waves.0.iter_mut().zip([wave.value, x, y, z]) {
-                    to[part][place.clone()].copy_from_slice(&values);
+            for (part, wave) in self.heard.block::<I>(block).iter().enumerate() {
+                for (to, values) in self.waves.0.iter_mut().zip(wave) {
+                    to[part][place.clone()].copy_from_slice(values);
                 }
             }
         }

@@ -75,6 +75,8 @@ pub struct Layout {
     pub positions: Vec<DVec3>,
     /// Directions of radiation; empty if all elements lie in z = 0 and radiate along z.
     pub normals: Vec<DVec3>,
+    /// Directions of the elements' own x axes, by [`aside`]; empty if these are the board's.
+    pub asides: Vec<DVec3>,
     /// Number of elements along x, if they form full rows in z = 0; element n = row · columns + column, column 0 at
     /// smallest x, row 0 at smallest y.
     pub columns: Option<usize>,
@@ -89,6 +91,11 @@ impl Layout {
     /// The direction in which an element radiates.
     pub fn normal(&self, element: usize) -> DVec3 {
         self.normals.get(element).copied().unwrap_or(DVec3::Z)
+    }
+
+    /// The direction of an element's own x axis.
+    pub fn aside(&self, element: usize) -> DVec3 {
+        self.asides.get(element).copied().unwrap_or(DVec3::X)
     }
 
     /// The box around the centres of its elements, m.
@@ -107,19 +114,34 @@ impl Layout {
         let up = mean.try_normalize().filter(|_| mean.length() > 0.1).unwrap_or(DVec3::Z);
         let (mut pose, mut level) = (Pose::HOME, self);
         if up != DVec3::Z || level.positions.iter().any(|at| at.z != 0.0) {
-            let x = up.any_orthonormal_vector();
+            let x = aside(up);
             pose = Pose { at: centre, axes: DMat3::from_cols(x, up.cross(x), up) };
             level.positions.iter_mut().for_each(|at| *at = pose.local(*at));
-            level.normals.iter_mut().for_each(|normal| *normal = pose.local_direction(*normal));
+            let directions = level.normals.iter_mut().chain(&mut level.asides);
+            directions.for_each(|direction| *direction = pose.local_direction(*direction));
         }
         let is_level = |at: &DVec3| at.z.abs() < FLAT;
         let is_straight = |normal: &DVec3| normal.truncate().length() < FLAT && normal.z > 0.0;
         if level.positions.iter().all(is_level) && level.normals.iter().all(is_straight) {
             level.positions.iter_mut().for_each(|at| at.z = 0.0);
             level.normals.clear();
+            level.asides.clear();
         }
         (level, pose)
     }
+}
+
+/// The x axis (a unit vector) of an element that radiates along a normal: that of its array, turned with +z to the normal by the
+/// shortest way; about x if the normal is -z.
+pub(super) fn aside(normal: DVec3) -> DVec3 {
+    let across = normal.truncate().length_squared();
+    // 1 + z, without a difference of like numbers.
+    let above = if normal.z >= 0.0 { 1.0 + normal.z } else { across / (1.0 - normal.z) };
+    if above == 0.0 {
+        return DVec3::X;
+    }
+    let x = DVec3::new(1.0 - normal.x * normal.x / above, -normal.x * normal.y / above, -normal.x);
+    x.normalize_or(DVec3::X)
 }
 
 /// Tolerance for flat boards in files (m, and a sine).
@@ -218,6 +240,7 @@ mod tests {
         Layout {
             positions: vec![position(-0.01), position(0.0), position(0.01)],
             normals: normals.map(|normal| axes * normal).to_vec(),
+            asides: normals.map(|normal| aside(axes * normal)).to_vec(),
             columns: None,
         }
     }

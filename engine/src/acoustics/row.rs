@@ -41,15 +41,20 @@ pub struct Elements<'a> {
     places: [Vec<f64>; 3],
     /// Unit vectors, padded; none of a flat board.
     normals: Option<[Vec<f64>; 3]>,
+    /// Unit vectors, padded; none of a flat board.
+    asides: Option<[Vec<f64>; 3]>,
     count: usize,
     /// The largest distance (m) of an element from the origin.
     reach: f64,
-    half_ka: f64,
+    /// Terms of `directivity`; `None` if it is no series.
+    terms: Option<usize>,
     /// Exact pistons are point sources with the factor of their disk.
     disk: Option<Disk>,
     /// 1/m: k/π, and what rounding takes from it.
     half_turns_per_metre: [f64; 2],
-    /// 2 J1(x)/x in cos²θ, x = ka sinθ, as far as it is a series.
+    /// Others with a directivity that is no series in cos²θ are point sources times it.
+    is_patterned: bool,
+    /// D in cos²θ, as far as it is a series.
     directivity: [f64; MANY_TERMS],
 }
 
@@ -65,26 +70,44 @@ impl<'a> Elements<'a> {
         };
         let places = [0, 1, 2].map(|axis| padded(&|n| layout.positions[n][axis]));
         let normals = (!layout.is_flat()).then(|| [0, 1, 2].map(|axis| padded(&|n| layout.normals[n][axis])));
+        let asides = (!layout.is_flat()).then(|| [0, 1, 2].map(|axis| padded(&|n| layout.asides[n][axis])));
         let distances = driven.iter().map(|&n| layout.positions[n - board.first].length());
         let reach = distances.fold(0.0, f64::max);
-        let half_ka = match element.radiator() {
-            Radiator::Monopole | Radiator::Disk(_) => 0.0,
-            Radiator::Piston(radius) => element.wavenumber * radius / 2.0,
+        let of_ka = |half_ka: f64| {
+            let terms = if half_ka <= FEW { FEW_TERMS } else { MANY_TERMS };
+            ((half_ka <= MANY).then_some(terms), directivity(half_ka * half_ka, terms))
+        };
+        let (terms, directivity) = match element.radiator() {
+            Radiator::Monopole | Radiator::Disk(_) | Radiator::Rectangle(_) | Radiator::Measured => {
+                of_ka(0.0)
+            }
+            Radiator::Piston(radius) => of_ka(element.wavenumber * radius / 2.0),
+            Radiator::Cosine(exponent) => power(exponent).unwrap_or(of_ka(0.0)),
+        };
+        let is_patterned = match element.radiator() {
+            Radiator::Monopole | Radiator::Disk(_) | Radiator::Piston(_) => false,
+            Radiator::Rectangle(_) | Radiator::Measured => true,
+            Radiator::Cosine(exponent) => power(exponent).is_none(),
         };
         let disk = match element.radiator() {
-            Radiator::Monopole | Radiator::Piston(_) => None,
             Radiator::Disk(radius) => Some(Disk::new(element.wavenumber, radius)),
+            Radiator::Monopole
+            | Radiator::Piston(_)
+            | Radiator::Rectangle(_)
+            | Radiator::Cosine(_)
+            | Radiator::Measured => None,
         };
-        let directivity = directivity(half_ka * half_ka, if half_ka <= FEW { FEW_TERMS } else { MANY_TERMS });
         let half_turns_per_metre = over_pi(element.wavenumber);
         Self {
             element,
             places,
             normals,
+            asides,
             count: driven.len(),
             reach,
-            half_ka,
+            terms,
             disk,
+            is_patterned,
             half_turns_per_metre,
             directivity,
         }
@@ -97,22 +120,21 @@ impl<'a> Elements<'a> {
 
     /// Writes real and imaginary parts of the transfer to a point of the board's coordinates, one per element.
     pub fn fill(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
-        let (element, half_ka) = (self.element, self.half_ka);
+        let element = self.element;
         // Row clamps heights, which disks do not.
         let is_disk_above = |disk: &Disk| disk.is_series() && (point.z >= NEAREST || self.normals.is_some());
-        let is_series = half_ka <= MANY
-            && self.disk.as_ref().is_none_or(is_disk_above)
+        let is_series = self.disk.as_ref().is_none_or(is_disk_above)
             && point.z <= HIGHEST
             && element.attenuation * self.reach <= MOST_DECAY
             && (point.z >= -NEAREST || self.normals.is_some());
-        if !is_series {
+        let Some(terms) = self.terms.filter(|_| is_series) else {
             for n in 0..self.count {
                 let transfer = self.single(n, point);
                 (re[n], im[n]) = (transfer.re, transfer.im);
             }
             return;
-        }
-        match (half_ka <= FEW, self.normals.is_none()) {
+        };
+        match (terms <= FEW_TERMS, self.normals.is_none()) {
             (true, true) => self.series::<FEW_TERMS, true>(point, re, im),
             (false, true) => self.series::<MANY_TERMS, true>(point, re, im),
             (true, false) => self.series::<FEW_TERMS, false>(point, re, im),
@@ -124,7 +146,27 @@ impl<'a> Elements<'a> {
         if let Some(disk) = &self.disk {
             self.spread(disk, point, re, im);
         }
+        if self.is_patterned {
+            self.direct(point, re, im);
+        }
         self.mend(point, re, im);
+    }
+
+    /// Elements with a directivity from the waves of points.
+    fn direct(&self, point: DVec3, re: &mut [f64], im: &mut [f64]) {
+        for (n, (re, im)) in re.iter_mut().zip(im).take(self.count).enumerate() {
+            let way = point - of_element(&self.places, n);
+            let across = match (&self.normals, &self.asides) {
+                (Some(normals), Some(asides)) => {
+                    let (normal, aside) = (of_element(normals, n), of_element(asides, n));
+                    DVec3::new(way.dot(aside), way.dot(normal.cross(aside)), way.dot(normal))
+                }
+                (None, _) | (_, None) => way,
+            };
+            let across = across.with_z(across.z.max(NEAREST));
+            let wave = Complex64::new(*re, *im) * self.element.pattern(across / across.length()).value;
+            (*re, *im) = (wave.re, wave.im);
+        }
     }
 
     /// Exact pistons from the waves of points.
@@ -157,9 +199,13 @@ impl<'a> Elements<'a> {
 
     /// The transfer of one element.
     fn single(&self, n: usize, point: DVec3) -> Complex64 {
-        let offset = point - DVec3::from_array([0, 1, 2].map(|axis| self.places[axis][n]));
-        let Some(normals) = &self.normals else { return self.element.transfer(offset) };
-        self.element.towards(offset, DVec3::from_array([0, 1, 2].map(|axis| normals[axis][n])))
+        let offset = point - of_element(&self.places, n);
+        match (&self.normals, &self.asides) {
+            (Some(normals), Some(asides)) => {
+                self.element.towards(offset, of_element(normals, n), of_element(asides, n))
+            }
+            (None, _) | (_, None) => self.element.transfer(offset),
+        }
     }
 
     /// Elements of a curved board with the point behind them, or in their plane.
@@ -257,6 +303,18 @@ impl<'a> Rows<'a> {
             }
         }
     }
+}
+
+fn of_element(values: &[Vec<f64>; 3], n: usize) -> DVec3 {
+    DVec3::from_array([0, 1, 2].map(|axis| values[axis][n]))
+}
+
+/// cosⁿθ as a series in cos²θ, if it is one.
+fn power(exponent: f64) -> Option<(Option<usize>, [f64; MANY_TERMS])> {
+    let half = exponent / 2.0;
+    let is_even = half.fract() == 0.0 && half < MANY_TERMS as f64;
+    let series = std::array::from_fn(|n| if n as f64 == half { 1.0 } else { 0.0 });
+    is_even.then_some((Some(if half < FEW_TERMS as f64 { FEW_TERMS } else { MANY_TERMS }), series))
 }
 
 /// A row of the transfer: of a flat board or a curved one, with absorption or without.
@@ -385,8 +443,16 @@ fn shifted_chebyshev(degree: usize) -> [f64; TAYLOR_TERMS] {
 
 #[cfg(test)]
 mod tests {
+    use strum::VariantArray;
+
     use super::*;
-    use crate::scene::{ElementModel, Scene};
+    use crate::scene::{Directivity, ElementModel, Reading, Scene};
+
+    /// A directivity with a phase.
+    fn measured() -> Directivity {
+        let reading = |(angle, amplitude): (f64, f64)| Reading { angle, amplitude, phase: angle / 2.0 };
+        Directivity::new([(0.0, 2.0), (30.0, 1.5), (60.0, -0.3), (90.0, 0.1)].map(reading).to_vec(), None)
+    }
 
     /// Half-turns of a wave on its way, in the digits of two f64 until they are less than two.
     fn half_turns(away: DVec3, wavenumber: f64) -> f64 {
@@ -434,7 +500,7 @@ mod tests {
 
     #[test]
     fn rows_are_the_single_transfers() {
-        let models = [ElementModel::Piston, ElementModel::Point, ElementModel::ExactPiston];
+        let models = ElementModel::VARIANTS;
         // Radii for few and many terms, and for none; absorptions for the series and not.
         for (model, radius, absorption) in [
             (0, 0.005, None),
@@ -443,10 +509,16 @@ mod tests {
             (0, 0.005, Some(60.0)),
             (1, 0.005, None),
             (2, 0.005, None),
+            (3, 0.005, None),
+            (4, 0.005, None),
+            (4, 2.0, None),
+            (5, 0.005, Some(0.0)),
         ] {
             let mut scene = Scene::default();
             (scene.array.rows, scene.array.columns) = (7, 9);
             (scene.array.element, scene.array.element_radius) = (models[model], radius);
+            scene.array.element_exponent = radius;
+            scene.array.measured = measured();
             scene.medium.absorption = absorption;
             let aperture = Aperture::new(&scene);
             let elements = Elements::new(&aperture.element, &aperture.faces[0], &aperture.driven);

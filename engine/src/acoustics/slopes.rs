@@ -27,17 +27,18 @@ impl Aperture {
             let columns = face.among(&self.driven);
             let mut emitters = Emitters::none(self.element);
             for &n in &self.driven[columns.clone()] {
-                let normal = face.pose.world_direction(face.layout.normal(n - face.first));
+                let [normal, aside] = [face.layout.normal(n - face.first), face.layout.aside(n - face.first)]
+                    .map(|direction| face.pose.world_direction(direction));
                 let place = face.pose.world(face.layout.positions[n - face.first]);
-                emitters.push(place, normal, Complex64::I * (self.element.strength * face.gain));
+                emitters.push(place, [normal, aside], Complex64::I * (self.element.strength * face.gain));
             }
             emitters.pad();
             for (index, &point) in points.iter().enumerate() {
                 let first = index * rows;
                 if !emitters.waves(point, &mut waves) {
                     for (n, column) in columns.clone().enumerate() {
-                        let (place, normal) = emitters.source(n);
-                        let waves = self.differences(point - place, normal, directions);
+                        let (place, axes) = emitters.source(n);
+                        let waves = self.differences(point - place, axes, directions);
                         for (row, wave) in waves.into_iter().enumerate() {
                             let sum = transfer.at(first + row, column) + wave * face.gain;
                             transfer.set(first + row, column, sum);
@@ -99,14 +100,19 @@ impl Aperture {
     }
 
     /// The wave of an exact piston and its slopes along directions.
-    fn differences(&self, offset: DVec3, normal: DVec3, directions: &[DVec3]) -> Vec<Complex64> {
+    fn differences(
+        &self,
+        offset: DVec3,
+        [normal, aside]: [DVec3; 2],
+        directions: &[DVec3],
+    ) -> Vec<Complex64> {
         let hair = HAIR * self.wavelength();
         let slope = |direction: &DVec3| -> Complex64 {
             let offset = clear(offset, normal, 2.0 * hair * normal.dot(*direction).abs());
-            let wave = |at: f64| self.element.towards(offset + *direction * (at * hair), normal);
+            let wave = |at: f64| self.element.towards(offset + *direction * (at * hair), normal, aside);
             STENCIL.iter().map(|&(at, weight)| wave(at) * (weight / hair)).sum()
         };
-        let wave = self.element.towards(offset, normal);
+        let wave = self.element.towards(offset, normal, aside);
         [wave].into_iter().chain(directions.iter().map(slope)).collect()
     }
 }
@@ -123,6 +129,7 @@ fn clear(offset: DVec3, normal: DVec3, reach: f64) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use glam::dvec3;
+    use strum::VariantArray;
 
     use super::*;
     use crate::scene::{Array, Board, ElementModel, Reflector, Scene};
@@ -133,7 +140,7 @@ mod tests {
         let mirror = Reflector { point: DVec3::X * 0.15, normal: DVec3::NEG_X, coefficient: 0.6 };
         let directions = [DVec3::X, dvec3(0.0, 0.6, 0.8)];
         let points = [dvec3(0.01, 0.02, 0.06), dvec3(-0.03, 0.0, 0.1), dvec3(0.1, -0.04, 0.012)];
-        for element in [ElementModel::Point, ElementModel::Piston, ElementModel::ExactPiston] {
+        for &element in ElementModel::VARIANTS {
             let mut array = Array { rows: 2, columns: 3, element, ..Array::default() };
             array.off = vec![1];
             let boards = vec![Board::default(), above.clone()];
@@ -162,7 +169,7 @@ mod tests {
 
     #[test]
     fn slopes_in_the_plane_of_elements_are_finite_and_those_behind_are_zero() {
-        for element in [ElementModel::Point, ElementModel::Piston, ElementModel::ExactPiston] {
+        for &element in ElementModel::VARIANTS {
             let array = Array { rows: 2, columns: 2, element, ..Array::default() };
             let aperture = Aperture::new(&Scene { array, ..Scene::default() });
             let slope = |height: f64| {

@@ -2,7 +2,6 @@
 
 use glam::{DVec2, DVec3};
 
-use crate::acoustics::element::Radiator;
 use crate::acoustics::{Aperture, Face};
 use crate::field::interpolation::Resampling;
 use crate::field::samples::Samples;
@@ -156,10 +155,7 @@ fn pattern(aperture: &Aperture, plane: &Plane) -> Option<f64> {
     let clear = heights.fold(f64::INFINITY, f64::min);
     let is_clear = aperture.faces.iter().all(|face| face.layout.is_flat() && height(face) > least);
     let height = if is_clear { clear } else { least };
-    let radius = match aperture.element.radiator() {
-        Radiator::Piston(radius) => radius,
-        Radiator::Monopole | Radiator::Disk(_) => 0.0,
-    };
+    let radius = aperture.element.steepness();
     Some((1f64.hypot(radius / height) / HIGHEST).max(1.0))
 }
 

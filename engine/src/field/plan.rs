@@ -307,10 +307,13 @@ impl View {
         const CUT: f64 = 0.05;
         let (x_axis, y_axis) = plane.axes()?;
         let half = plane.size / 2.0;
-        let (disk, pattern) = match aperture.element.radiator() {
-            Radiator::Monopole => (0.0, 0.0),
-            Radiator::Piston(radius) => (0.0, radius),
-            Radiator::Disk(radius) => (radius, 0.0),
+        let disk = match aperture.element.radiator() {
+            Radiator::Disk(radius) => radius,
+            Radiator::Monopole
+            | Radiator::Piston(_)
+            | Radiator::Rectangle(_)
+            | Radiator::Cosine(_)
+            | Radiator::Measured => 0.0,
         };
         let (mut faces, mut walls) = (Vec::new(), Vec::new());
         for (number, face) in aperture.faces.iter().enumerate() {
@@ -358,7 +361,7 @@ impl View {
             faces,
             walls,
             disk,
-            pattern,
+            pattern: aperture.element.steepness(),
         })
     }
 

@@ -2,16 +2,23 @@
 
 use std::f64::consts::PI;
 
-/// The polynomial (lowest coefficient first) that meets `f` at the Chebyshev nodes of [-1, 1].
-pub fn fit(f: impl Fn(f64) -> f64, terms: usize) -> Vec<f64> {
+/// The coefficients of the Chebyshev polynomials of the polynomial that meets `f` at the Chebyshev nodes of [-1, 1].
+pub fn chebyshev(f: impl Fn(f64) -> f64, terms: usize) -> Vec<f64> {
     let node = |i: usize| PI * (i as f64 + 0.5) / terms as f64;
     let values: Vec<_> = (0..terms).map(|i| f(node(i).cos())).collect();
-    let (mut power, mut before, mut now) = (vec![0.0; terms], vec![0.0; terms], vec![0.0; terms]);
-    now[0] = 1.0;
-    for order in 0..terms {
+    let coefficient = |order: usize| {
         let sum: f64 =
             values.iter().enumerate().map(|(i, value)| value * (order as f64 * node(i)).cos()).sum();
-        let weight = sum * if order == 0 { 1.0 } else { 2.0 } / terms as f64;
+        sum * if order == 0 { 1.0 } else { 2.0 } / terms as f64
+    };
+    (0..terms).map(coefficient).collect()
+}
+
+/// The polynomial (lowest coefficient first) that meets `f` at the Chebyshev nodes of [-1, 1].
+pub fn fit(f: impl Fn(f64) -> f64, terms: usize) -> Vec<f64> {
+    let (mut power, mut before, mut now) = (vec![0.0; terms], vec![0.0; terms], vec![0.0; terms]);
+    now[0] = 1.0;
+    for (order, weight) in chebyshev(f, terms).into_iter().enumerate() {
         for (coefficient, chebyshev) in power.iter_mut().zip(&now) {
             *coefficient += weight * chebyshev;
         }

@@ -21,7 +21,7 @@ pub fn pressure(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Vec<Co
             let offset = local - face.layout.positions[n];
             let wave = match face.layout.is_flat() {
                 true => aperture.element.transfer(offset),
-                false => aperture.element.towards(offset, face.layout.normal(n)),
+                false => aperture.element.towards(offset, face.layout.normal(n), face.layout.aside(n)),
             };
             wave * u
         };

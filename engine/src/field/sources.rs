@@ -26,6 +26,7 @@ use crate::acoustics::element::{self, NEAREST, Radiator};
 use crate::acoustics::{Aperture, Element, Face, Layout};
 use crate::drive::Drive;
 use crate::field::{polynomial, samples::Samples};
+use crate::scene::directivity as table;
 
 /// Coefficients of sin(πf)/f in f², |f| ≤ ½, lowest first; 7e-9 off before rounding.
 pub const SINE: [f32; 5] = [std::f32::consts::PI, -5.167_71, 2.550_077_4, -0.598_290_4, 0.077_655_91];
@@ -61,8 +62,10 @@ pub struct Wave {
     exact_turns_per_metre: f64,
     /// Strength of an element at full drive, as in [`Sources::elements`].
     strength: f64,
-    /// D in s = 2 sin²θ - 1.
-    pub directivity: Polynomial<24>,
+    /// The form of the directivity.
+    pub form: Form,
+    /// The polynomials of this form.
+    pub directivity: [Polynomial<24>; 2],
     /// e^{-α(r - near)} in s = `decay_scale[0]` · r + `decay_scale[1]`, which runs from -1 at the nearest to 1 at the
     /// farthest distance that occurs.
     pub decay: Polynomial<16>,
@@ -73,7 +76,18 @@ pub struct Wave {
     pub is_flat: bool,
 }
 
-/// Coefficients for s in [-1, 1], lowest first, zero-padded.
+/// How a directivity consists of two polynomials.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// The first in 2 sin²θ - 1.
+    Round,
+    /// Real and imaginary part in 2 cosθ - 1, sums of Chebyshev polynomials.
+    Cosine,
+    /// The product of the first in 2 (x/r)² - 1 and the second in 2 (y/r)² - 1.
+    Rectangle,
+}
+
+/// Coefficients for s in [-1, 1], lowest first, zero-padded: of powers, or of Chebyshev polynomials.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomial<const MOST: usize> {
     pub coefficients: [f32; MOST],
@@ -166,17 +180,20 @@ pub fn tilts(layout: &Layout, elements: impl Iterator<Item = usize>) -> Vec<[f32
 impl Wave {
     /// The wave of elements in this layout, at samples in their coordinates. `None` for elements and absorption
     /// beyond f32's polynomials (a radius above about three and a half wavelengths, or more than about 38 dB between
-    /// the nearest and the farthest distance), for paths beyond its range, and for an exact piston on a curved
-    /// board.
+    /// the nearest and the farthest distance), for paths beyond its range, and for an exact piston or a rectangle on a
+    /// curved board.
     pub fn new(element: &Element, layout: &Layout, samples: &Samples) -> Option<Self> {
         let piston = match element.radiator() {
-            Radiator::Disk(_) if !layout.is_flat() => return None,
+            Radiator::Disk(_) | Radiator::Rectangle(_) if !layout.is_flat() => return None,
             Radiator::Disk(radius) => Some(piston(element, radius, samples)),
-            Radiator::Monopole | Radiator::Piston(_) => None,
+            Radiator::Monopole
+            | Radiator::Piston(_)
+            | Radiator::Rectangle(_)
+            | Radiator::Cosine(_)
+            | Radiator::Measured => None,
         };
         let turns_per_metre = element.wavenumber / TAU;
-        let sought = |s: f64| element.directivity(((s + 1.0) / 2.0).max(0.0).sqrt());
-        let directivity = Polynomial::fit(FEW_DIRECTIVITY, sought, |_| POLYNOMIAL_ERROR)?;
+        let (form, directivity) = directivity(element)?;
         let (near, far) = distances(layout, samples);
         if (far - near) * turns_per_metre > MOST_TURNS {
             return None;
@@ -184,11 +201,13 @@ impl Wave {
         let (middle, half) = ((far + near) / 2.0, (far - near) / 2.0);
         // The farthest point may be the only one, and must be as accurate as the nearest.
         let sought = |s: f64| (-element.attenuation * half * (1.0 + s)).exp();
-        let decay = Polynomial::fit(FEW_DECAY, sought, |s| POLYNOMIAL_ERROR * sought(s))?;
+        let allowed = |s: f64| POLYNOMIAL_ERROR * sought(s);
+        let decay = Polynomial::fit(Basis::Powers, FEW_DECAY, sought, allowed)?;
         Some(Self {
             turns_per_metre: turns_per_metre as f32,
             exact_turns_per_metre: turns_per_metre,
             strength: element.strength * (-element.attenuation * near).exp(),
+            form,
             directivity,
             decay,
             decay_scale: [(1.0 / half) as f32, (-middle / half) as f32],
@@ -225,23 +244,80 @@ impl Wave {
     }
 }
 
+/// What the coefficients of a polynomial are of.
+#[derive(Clone, Copy)]
+enum Basis {
+    Powers,
+    /// Sums of Chebyshev polynomials amplify no rounding, even those of tables.
+    Chebyshev,
+}
+
+/// The directivity of an element in f32, in its form; `None` if 24 terms do not meet it.
+fn directivity(element: &Element) -> Option<(Form, [Polynomial<24>; 2])> {
+    let fitted = |basis: Basis, sought: &dyn Fn(f64) -> f64| {
+        Polynomial::fit(basis, FEW_DIRECTIVITY, sought, |_| POLYNOMIAL_ERROR)
+    };
+    let powers = |sought: &dyn Fn(f64) -> f64| fitted(Basis::Powers, sought);
+    let chebyshev = |sought: &dyn Fn(f64) -> f64| fitted(Basis::Chebyshev, sought);
+    let root = |s: f64| ((s + 1.0) / 2.0).max(0.0).sqrt();
+    let none = || Polynomial { coefficients: [0.0; 24], terms: 1 };
+    match element.radiator() {
+        Radiator::Monopole | Radiator::Piston(_) | Radiator::Disk(_) => {
+            Some((Form::Round, [powers(&|s| element.directivity(root(s)))?, none()]))
+        }
+        Radiator::Rectangle(size) => {
+            let half = size * (element.wavenumber / 2.0);
+            let along = |half: f64| powers(&|s| element::sinc(half * root(s)));
+            Some((Form::Rectangle, [along(half.x)?, along(half.y)?]))
+        }
+        Radiator::Cosine(exponent) => {
+            let power = chebyshev(&|s: f64| ((s + 1.0) / 2.0).max(0.0).powf(exponent))?;
+            Some((Form::Cosine, [power, none()]))
+        }
+        Radiator::Measured => {
+            let part = |part: usize| chebyshev(&|s| table::at(&element.measured, (s + 1.0) / 2.0)[part]);
+            Some((Form::Cosine, [part(0)?, part(1)?]))
+        }
+    }
+}
+
 impl<const MOST: usize> Polynomial<MOST> {
     /// Chebyshev interpolation with `few` terms or the maximum, or `None` if neither is within `allowed`.
-    fn fit(few: usize, sought: impl Fn(f64) -> f64, allowed: impl Fn(f64) -> f64) -> Option<Self> {
+    fn fit(
+        basis: Basis,
+        few: usize,
+        sought: impl Fn(f64) -> f64,
+        allowed: impl Fn(f64) -> f64,
+    ) -> Option<Self> {
         let fitted = |terms: usize| {
+            let all = match basis {
+                Basis::Powers => polynomial::fit(&sought, terms),
+                Basis::Chebyshev => polynomial::chebyshev(&sought, terms),
+            };
             let mut coefficients = [0.0; MOST];
-            for (to, from) in coefficients.iter_mut().zip(polynomial::fit(&sought, terms)) {
-                *to = from as f32;
-            }
+            coefficients.iter_mut().zip(all).for_each(|(to, from)| *to = from as f32);
             Self { coefficients, terms }
+        };
+        let at = |fitted: &Self, s: f32| match basis {
+            Basis::Powers => fitted.at(s),
+            Basis::Chebyshev => fitted.chebyshev_at(s),
         };
         let is_near = |fitted: &Self| {
             (0..=200).all(|i| {
                 let s = f64::from(i) / 100.0 - 1.0;
-                (f64::from(fitted.at(s as f32)) - sought(s)).abs() < allowed(s)
+                (f64::from(at(fitted, s as f32)) - sought(s)).abs() < allowed(s)
             })
         };
         Some(fitted(few)).filter(is_near).or_else(|| Some(fitted(MOST)).filter(is_near))
+    }
+
+    /// The value of a sum of Chebyshev polynomials, by Clenshaw's rule, that the evaluators compute.
+    fn chebyshev_at(&self, s: f32) -> f32 {
+        let (mut now, mut before) = (0.0, 0.0);
+        for coefficient in self.coefficients[1..self.terms].iter().rev() {
+            (now, before) = (2.0 * s * now + (coefficient - before), now);
+        }
+        s * now + (self.coefficients[0] - before)
     }
 
     /// The value that the evaluators compute, rounding included.
@@ -356,7 +432,7 @@ mod tests {
     fn the_directivity_is_met_in_f32() {
         for (ka, error) in [(3.66, 2e-7), (9.2, 5e-7), (20.0, 2e-6)] {
             let aperture = aperture(ka);
-            let directivity = wave(&aperture).unwrap().directivity;
+            let [directivity, _] = wave(&aperture).unwrap().directivity;
             for i in 0..=1000 {
                 let sin = f64::from(i) / 1000.0;
                 let s = (2.0 * sin * sin - 1.0) as f32;

@@ -1,9 +1,11 @@
 //! The elements of a board: a grid or a table, and how each radiates.
 
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 use strum::VariantArray;
 
 use crate::scene::board::{Elements, Placed};
+use crate::scene::directivity::Directivity;
 use crate::scene::response::Response;
 use crate::scene::solver::is_zero;
 use crate::scene::wires::Wires;
@@ -23,6 +25,18 @@ pub struct Array {
     /// Pa·m, peak, on axis at full drive
     pub strength: f64,
     pub element: ElementModel,
+    /// m, width and height of a rectangle, along the element's own x and y.
+    #[serde(skip_serializing_if = "is_usual_size")]
+    pub element_size: DVec2,
+    /// n of cosⁿθ.
+    #[serde(skip_serializing_if = "is_usual_exponent")]
+    pub element_exponent: f64,
+    /// A table of the amplitude by angle, relative to the scene file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub directivity: Option<String>,
+    /// The content of that table.
+    #[serde(skip)]
+    pub measured: Directivity,
     /// Elements that are not driven.
     pub off: Vec<usize>,
     /// A table of elements instead of rows, columns and pitch, relative to the scene file.
@@ -58,6 +72,10 @@ impl Default for Array {
             frequency: 40_000.0,
             strength: 3.4,
             element: ElementModel::Piston,
+            element_size: USUAL_SIZE,
+            element_exponent: USUAL_EXPONENT,
+            directivity: None,
+            measured: Directivity::default(),
             off: Vec::new(),
             file: None,
             placed: Elements::default(),
@@ -70,7 +88,37 @@ impl Default for Array {
     }
 }
 
+const USUAL_SIZE: DVec2 = DVec2::splat(0.01);
+const USUAL_EXPONENT: f64 = 1.0;
+
+fn is_usual_size(size: &DVec2) -> bool {
+    *size == USUAL_SIZE
+}
+
+fn is_usual_exponent(exponent: &f64) -> bool {
+    *exponent == USUAL_EXPONENT
+}
+
 impl Array {
+    /// Whether its table of directivity is not yet loaded.
+    #[doc(hidden)]
+    pub fn lacks_directivity(&self) -> bool {
+        self.directivity.is_some() && self.measured.get().is_none()
+    }
+
+    /// Half the sides (m) of an element's radiating surface, as it is drawn.
+    #[doc(hidden)]
+    pub fn element_half(&self) -> DVec2 {
+        match self.element {
+            ElementModel::Rectangle => self.element_size / 2.0,
+            ElementModel::Piston
+            | ElementModel::ExactPiston
+            | ElementModel::Point
+            | ElementModel::Cosine
+            | ElementModel::Measured => DVec2::splat(self.element_radius),
+        }
+    }
+
     /// Number of elements of one board, driven or not.
     pub fn elements(&self) -> usize {
         self.placed.get().map_or(self.rows as usize * self.columns as usize, <[Placed]>::len)
@@ -104,4 +152,10 @@ pub enum ElementModel {
     ExactPiston,
     /// The same strength in every direction.
     Point,
+    /// Far field of a baffled rectangular piston.
+    Rectangle,
+    /// A power of the cosine of the angle from its axis.
+    Cosine,
+    /// A directivity from a table.
+    Measured,
 }

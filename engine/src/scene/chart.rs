@@ -22,7 +22,7 @@ impl Chart {
         let mean = placed.iter().map(|it| it.normal).sum::<DVec3>() / placed.len() as f64;
         let up = if mean.length() > FACING { mean.normalize_or(DVec3::Z) } else { DVec3::Z };
         let turn = DQuat::from_rotation_arc(up, DVec3::Z);
-        let cell = if array.file.is_some() { 2.0 * array.element_radius } else { array.pitch };
+        let cell = if array.file.is_some() { 2.0 * array.element_half().min_element() } else { array.pitch };
         let flat: Vec<_> = placed.iter().map(|it| (turn * it.at).truncate()).collect();
         let grow = |(low, high): (DVec2, DVec2), at: &DVec2| (low.min(*at), high.max(*at));
         let (low, high) = flat.iter().fold((DVec2::MAX, DVec2::MIN), grow);

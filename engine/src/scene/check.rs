@@ -120,6 +120,7 @@ fn array(array: &Array) -> Result<(), KeyError> {
     }
     length("pitch", array.pitch)?;
     length("element_radius", array.element_radius)?;
+    element(array)?;
     within("frequency", array.frequency, 1e3, 20e6, "Hz")?;
     within("strength", array.strength, 1e-9, 1e6, "Pa·m")?;
     within("reflectivity", array.reflectivity, -1.0, 1.0, "(0: none, 1: rigid)")?;
@@ -132,6 +133,20 @@ fn array(array: &Array) -> Result<(), KeyError> {
             within("tau", pole.tau, 1e-6, 0.1, "s").map_err(under)
         }
     }
+}
+
+/// Checks the keys of the element's model.
+fn element(array: &Array) -> Result<(), KeyError> {
+    for (axis, name) in ["width", "height"].into_iter().enumerate() {
+        length(name, array.element_size[axis])
+            .map_err(|e| KeyError::new([Key::from("element_size")], format!("{name}: {}", e.message)))?;
+    }
+    within("element_exponent", array.element_exponent, 0.0, 1e3, "(0: the same in every direction)")?;
+    if array.element == ElementModel::Measured && array.directivity.is_none() {
+        let message = "`element = \"measured\"` needs the name of a table with `angle` and `amplitude`";
+        return refuse("directivity", message);
+    }
+    Ok(())
 }
 
 fn spread(spread: &Spread) -> Result<(), KeyError> {

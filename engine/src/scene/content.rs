@@ -112,7 +112,7 @@ impl Scene {
 
     /// Whether named files are not yet loaded; without them the scene has no foci.
     pub fn is_incomplete(&self) -> bool {
-        self.lacks_pixels() || self.array.lacks_elements()
+        self.lacks_pixels() || self.array.lacks_elements() || self.array.lacks_directivity()
     }
 
     /// Whether visible pictures are not yet loaded.

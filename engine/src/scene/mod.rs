@@ -12,6 +12,7 @@ pub mod chart;
 pub mod check;
 mod content;
 mod cover;
+pub(crate) mod directivity;
 pub(crate) mod drive;
 pub mod file;
 mod focus;
@@ -53,6 +54,8 @@ pub use board::{Board, Elements, Placed, Reflector};
 pub use content::{FORMAT, Listener, Scene};
 #[doc(hidden)]
 pub use cover::Cover;
+#[doc(hidden)]
+pub use directivity::{Directivity, Measured, Reading};
 pub use drive::DriveFile;
 #[doc(hidden)]
 pub use drive::{Drive, DriveTable};

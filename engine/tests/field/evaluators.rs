@@ -6,7 +6,7 @@ use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::{Kind, adapter};
 use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, reference};
-use sonoglyph::scene::{ElementModel, Plane, Scene, file};
+use sonoglyph::scene::{Directivity, ElementModel, Plane, Reading, Scene, file};
 use sonoglyph::simd::Isa;
 use sonoglyph::solver;
 use strum::VariantArray;
@@ -108,6 +108,8 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
                 scene.array.columns = columns;
                 scene.array.off = off.to_vec();
                 scene.array.element = model;
+                (scene.array.element_size, scene.array.element_exponent) = (DVec2::new(0.009, 0.014), 3.0);
+                scene.array.measured = measured();
                 let drive = uneven(scene.array.elements(), off);
                 let name = format!("{plane_name}, {array_name}, {model:?}");
                 assert_evaluators_agree(&name, &scene, &drive, &samples, gpu.as_ref());
@@ -116,20 +118,35 @@ fn evaluators_agree_on_tilted_and_vertical_planes_and_other_arrays() {
     }
 }
 
+/// A directivity with lobes and a phase.
+pub fn measured() -> Directivity {
+    let reading = |n: u32| {
+        let angle = f64::from(5 * n);
+        let sin2 = angle.to_radians().sin().powi(2);
+        Reading { angle, amplitude: 0.3 + 0.7 * (4.0 * sin2).cos(), phase: 80.0 * sin2 }
+    };
+    Directivity::new((0..=18).map(reading).collect(), None)
+}
+
 #[test]
 fn evaluators_agree_on_bowls() {
     let gpu = gpu();
     // Beyond 512 elements with their directions the GPU reads them from a storage buffer.
     for count in [60, 700] {
-        let (scene, elements) = bowl(count);
+        let (mut scene, elements) = bowl(count);
         let drive = uneven(count, &[]);
+        scene.array.measured = measured();
         for (name, plane) in [
             ("across", Plane { centre: DVec3::Z * 0.12, ..Plane::default() }),
             ("along", Plane { centre: DVec3::Z * 0.12, y_axis: DVec3::Z, ..Plane::default() }),
             ("far", Plane { centre: dvec3(0.1, -0.2, 1.0), size: DVec2::new(0.5, 0.3), ..Plane::default() }),
         ] {
             let samples = Samples::on_plane(&plane, 31, 23).unwrap();
-            assert_evaluators_agree(&format!("{count}, {name}"), &scene, &drive, &samples, gpu.as_ref());
+            for model in [ElementModel::Piston, ElementModel::Cosine, ElementModel::Measured] {
+                scene.array.element = model;
+                let name = format!("{count}, {name}, {model:?}");
+                assert_evaluators_agree(&name, &scene, &drive, &samples, gpu.as_ref());
+            }
         }
         // In an element's own plane, where it is heard, and behind it, where it is not.
         let (at, normal) = elements[count / 2];

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 use serde_json::Value;
 use sonoglyph::acoustics::{Aperture, Element, absorption};
@@ -56,8 +56,20 @@ fn square(rows: &Value, pitch: &Value) -> Array {
 #[test]
 fn one_element_agrees_to_1e_10() {
     let reference = reference("element_transfer.json");
-    for (model, key) in [(ElementModel::Piston, "far_field"), (ElementModel::ExactPiston, "exact_piston")] {
-        let array = Array { rows: 1, columns: 1, element: model, ..Array::default() };
+    for (model, key) in [
+        (ElementModel::Piston, "far_field"),
+        (ElementModel::ExactPiston, "exact_piston"),
+        (ElementModel::Rectangle, "rectangle"),
+        (ElementModel::Cosine, "cosine"),
+    ] {
+        let array = Array {
+            rows: 1,
+            columns: 1,
+            element: model,
+            element_size: DVec2::new(0.012, 0.004),
+            element_exponent: 1.5,
+            ..Array::default()
+        };
         let aperture = Aperture::new(&scene(&reference["medium"], array));
         let cases = reference["cases"].as_array().unwrap();
         assert_eq!(cases.len(), 50);
@@ -83,7 +95,8 @@ fn the_exact_piston_agrees_to_1e_10_on_its_surface_and_at_its_rim_too() {
     for case in cases {
         let (k, a, at) = (number(&case["wavenumber"]), number(&case["radius"]), point(&case["point"]));
         let model = ElementModel::ExactPiston;
-        let element = Element { model, wavenumber: k, radius: a, strength: 1.0, attenuation: 0.0 };
+        let usual = Aperture::new(&Scene::default()).element;
+        let element = Element { model, wavenumber: k, radius: a, strength: 1.0, attenuation: 0.0, ..usual };
         let expected = complex(&case["pressure"]);
         let off = (element.transfer(at) - expected).norm();
         let usual = (4.0 / (k * a * a)).min(1.0 / at.length());

@@ -158,6 +158,12 @@ fn scene(class: Class, element: ElementModel, dice: &mut Dice) -> Scene {
     };
     let array =
         Array { rows, columns, pitch, element_radius: radius, frequency, element, ..Array::default() };
+    let array = Array {
+        element_size: DVec2::new(2.0, dice.between(0.5, 2.0)) * radius,
+        element_exponent: dice.one_of(&[0.0, 1.0, 2.0, 3.0, 0.7, 12.5]),
+        measured: evaluators::measured(),
+        ..array
+    };
     let half = 0.5 * pitch * DVec2::new(f64::from(columns), f64::from(rows));
     let aside =
         |dice: &mut Dice, part: f64| half * DVec2::new(dice.between(-part, part), dice.between(-part, part));

@@ -11,7 +11,7 @@ use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{ElementModel, Plane, Scene};
 
 use crate::texels::painted;
-use crate::{STEP, gpu, scattered};
+use crate::{STEP, evaluators, gpu, scattered};
 
 /// Arrays for every GPU program, and a plane whose lowest rows are evaluated directly.
 fn requests() -> Vec<(String, Request)> {
@@ -28,6 +28,10 @@ fn requests() -> Vec<(String, Request)> {
         (16, ElementModel::ExactPiston),
         (33, ElementModel::Piston),
         (33, ElementModel::ExactPiston),
+        (16, ElementModel::Rectangle),
+        (33, ElementModel::Rectangle),
+        (16, ElementModel::Measured),
+        (33, ElementModel::Measured),
     ] {
         for (name, plane, quantities) in [
             ("upright", &upright, &[Quantity::Rms, Quantity::Instantaneous][..]),
@@ -35,6 +39,7 @@ fn requests() -> Vec<(String, Request)> {
         ] {
             let mut scene = Scene { plane: plane.clone(), ..Scene::default() };
             (scene.array.rows, scene.array.columns, scene.array.element) = (side, side, element);
+            scene.array.measured = evaluators::measured();
             for &quantity in quantities {
                 let drives = vec![scattered(scene.array.elements(), STEP)];
                 let request = Request { moment: 0.7, ..Request::new(&scene, drives, quantity, (66, 57)) };

@@ -8,7 +8,7 @@ use crate::field::phase_index;
 use crate::picture::ColourMap;
 use crate::picture::figure::layout::{Axis, Bar, Frame, Pen, Room};
 use crate::picture::figure::mark::{BLACK, Ink, Mark};
-use crate::scene::{Scene, chart};
+use crate::scene::{ElementModel, Scene, chart};
 
 const EMPTY: Ink = [244, 244, 246];
 const SILENT: Ink = [214, 214, 218];
@@ -19,8 +19,9 @@ pub struct Elements {
     axes: [Axis; 2],
     /// Centres, mm on the axes, with their colours.
     discs: Vec<([f64; 2], Ink)>,
-    /// mm on the axes.
-    radius: f64,
+    /// Half the sides of an element, mm on the axes.
+    half: DVec2,
+    is_round: bool,
     bar: Bar,
 }
 
@@ -62,7 +63,8 @@ impl Elements {
             ([x, y], if amplitudes[n] > 0.0 { [r, g, b] } else { SILENT })
         };
         let discs = chart.places.iter().enumerate().map(disc).collect();
-        Self { axes, discs, radius: scene.array.element_radius.min(chart.cell * 0.5) * 1e3, bar }
+        let half = scene.array.element_half().min(DVec2::splat(chart.cell * 0.5)) * 1e3;
+        Self { axes, discs, half, is_round: scene.array.element != ElementModel::Rectangle, bar }
     }
 
     /// Height over width.
@@ -77,10 +79,16 @@ impl Elements {
     pub(in crate::picture) fn marks(&self, frame: &Frame) -> Vec<Mark> {
         let mut pen = Pen::new(frame);
         let [x, _] = &self.axes;
-        let radius = self.radius * frame.size()[0] / (x.ends[1] - x.ends[0]);
+        let half = self.half * frame.size()[0] / (x.ends[1] - x.ends[0]);
         pen.list.push(Mark::Block { corner: frame.corner(), size: frame.size(), ink: EMPTY });
-        let disc =
-            |&(at, ink): &([f64; 2], Ink)| Mark::Disc { centre: frame.place(&self.axes, at), radius, ink };
+        let disc = |&(at, ink): &([f64; 2], Ink)| {
+            let centre = frame.place(&self.axes, at);
+            if self.is_round {
+                return Mark::Disc { centre, radius: half.x, ink };
+            }
+            let corner = [centre[0] - half.x, centre[1] - half.y];
+            Mark::Block { corner, size: [2.0 * half.x, 2.0 * half.y], ink }
+        };
         pen.list.extend(self.discs.iter().map(disc));
         pen.frame(BLACK);
         pen.axes(&self.axes);

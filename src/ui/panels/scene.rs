@@ -8,12 +8,14 @@ use glam::DVec3;
 use strum::VariantArray;
 
 use crate::acoustics::Air;
+use crate::echo;
 use crate::scene::{Array, ElementModel, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
-use crate::ui::panels::form::{choice, count, given, heading, remark};
+use crate::ui::panels::form::{caption, choice, count, given, heading, remark, value};
 use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, number, target};
 use crate::ui::parts::levitation;
 use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme, ticks};
+use crate::ui::{command::Purpose, dialog::state::Dialog};
 
 /// Time constant (s) of a resonance of 10 mm transducers.
 const TYPICAL_TAU: f64 = 1.9e-4;
@@ -269,6 +271,7 @@ fn plane(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 fn array(editor: &mut Editor, ui: &mut Ui) {
     let boards = editor.scene().boards.len().max(1);
     let array = &mut editor.document.scene.array;
+    let mut asks_for_table = false;
     form(ui, "array", |ui| {
         if array.file.is_none() {
             let before = array.columns;
@@ -298,19 +301,58 @@ fn array(editor: &mut Editor, ui: &mut Ui) {
             ElementModel::Piston => (model, "piston, far field"),
             ElementModel::ExactPiston => (model, "piston, near field"),
             ElementModel::Point => (model, "omnidirectional"),
+            ElementModel::Rectangle => (model, "rectangle, far field"),
+            ElementModel::Cosine => (model, "power of the cosine"),
+            ElementModel::Measured => (model, "measured"),
         };
         let models: Vec<_> = ElementModel::VARIANTS.iter().map(described).collect();
+        let before = array.element;
         choice(ui, ("Directivity", "Of one element"), &mut array.element, &models);
+        if array.element == ElementModel::Measured && array.directivity.is_none() {
+            (array.element, asks_for_table) = (before, true);
+        }
+        asks_for_table |= of_model(array, ui);
         response(array, ui);
         let tip = "Random differences of gain between elements, rms; the Solver page shows their effect";
         number(ui, ("Spread of gain", tip), &mut array.spread.gain, PERCENT, 0.0..=1.0);
         let tip = "Random differences of phase between elements, rms";
         number(ui, ("Spread of phase", tip), &mut array.spread.phase, DEGREES, 0.0..=PI);
     });
+    if asks_for_table {
+        editor.dialog = Some(Dialog::path(Purpose::Directivity, &editor.document));
+    }
     boards::known(editor, ui);
     boards::wiring(editor, ui);
     ui.label("Click or drag to switch elements on and off:");
     switches(editor, ui);
+}
+
+/// The keys of an element's model. Returns whether a table is asked for.
+fn of_model(array: &mut Array, ui: &mut Ui) -> bool {
+    match array.element {
+        ElementModel::Piston | ElementModel::ExactPiston | ElementModel::Point => false,
+        ElementModel::Rectangle => {
+            let size = &mut array.element_size;
+            number(ui, ("Element width", "Along the element's x axis"), &mut size.x, MM, 1e-6..=0.2);
+            number(ui, ("Element height", "Along the element's y axis"), &mut size.y, MM, 1e-6..=0.2);
+            false
+        }
+        ElementModel::Cosine => {
+            let plain = Unit { per: 1.0, suffix: "", decimals: 2, speed: 0.02 };
+            let tip = "n: the amplitude falls as the n-th power of the cosine of the angle from the axis";
+            number(ui, ("Exponent", tip), &mut array.element_exponent, plain, 0.0..=1e3);
+            false
+        }
+        ElementModel::Measured => {
+            let name = array.directivity.as_deref().unwrap_or_default();
+            let tip = "CSV with angle (degrees), amplitude or level (dB), and perhaps phase (degrees)";
+            fact(ui, ("Directivity table", tip), echo::value(name).to_string());
+            caption(ui, "");
+            let button = value(ui, |ui| ui.button("Choose…")).on_hover_text("Another CSV file");
+            ui.end_row();
+            button.clicked()
+        }
+    }
 }
 
 /// How elements follow their drive: at once, as a known transducer, or as a resonance.

@@ -72,6 +72,7 @@ fn scene(dice: &mut Dice, number: usize, wide: bool) -> Scene {
     if !wide {
         array.pitch = wavelength * dice.between(0.4, 1.6);
         array.element_radius = array.pitch * dice.between(0.1, 0.5);
+        array.element_size = array.element_radius * DVec2::new(2.0, dice.between(0.5, 2.0));
     }
     if wide && array.element == ElementModel::ExactPiston && dice.of(0.9) {
         array.element_radius = array.element_radius.min(2.0 * wavelength);
@@ -155,9 +156,11 @@ fn medium(dice: &mut Dice, wide: bool) -> Medium {
 }
 
 fn array(dice: &mut Dice, number: usize, wide: bool) -> Array {
-    let element = match dice.whole(0, 9) {
+    let element = match dice.whole(0, 11) {
         0 | 1 => ElementModel::ExactPiston,
         2 | 3 => ElementModel::Point,
+        4 | 5 => ElementModel::Rectangle,
+        6 => ElementModel::Cosine,
         _ => ElementModel::Piston,
     };
     let (rows, columns) = match number % 100 {
@@ -185,6 +188,12 @@ fn array(dice: &mut Dice, number: usize, wide: bool) -> Array {
         frequency: if wide { dice.magnitude(1e3, 20e6) } else { dice.between(20e3, 80e3) },
         strength: if wide { dice.magnitude(1e-9, 1e6) } else { dice.between(0.5, 8.0) },
         element,
+        element_size: if wide {
+            DVec2::new(dice.magnitude(1e-5, 0.5), dice.magnitude(1e-5, 0.5))
+        } else {
+            DVec2::splat(0.01)
+        },
+        element_exponent: dice.one_of(&[0.0, 0.5, 1.0, 2.0, 3.0, 9.3]),
         off,
         ..Array::default()
     }

@@ -52,7 +52,11 @@ pub fn f32_rounding(solved: &Solved, point: DVec3) -> f64 {
     let deep = if oracle.height(point) < 2.0 * oracle.wavelength() { 3.0 } else { 1.0 };
     let disk = match scene.array.element {
         ElementModel::ExactPiston => across * oracle.wavelength() / scene.array.element_radius,
-        ElementModel::Piston | ElementModel::Point => 0.0,
+        ElementModel::Piston
+        | ElementModel::Point
+        | ElementModel::Rectangle
+        | ElementModel::Cosine
+        | ElementModel::Measured => 0.0,
     };
     deep * (32.0 * F32 * TAU * (across + 1.0) + 8.0 * F32 * disk)
 }
@@ -75,7 +79,7 @@ pub fn moduli(solved: &Solved, drive: &Drive, point: DVec3) -> f64 {
 fn undirected(solved: &Solved, drive: &Drive, point: DVec3) -> f64 {
     let Solved { scene, aperture, .. } = solved;
     let ahead = match scene.array.element {
-        ElementModel::Piston => {
+        ElementModel::Piston | ElementModel::Rectangle | ElementModel::Cosine | ElementModel::Measured => {
             let element = Element { model: ElementModel::Point, ..aperture.element };
             Aperture { element, ..aperture.clone() }
         }
@@ -185,7 +189,8 @@ fn flow_is_the_models(stages: &mut Stages, solved: &Solved, size: (usize, usize)
     for pixel in std::iter::once(largest).chain(chosen) {
         let point = pixels.point(pixel);
         let height = oracle.height(point);
-        let is_wide = scene.array.element == ElementModel::Piston && oracle.radius > WIDEST * height;
+        let is_far_field = matches!(scene.array.element, ElementModel::Piston | ElementModel::Rectangle);
+        let is_wide = is_far_field && oracle.radius > WIDEST * height;
         if height < 0.5 * oracle.wavelength() || is_wide {
             continue;
         }

@@ -50,8 +50,8 @@ pub fn hold(evaluators: &mut Evaluators, solved: &Solved, peak: f64, dice: &mut 
     if peak < FAINTEST {
         return count("averages left out: too faint for squares in f32");
     }
-    let radius = solved.aperture.element.radius;
-    if scene.array.element == ElementModel::Piston
+    let radius = solved.oracle.radius;
+    if matches!(scene.array.element, ElementModel::Piston | ElementModel::Rectangle)
         && radius > WIDEST * solved.oracle.height(scene.plane.centre)
     {
         return count("averages left out: elements wider than they are far away");

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use glam::{DVec2, DVec3};
+use glam::{DQuat, DVec2, DVec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::absorption;
 use sonoglyph::drive::Drive;
@@ -22,6 +22,8 @@ struct Source {
     at: DVec3,
     /// Unit vector: the direction of radiation.
     normal: DVec3,
+    /// Unit vector: its x axis.
+    aside: DVec3,
     /// Factor on the drive.
     gain: f64,
 }
@@ -31,7 +33,8 @@ impl Source {
         let up = mirror.normal.normalize_or(DVec3::Z);
         let turned = |direction: DVec3| direction - 2.0 * up.dot(direction) * up;
         let at = mirror.point + turned(self.at - mirror.point);
-        Self { at, normal: turned(self.normal), gain: self.gain * mirror.coefficient, ..self }
+        let (normal, aside) = (turned(self.normal), turned(self.aside));
+        Self { at, normal, aside, gain: self.gain * mirror.coefficient, ..self }
     }
 }
 
@@ -56,6 +59,9 @@ pub struct Oracle {
     pub model: ElementModel,
     /// m
     pub radius: f64,
+    /// m
+    size: DVec2,
+    exponent: f64,
     strength: f64,
     frequency: f64,
 }
@@ -78,6 +84,7 @@ impl Oracle {
                 element: number * places.len() + index,
                 at: board.at + world(it.at),
                 normal: world(it.normal),
+                aside: world(DQuat::from_rotation_arc(DVec3::Z, it.normal) * DVec3::X),
                 gain: 1.0,
             };
             let own: Vec<_> = places.iter().enumerate().map(source).collect();
@@ -102,7 +109,12 @@ impl Oracle {
             sound_speed,
             density: medium.density.unwrap_or(medium.pressure / (287.05 * kelvin)),
             model: array.element,
-            radius: array.element_radius,
+            radius: match array.element {
+                ElementModel::Rectangle => array.element_size.length() / 2.0,
+                _ => array.element_radius,
+            },
+            size: array.element_size,
+            exponent: array.element_exponent,
             strength: array.strength,
             frequency: array.frequency,
         }
@@ -129,7 +141,8 @@ impl Oracle {
     /// Pa (peak) at a point per unit of drive of one source; `None` where the oracle's own integral of the exact piston is
     /// not good enough: on a piston, or of one many wavelengths wide.
     fn transfer(&self, source: &Source, point: DVec3) -> Option<Complex64> {
-        let offset = point - source.at;
+        let away = point - source.at;
+        let offset = away;
         let z = source.normal.dot(offset);
         let offset = (offset - z * source.normal).length();
         let offset = DVec3::new(offset, 0.0, z);
@@ -147,6 +160,15 @@ impl Oracle {
                 wave * if x < 1e-8 { 1.0 } else { 2.0 * libm::j1(x) / x }
             }
             ElementModel::ExactPiston => self.disk(offset)?,
+            ElementModel::Rectangle => {
+                let sinc = |x: f64| if x.abs() < 1e-6 { 1.0 } else { x.sin() / x };
+                let [x, y] = [source.aside, source.normal.cross(source.aside)].map(|axis| axis.dot(away) / r);
+                let half = self.wavenumber / 2.0 * self.size;
+                wave * sinc(half.x * x) * sinc(half.y * y)
+            }
+            ElementModel::Cosine => wave * (offset.z / r).powf(self.exponent),
+            // The fit of a table is tested by itself.
+            ElementModel::Measured => wave,
         };
         Some(wave * source.gain * self.strength * (-self.attenuation * r).exp())
     }

@@ -70,7 +70,11 @@ pub fn solved(case: &Case, two: &ThreadPool) -> Option<Solved> {
 pub fn rounding(oracle: &Oracle, distance: f64) -> f64 {
     let disk = match oracle.model {
         ElementModel::ExactPiston => distance / oracle.radius,
-        ElementModel::Piston | ElementModel::Point => 0.0,
+        ElementModel::Piston
+        | ElementModel::Point
+        | ElementModel::Rectangle
+        | ElementModel::Cosine
+        | ElementModel::Measured => 0.0,
     };
     4e-12 + 4e-15 * oracle.wavenumber * (distance + oracle.radius) + 2e-15 * disk
 }

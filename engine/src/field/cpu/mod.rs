@@ -7,9 +7,9 @@ mod waves;
 use num_complex::Complex32;
 use rayon::prelude::*;
 
-use crate::field::sources::{FEW_DECAY, FEW_DIRECTIVITY, Sources, Wave};
+use crate::field::sources::{FEW_DECAY, FEW_DIRECTIVITY, Form, Sources, Wave};
 use crate::simd::Isa;
-use waves::{ExactPiston, FarField, Sum};
+use waves::{ExactPiston, FarField, OF_COSINE, RECTANGLE, ROUND, Sum};
 
 pub use places::{Law, places};
 pub use sums::{DRIVES, Lines, OVERHANG, ROWS, Rows, Split, Term, superpose, weighted_sums};
@@ -52,19 +52,29 @@ pub fn single_waves(
 
 /// A block by the common case, the general one (sharp directivity, strong absorption), or the exact piston.
 fn block(isa: Isa, wave: &Wave, (elements, tilts): (&[[f32; 4]], &[[f32; 4]]), points: &Points) -> Sum {
-    let common = wave.directivity.terms <= FEW_DIRECTIVITY && wave.decay.terms <= FEW_DECAY;
-    let sum = match (&wave.piston, common, wave.is_flat) {
-        (None, true, true) => {
-            isa.run(FarField::<FEW_DIRECTIVITY, FEW_DECAY, true> { wave, elements, tilts, points })
-        }
-        (None, false, true) => isa.run(FarField::<24, 16, true> { wave, elements, tilts, points }),
-        (None, true, false) => {
-            isa.run(FarField::<FEW_DIRECTIVITY, FEW_DECAY, false> { wave, elements, tilts, points })
-        }
-        (None, false, false) => isa.run(FarField::<24, 16, false> { wave, elements, tilts, points }),
-        (Some(piston), _, _) => isa.run(ExactPiston { piston, wave, elements, points }),
+    let sum = match (&wave.piston, wave.form) {
+        (None, Form::Round) => far_field::<ROUND>(isa, wave, (elements, tilts), points),
+        (None, Form::Cosine) => far_field::<OF_COSINE>(isa, wave, (elements, tilts), points),
+        (None, Form::Rectangle) => far_field::<RECTANGLE>(isa, wave, (elements, tilts), points),
+        (Some(piston), _) => isa.run(ExactPiston { piston, wave, elements, points }),
     };
     sum.onward(points)
+}
+
+fn far_field<const FORM: usize>(
+    isa: Isa,
+    wave: &Wave,
+    (elements, tilts): (&[[f32; 4]], &[[f32; 4]]),
+    points: &Points,
+) -> Sum {
+    const FEW: usize = FEW_DIRECTIVITY;
+    let is_common = wave.directivity.iter().all(|part| part.terms <= FEW) && wave.decay.terms <= FEW_DECAY;
+    match (is_common, wave.is_flat) {
+        (true, true) => isa.run(FarField::<FORM, FEW, FEW_DECAY, true> { wave, elements, tilts, points }),
+        (false, true) => isa.run(FarField::<FORM, 24, 16, true> { wave, elements, tilts, points }),
+        (true, false) => isa.run(FarField::<FORM, FEW, FEW_DECAY, false> { wave, elements, tilts, points }),
+        (false, false) => isa.run(FarField::<FORM, 24, 16, false> { wave, elements, tilts, points }),
+    }
 }
 
 #[cfg(test)]

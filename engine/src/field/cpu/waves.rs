@@ -74,9 +74,14 @@ impl Sum {
     }
 }
 
+/// [`crate::field::sources::Form`], for loops of its own each.
+pub(super) const ROUND: usize = 0;
+pub(super) const OF_COSINE: usize = 1;
+pub(super) const RECTANGLE: usize = 2;
+
 /// S · D(θ)/r · e^{-αr} · e^{j(φ - k(r - |z|))} summed over the elements (`Sources::elements`) of a flat board or of a curved one, with
 /// D of `D` terms and the decay of `A`; [`Sum::onward`] adds the rest.
-pub(super) struct FarField<'a, const D: usize, const A: usize, const FLAT: bool> {
+pub(super) struct FarField<'a, const FORM: usize, const D: usize, const A: usize, const FLAT: bool> {
     pub(super) wave: &'a Wave,
     pub(super) elements: &'a [[f32; 4]],
     /// Tilt of every element; empty for a flat board.
@@ -84,22 +89,25 @@ pub(super) struct FarField<'a, const D: usize, const A: usize, const FLAT: bool>
     pub(super) points: &'a Points,
 }
 
-impl<const D: usize, const A: usize, const FLAT: bool> Kernel for FarField<'_, D, A, FLAT> {
+impl<const FORM: usize, const D: usize, const A: usize, const FLAT: bool> Kernel
+    for FarField<'_, FORM, D, A, FLAT>
+{
     type Output = Sum;
 
     #[inline(always)]
     fn run<I: Instructions>(self) -> Sum {
-        far_field::<I, D, A, FLAT>(self.wave, (self.elements, self.tilts), self.points)
+        far_field::<I, FORM, D, A, FLAT>(self.wave, (self.elements, self.tilts), self.points)
     }
 }
 
 #[inline(always)]
-fn far_field<I: Instructions, const D: usize, const A: usize, const FLAT: bool>(
+fn far_field<I: Instructions, const FORM: usize, const D: usize, const A: usize, const FLAT: bool>(
     wave: &Wave,
     (elements, tilts): (&[[f32; 4]], &[[f32; 4]]),
     points: &Points,
 ) -> Sum {
-    let directivity: [f32; D] = first(&wave.directivity.coefficients);
+    let [directivity, other]: [[f32; D]; 2] =
+        wave.directivity.each_ref().map(|part| first(&part.coefficients));
     let decay: [f32; A] = first(&wave.decay.coefficients);
     let [decay_slope, decay_offset] = wave.decay_scale;
     let half_turns_per_metre = 2.0 * wave.turns_per_metre;
@@ -128,6 +136,8 @@ fn far_field<I: Instructions, const D: usize, const A: usize, const FLAT: bool>(
         let rough = I::rough_inverse_roots(&r2);
         let mut beyond = [0.0; LANES];
         let mut amplitude = [0.0; LANES];
+        // The imaginary part of the directivity.
+        let mut across = [0.0; LANES];
         for lane in 0..LANES {
             let z = if FLAT { points.z[lane] } else { points.z[lane].abs() };
             // Newton's step for 1/r.
@@ -137,18 +147,43 @@ fn far_field<I: Instructions, const D: usize, const A: usize, const FLAT: bool>(
             // And one for r - z, the root of d² + 2zd = ρ²: rounding is then relative to r - z, not to r.
             let d = r - z;
             beyond[lane] = fused::<I>(fused::<I>(d, r + z, -rho2[lane]), minus_half, d);
-            // 2 sin²θ - 1 = 1 - 2 cos²θ.
-            let cos = SQRT_2 * if FLAT { z } else { ahead[lane] } * inverse;
-            let s = fused::<I>(-cos, cos, 1.0);
+            let height = if FLAT { z } else { ahead[lane] };
+            let (re, im) = match FORM {
+                RECTANGLE => {
+                    let along = |place: f32| {
+                        let part = SQRT_2 * place * inverse;
+                        fused::<I>(part, part, -1.0)
+                    };
+                    let (dx, dy) = (points.x[lane] - x, points.y[lane] - y);
+                    (horner::<I, D>(&directivity, along(dx)) * horner::<I, D>(&other, along(dy)), 0.0)
+                }
+                OF_COSINE => {
+                    let s = fused::<I>(2.0 * height, inverse, -1.0);
+                    (clenshaw::<I, D>(&directivity, s), clenshaw::<I, D>(&other, s))
+                }
+                _ => {
+                    // 2 sin²θ - 1 = 1 - 2 cos²θ.
+                    let cos = SQRT_2 * height * inverse;
+                    (horner::<I, D>(&directivity, fused::<I>(-cos, cos, 1.0)), 0.0)
+                }
+            };
             let strength = if FLAT || ahead[lane] >= -NEAREST as f32 { strength } else { 0.0 };
             let decayed = horner::<I, A>(&decay, fused::<I>(r, decay_slope, decay_offset));
-            amplitude[lane] = strength * inverse * horner::<I, D>(&directivity, s) * decayed;
+            amplitude[lane] = strength * inverse * re * decayed;
+            if FORM == OF_COSINE {
+                across[lane] = strength * inverse * im * decayed;
+            }
         }
         for lane in 0..LANES {
             let turn = turn::<I>(beyond[lane], half_turns_per_metre, phase);
             let amplitude = turn.signed(amplitude[lane]);
             sum.re[lane] = fused::<I>(amplitude, turn.cos, sum.re[lane]);
             sum.im[lane] = fused::<I>(-amplitude, turn.sin, sum.im[lane]);
+            if FORM == OF_COSINE {
+                let across = turn.signed(across[lane]);
+                sum.re[lane] = fused::<I>(across, turn.sin, sum.re[lane]);
+                sum.im[lane] = fused::<I>(across, turn.cos, sum.im[lane]);
+            }
         }
     }
     sum
@@ -258,6 +293,17 @@ fn horner<I: Instructions, const N: usize>(coefficients: &[f32; N], x: f32) -> f
         sum = fused::<I>(sum, x, coefficients[i]);
     }
     sum
+}
+
+/// A sum of Chebyshev polynomials, by Clenshaw's rule.
+#[inline(always)]
+fn clenshaw<I: Instructions, const N: usize>(coefficients: &[f32; N], s: f32) -> f32 {
+    let twice = 2.0 * s;
+    let (mut now, mut before) = (0.0, 0.0);
+    for i in (1..N).rev() {
+        (now, before) = (fused::<I>(twice, now, coefficients[i] - before), now);
+    }
+    fused::<I>(s, now, coefficients[0] - before)
 }
 
 #[inline(always)]

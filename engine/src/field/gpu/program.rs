@@ -6,7 +6,7 @@
 //! | file | used in |
 //! |---|---|
 //! | `params`, `phase`, `field` | every field program |
-//! | `piston`, `exact_piston` or `curved` | one of them: the wave of one element |
+//! | `piston`, `cosine`, `rectangle`, `exact_piston`, `curved` or `curved_cosine` | one of them: the wave of one element |
 //! | `elements_uniform` or `elements_storage` | one of them: up to 1024 elements, or more |
 //! | `whole` or `slices` | one of them: the sum over the elements in one invocation, or in several |
 //! | `interpolation` | interpolation along one axis, a block of pixels per invocation: with `across` to values that are interpolated again, with `form` to final values |
@@ -40,6 +40,7 @@ pub const UNIFORM_ELEMENTS: usize = 1024;
 #[derive(Clone, Copy, Debug, Default, Pod, Zeroable)]
 pub struct Params {
     pub directivity: [[f32; 4]; 6],
+    pub second: [[f32; 4]; 6],
     pub decay: [[f32; 4]; 4],
     pub decay_scale: [f32; 2],
     pub turns_per_metre: f32,
@@ -149,23 +150,34 @@ pub enum Seen {
 pub enum Waves {
     /// The far field of elements on a flat board.
     Piston,
+    /// The same with a complex directivity in cosθ.
+    Cosine,
+    /// The same of rectangles.
+    Rectangle,
     /// The whole field of elements on a flat board.
     ExactPiston,
     /// The far field of elements on a curved board: two vectors each.
     Curved,
+    /// The same with a complex directivity in cosθ.
+    CurvedCosine,
 }
 
 impl Waves {
     /// Vectors that describe an element.
     pub fn vectors(self) -> usize {
         match self {
-            Self::Piston | Self::ExactPiston => 1,
-            Self::Curved => 2,
+            Self::Piston | Self::Cosine | Self::Rectangle | Self::ExactPiston => 1,
+            Self::Curved | Self::CurvedCosine => 2,
         }
+    }
+
+    /// Whether all elements lie in z = 0 and radiate along z.
+    fn are_flat(self) -> bool {
+        self.vectors() == 1
     }
 }
 
-/// The field's program has twelve variants.
+/// The field's program has four variants for each of the waves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct FieldProgram {
     pub waves: Waves,
@@ -186,8 +198,11 @@ impl FieldProgram {
     fn source(self, tuning: &Tuning) -> String {
         let element = match self.waves {
             Waves::Piston => include_str!("../../../../shaders/piston.wgsl"),
+            Waves::Cosine => include_str!("../../../../shaders/cosine.wgsl"),
+            Waves::Rectangle => include_str!("../../../../shaders/rectangle.wgsl"),
             Waves::ExactPiston => include_str!("../../../../shaders/exact_piston.wgsl"),
             Waves::Curved => include_str!("../../../../shaders/curved.wgsl"),
+            Waves::CurvedCosine => include_str!("../../../../shaders/curved_cosine.wgsl"),
         };
         let elements = if self.many_elements {
             include_str!("../../../../shaders/elements_storage.wgsl")
@@ -201,7 +216,7 @@ impl FieldProgram {
             tuning.eight_samples,
             tuning.lanes(),
             tuning.slices,
-            self.waves != Waves::Curved,
+            self.waves.are_flat(),
             self.waves.vectors()
         );
         let sum = if tuning.slices == 1 {
@@ -438,6 +453,7 @@ mod tests {
             &field,
             Params {
                 directivity,
+                second,
                 decay,
                 decay_scale,
                 turns_per_metre,

@@ -14,7 +14,7 @@ use crate::field::gpu::program::{FieldProgram, Params, Program, UNIFORM_ELEMENTS
 use crate::field::gpu::tuning::MOST_GROUPS;
 use crate::field::gpu::{Gpu, Reading};
 use crate::field::sources::MOST_NODES;
-use crate::field::sources::{Sources, Wave};
+use crate::field::sources::{Form, Sources, Wave};
 use crate::field::{gpu_report::GpuError, samples::Samples};
 
 /// The sounding elements of a board in the layout of programs, shared by all superpositions of a map.
@@ -51,10 +51,14 @@ impl Elements {
 
 impl Waves {
     pub(super) fn of(wave: &Wave) -> Self {
-        match (wave.is_flat, &wave.piston) {
-            (false, _) => Self::Curved,
-            (true, None) => Self::Piston,
-            (true, Some(_)) => Self::ExactPiston,
+        match (wave.form, wave.is_flat, &wave.piston) {
+            (Form::Cosine, true, _) => Self::Cosine,
+            (Form::Cosine, false, _) => Self::CurvedCosine,
+            // Never of curved boards.
+            (Form::Rectangle, _, _) => Self::Rectangle,
+            (Form::Round, false, _) => Self::Curved,
+            (Form::Round, true, None) => Self::Piston,
+            (Form::Round, true, Some(_)) => Self::ExactPiston,
         }
     }
 }
@@ -86,7 +90,7 @@ impl Superposition {
         let program = FieldProgram {
             waves: elements.waves,
             many_elements: elements.room * elements.waves.vectors() > UNIFORM_ELEMENTS,
-            many_terms: wave.directivity.terms > 8 || wave.decay.terms > 4,
+            many_terms: wave.directivity.iter().any(|part| part.terms > 8) || wave.decay.terms > 4,
         };
         let wide = |points: &[glam::DVec3]| -> Vec<[f32; 4]> {
             points.iter().map(|p| [p.x as f32, p.y as f32, p.z as f32, wave.turns(p.z)]).collect()
@@ -195,7 +199,8 @@ fn of_face(gpu: &Gpu, sources: &Sources<'_>) -> Result<Vec<Complex32>, GpuError>
 fn params(wave: &Wave, samples: &Samples) -> Params {
     let (radius, nodes) = wave.piston.as_ref().map_or((0.0, 0), |piston| (piston.radius, piston.nodes.len()));
     Params {
-        directivity: bytemuck::cast(wave.directivity.coefficients),
+        directivity: bytemuck::cast(wave.directivity[0].coefficients),
+        second: bytemuck::cast(wave.directivity[1].coefficients),
         decay: bytemuck::cast(wave.decay.coefficients),
         decay_scale: wave.decay_scale,
         turns_per_metre: wave.turns_per_metre,

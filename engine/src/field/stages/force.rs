@@ -182,7 +182,9 @@ impl OfBead {
         })?;
         let floor = match aperture.element.radiator() {
             Radiator::Monopole | Radiator::Disk(_) => 0.0,
-            Radiator::Piston(_) => OF_PISTONS,
+            Radiator::Piston(_) | Radiator::Rectangle(_) | Radiator::Cosine(_) | Radiator::Measured => {
+                OF_PISTONS
+            }
         };
         let is_coarse = tolerance >= FINEST_IN_F32;
         for double in [false, true].into_iter().filter(|double| tolerance > 0.0 && (is_coarse || *double)) {

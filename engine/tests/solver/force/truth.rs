@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DMat3, DQuat, DVec3, dvec3};
+use glam::{DMat3, DQuat, DVec2, DVec3, dvec3};
 use num_complex::Complex64;
 use sonoglyph::acoustics::{Air, Aperture};
 use sonoglyph::drive::Drive;
@@ -17,7 +17,15 @@ fn scene(number: usize) -> (Scene, Drive, Dice) {
     let mut scene = Scene::default();
     (scene.array.rows, scene.array.columns) = (dice.whole(1, 7), dice.whole(1, 7));
     scene.array.element_radius = dice.one_of(&[0.005, 0.0045, 0.012, 0.02]);
-    scene.array.element = dice.one_of(&[ElementModel::Piston, ElementModel::Piston, ElementModel::Point]);
+    scene.array.element = dice.one_of(&[
+        ElementModel::Piston,
+        ElementModel::Piston,
+        ElementModel::Point,
+        ElementModel::Rectangle,
+        ElementModel::Cosine,
+    ]);
+    scene.array.element_size = DVec2::new(dice.between(0.003, 0.012), 0.007);
+    scene.array.element_exponent = dice.one_of(&[0.4, 1.0, 2.0, 7.5]);
     scene.medium.absorption = dice.one_of(&[None, Some(0.0), Some(30.0)]);
     scene.bead.radius = dice.magnitude(5e-5, 2e-3);
     let turn = DQuat::from_euler(
@@ -84,28 +92,56 @@ fn heard(scene: &Scene, drive: &Drive, point: DVec3) -> Complex64 {
         for (n, &(at, normal)) in places.iter().enumerate() {
             let n = index * places.len() + n;
             let u = Complex64::from_polar(drive.amplitudes[n], drive.phases[n]);
-            let mut of = |at: DVec3, normal: DVec3, gain: f64| {
+            let aside = DQuat::from_rotation_arc(DVec3::Z, normal) * DVec3::X;
+            let mut of = |at: DVec3, [normal, aside]: [DVec3; 2], gain: f64| {
                 let way = point - at;
                 if way.dot(normal) < 0.0 {
                     return;
                 }
                 let (r, across) = (way.length(), way.cross(normal).length());
                 let s = match scene.array.element {
-                    ElementModel::Point | ElementModel::ExactPiston => 0.0,
+                    ElementModel::Point
+                    | ElementModel::ExactPiston
+                    | ElementModel::Rectangle
+                    | ElementModel::Cosine
+                    | ElementModel::Measured => 0.0,
                     ElementModel::Piston => k * scene.array.element_radius * across / r,
                 };
-                let directivity = if s < 1e-4 { 1.0 - s * s / 8.0 } else { 2.0 * libm::j1(s) / s };
+                let sinc = |x: f64| if x.abs() < 1e-4 { 1.0 - x * x / 6.0 } else { x.sin() / x };
+                let half = scene.array.element_size * k / 2.0;
+                let directivity = match scene.array.element {
+                    ElementModel::Rectangle => {
+                        sinc(half.x * way.dot(aside) / r) * sinc(half.y * way.dot(normal.cross(aside)) / r)
+                    }
+                    ElementModel::Cosine => (way.dot(normal) / r).powf(scene.array.element_exponent),
+                    ElementModel::Point
+                    | ElementModel::ExactPiston
+                    | ElementModel::Measured
+                    | ElementModel::Piston
+                        if s < 1e-4 =>
+                    {
+                        1.0 - s * s / 8.0
+                    }
+                    ElementModel::Point
+                    | ElementModel::ExactPiston
+                    | ElementModel::Measured
+                    | ElementModel::Piston => 2.0 * libm::j1(s) / s,
+                };
                 let decay = (-air.attenuation * r).exp();
                 let wave =
                     Complex64::I * Complex64::cis(-k * r) * (scene.array.strength * directivity * decay / r);
                 sum += gain * u * wave;
             };
-            let (at, normal) = (board.at + axes * at, axes * normal);
-            of(at, normal, 1.0);
+            let (at, normal, aside) = (board.at + axes * at, axes * normal, axes * aside);
+            of(at, [normal, aside], 1.0);
             for mirror in &scene.reflectors {
                 let up = mirror.normal.normalize_or_zero();
                 let turned = |way: DVec3| way - up * (2.0 * up.dot(way));
-                of(mirror.point + turned(at - mirror.point), turned(normal), mirror.coefficient);
+                of(
+                    mirror.point + turned(at - mirror.point),
+                    [turned(normal), turned(aside)],
+                    mirror.coefficient,
+                );
             }
         }
     }
