@@ -415,7 +415,7 @@ fn modulation(editor: &Editor, plays: Plays) -> Modulation {
         (Plays::One(_), Some(run)) if run.modulates => sine(AUDIBLE),
         (Plays::One(_), Some(_)) => Modulation { shape: Envelope::Off, ..Modulation::default() },
         (Plays::One(_) | Plays::Nothing | Plays::Scene | Plays::Motion | Plays::Checkerboard, _) => {
-            editor.scene().modulation.clone()
+            editor.scene().envelope().clone()
         }
     }
 }

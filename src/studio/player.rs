@@ -117,7 +117,7 @@ impl Player {
     fn begin(&mut self, scene: &Scene, performance: Performance) -> Result<Vec<String>, String> {
         let Settings { profile, .. } = *self.link.settings();
         let wiring = self.wiring(scene)?;
-        self.modulate(&scene.modulation)?;
+        self.modulate(scene.envelope())?;
         let rate = match &performance {
             Performance::Still(solution) => {
                 profile.turns_per_second(self.link.settings().baud(), 1 + solution.others.len())

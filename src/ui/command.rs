@@ -45,8 +45,8 @@ pub enum Command {
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
-    /// Takes a WAV file as the modulation's waveform.
-    Waveform(PathBuf),
+    /// Takes a WAV file as the waveform of the scene's modulation, or of a target's own.
+    Waveform(Option<usize>, PathBuf),
     /// Takes a table of thresholds of feeling for the skin.
     Thresholds(PathBuf),
     /// Copies the scene as a link to the clipboard.
@@ -141,8 +141,8 @@ pub enum Purpose {
     Scan,
     /// Drives that were played during the scan.
     ScanDrive,
-    /// Waveform of the modulation.
-    Waveform,
+    /// Waveform of the scene's modulation, or of a target's own.
+    Waveform(Option<usize>),
     /// Thresholds of the skin.
     Thresholds,
     Export(Export),
@@ -171,7 +171,7 @@ impl Purpose {
             Self::Scan => "Open a scan: readings of a microphone (CSV)",
             Self::ScanDrive => "Open the drives that were played during the scan (CSV)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
-            Self::Waveform => "Open a waveform of the modulation (WAV)",
+            Self::Waveform(_) => "Open a waveform of the modulation (WAV)",
             Self::Thresholds => "Open thresholds (CSV with frequency in Hz and displacement in m, peak)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the view as PNG",
@@ -193,7 +193,7 @@ impl Purpose {
             Self::Import => IMPORTED,
             Self::Elements | Self::Wiring => ELEMENTS,
             Self::Drive | Self::Scan | Self::ScanDrive => DRIVES,
-            Self::Waveform => &["wav"],
+            Self::Waveform(_) => &["wav"],
             Self::Thresholds => &["csv"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
@@ -218,7 +218,7 @@ impl Purpose {
                 | Self::Drive
                 | Self::Scan
                 | Self::ScanDrive
-                | Self::Waveform
+                | Self::Waveform(_)
                 | Self::Thresholds
         )
     }
@@ -227,7 +227,7 @@ impl Purpose {
         match self {
             Self::Open | Self::Drive | Self::Scan | Self::ScanDrive => "Open",
             Self::SaveAs | Self::Export(Export::Calibration { .. } | Export::Report) => "Save",
-            Self::Import | Self::Elements | Self::Wiring | Self::Waveform | Self::Thresholds => "Read",
+            Self::Import | Self::Elements | Self::Wiring | Self::Waveform(_) | Self::Thresholds => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -242,7 +242,7 @@ impl Purpose {
             Self::Drive => Command::OpenDrive(path),
             Self::Scan => Command::OpenScan(path),
             Self::ScanDrive => Command::OpenScanDrive(path),
-            Self::Waveform => Command::Waveform(path),
+            Self::Waveform(target) => Command::Waveform(target, path),
             Self::Thresholds => Command::Thresholds(path),
             Self::Export(export) => Command::Export(export, path),
         }

@@ -11,7 +11,7 @@ use crate::acoustics::Air;
 use crate::scene::{Array, ElementModel, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
 use crate::ui::panels::form::{choice, count, given, heading, remark};
-use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, number, target};
+use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, modulation, number, target};
 use crate::ui::parts::levitation;
 use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme, ticks};
 
@@ -94,7 +94,10 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
         }
         1 => {
             let index = editor.selection.first().copied().unwrap_or(0);
-            ui.push_id(("target", index), |ui| target::show(&mut editor.document.scene, index, ui));
+            ui.push_id(("target", index), |ui| {
+                target::show(&mut editor.document.scene, index, ui);
+                modulation::of_target(editor, index, ui);
+            });
         }
         count => together(editor, count, ui),
     }
