@@ -297,7 +297,7 @@ impl Board {
         shown.board.health = Some(health);
         ctx.request_repaint_after(LOOK);
         let modulation = modulation(editor, shown.board.plays);
-        if let Err(error) = player.modulate(&modulation)
+        if let Err(error) = player.modulate(&modulation, editor.scene().array.frequency)
             && matches!(shown.board.plays, Plays::Scene | Plays::Motion)
         {
             player.stop();

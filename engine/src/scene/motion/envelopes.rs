@@ -2,7 +2,7 @@
 //!
 //! A board has one envelope for all elements, so different envelopes of targets become frames: the common period of the
 //! modulations and of the motion is cut into equal frames, at least 16 per period of the fastest modulation or one per sample
-//! of a waveform, and at most one per period of the carrier. A frame has the envelopes of its middle, so that holding a frame
+//! of a waveform, and at most one per period of the carrier; each lasts whole periods of it, if that is possible. A frame has the envelopes of its middle, so that holding a frame
 //! until the next delays no envelope. Edges of a square wave fall between frames if a number of frames allows that.
 
 use crate::scene::content::Scene;
@@ -78,8 +78,23 @@ pub fn fit(scene: &Scene, motion: Option<(f64, u32)>) -> Result<Fit, String> {
     let squares = all.iter().filter(|own| own.shape == Envelope::Square);
     let edges = squares.map(|own| (2.0 * own.frequency * period).round() as u64).fold(of_motion, multiple);
     let grain = if edges <= wanted.max(of_motion).saturating_mul(FOR_EDGES) { edges } else { of_motion };
-    let frames = wanted.div_ceil(grain).max(1).saturating_mul(grain);
+    let least = wanted.div_ceil(grain).max(1);
+    let frames = in_time(carrier * period, grain, least).saturating_mul(grain);
     Ok(Fit { period, frames: u32::try_from(frames).unwrap_or(u32::MAX), rounds })
+}
+
+/// At least so many multiples of a number of frames, and if possible as many as last whole periods of the carrier each, which
+/// boards play in time.
+fn in_time(periods: f64, grain: u64, least: u64) -> u64 {
+    /// Multiples tried, as a factor on the least number.
+    const MOST: u64 = 2;
+    let whole = periods.round();
+    let lasts = |times: &u64| (whole as u64).is_multiple_of(times.saturating_mul(grain));
+    let fits = |_: &u64| (periods - whole).abs() < 1e-6 * periods;
+    (least..=least.saturating_mul(MOST).min(least.saturating_add(10_000)))
+        .filter(fits)
+        .find(lasts)
+        .unwrap_or(least)
 }
 
 /// The least common multiple; the first number for 0 and beyond all numbers.
@@ -136,6 +151,19 @@ pub fn check(scene: &Scene, motion: Option<(f64, u32)>) -> Result<(), KeyError> 
 /// # Errors
 /// Invalid focal points.
 pub fn values(scene: &Scene, period: f64, frames: u32) -> Result<Envelopes, KeyError> {
+    let (all, of_foci) = shares(scene)?;
+    let at = |frame: u32| {
+        let time = (f64::from(frame) + 0.5) / f64::from(frames) * period;
+        all.iter().map(|own| own.envelope(time)).collect()
+    };
+    Ok(Envelopes { of_foci, frames: (0..frames).map(at).collect() })
+}
+
+/// The different modulations of visible targets, and which one each focus follows.
+///
+/// # Errors
+/// Invalid focal points.
+pub fn shares(scene: &Scene) -> Result<(Vec<&Modulation>, Vec<usize>), KeyError> {
     let all = different(scene);
     let targets: Vec<_> = scene.targets.iter().enumerate().filter(|(_, target)| target.visible).collect();
     let foci = outline::foci_of_targets(scene, &targets)?;
@@ -144,9 +172,6 @@ pub fn values(scene: &Scene, period: f64, frames: u32) -> Result<Envelopes, KeyE
         let index = all.iter().position(|other| other.is_like(own)).unwrap_or(0);
         std::iter::repeat_n(index, foci.len())
     });
-    let at = |frame: u32| {
-        let time = (f64::from(frame) + 0.5) / f64::from(frames) * period;
-        all.iter().map(|own| own.envelope(time)).collect()
-    };
-    Ok(Envelopes { of_foci: of_foci.collect(), frames: (0..frames).map(at).collect() })
+    let of_foci = of_foci.collect();
+    Ok((all, of_foci))
 }
