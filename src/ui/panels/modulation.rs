@@ -20,6 +20,17 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
     if settings(&mut editor.document.scene.modulation, carrier, ui) {
         editor.dialog = Some(Dialog::path(Purpose::Waveform(None), &editor.document));
     }
+    let own = editor.scene().targets.iter().filter(|it| it.visible && it.modulation.is_some()).count();
+    if own > 0 {
+        let whose =
+            if own == 1 { "1 target has its".to_owned() } else { format!("{own} targets have their") };
+        ui.label(format!("{whose} own modulation; see the Scene panel."));
+    }
+    if let Some(heard) = editor.parts.demodulation.newest().and_then(Option::as_ref) {
+        let tip = "Self-demodulation of the beam in air: what is heard on its axis, far away, referred to 1 m (Berktay), ± 6 dB. A modulation \
+                   of the power is not distorted";
+        ui.label(format!("Heard at 1 m: {}", heard.words())).on_hover_text(tip);
+    }
 }
 
 /// The own modulation of a target, if it has one.
