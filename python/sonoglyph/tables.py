@@ -104,6 +104,8 @@ class _Target(_Table):
     step: int | None = None
     motion: MotionPath | None = None
     """the target's own motion, instead of the scene's"""
+    modulation: Modulation | None = None
+    """the target's own modulation, instead of the scene's"""
 
 
 @dataclass(kw_only=True)

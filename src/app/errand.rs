@@ -122,7 +122,8 @@ pub enum Outcome {
     Unreadable(String),
     Listed(Folder),
     Read(PathBuf, anyhow::Result<Drawing>),
-    Heard(Result<Wave, String>),
+    /// A waveform of the scene's modulation, or of a target's own.
+    Heard(Option<usize>, Result<Wave, String>),
     /// Thresholds of the skin, read.
     Felt(Result<Curve, String>),
     /// Directivity of the elements, read.

@@ -248,15 +248,17 @@ impl Window {
         });
     }
 
-    /// Reads a waveform, then applies it to the modulation.
-    pub(super) fn read_waveform(&mut self, path: PathBuf, ctx: &egui::Context) {
-        self.send(ctx, move |_| Outcome::Heard(waveform::read(&path)));
+    /// Reads a waveform, then applies it to the scene's modulation, or to a target's own.
+    pub(super) fn read_waveform(&mut self, target: Option<usize>, path: PathBuf, ctx: &egui::Context) {
+        self.send(ctx, move |_| Outcome::Heard(target, waveform::read(&path)));
     }
 
-    fn take_waveform(&mut self, wave: Wave) {
+    fn take_waveform(&mut self, target: Option<usize>, wave: Wave) {
         let Some(samples) = wave.get() else { return };
         let name = self.beside_document(&samples.file);
-        let modulation = &mut self.editor.document.scene.modulation;
+        let mut all = self.editor.document.scene.modulations_mut();
+        // A target may be gone.
+        let Some((_, modulation)) = all.find(|(of, _)| *of == target) else { return };
         (modulation.file, modulation.wave, modulation.shape) = (name, wave, Envelope::File);
     }
 
@@ -340,8 +342,8 @@ impl Window {
                 let import = ui::Import::new(name, drawing, &self.editor.view, self.editor.scene());
                 self.editor.dialog = Some(Dialog::Import(Box::new(import)));
             }
-            Outcome::Heard(Ok(wave)) => self.take_waveform(wave),
-            Outcome::Heard(Err(error)) => self.refuse("The waveform cannot be read", &anyhow!(error)),
+            Outcome::Heard(target, Ok(wave)) => self.take_waveform(target, wave),
+            Outcome::Heard(_, Err(error)) => self.refuse("The waveform cannot be read", &anyhow!(error)),
             Outcome::Felt(Ok(curve)) => self.take_thresholds(curve),
             Outcome::Felt(Err(error)) => self.refuse("The thresholds cannot be read", &anyhow!(error)),
             Outcome::Directed(Ok(measured)) => self.take_directivity(measured),

@@ -297,7 +297,7 @@ impl Board {
         shown.board.health = Some(health);
         ctx.request_repaint_after(LOOK);
         let modulation = modulation(editor, shown.board.plays);
-        if let Err(error) = player.modulate(&modulation)
+        if let Err(error) = player.modulate(&modulation, editor.scene().array.frequency)
             && matches!(shown.board.plays, Plays::Scene | Plays::Motion)
         {
             player.stop();
@@ -415,7 +415,7 @@ fn modulation(editor: &Editor, plays: Plays) -> Modulation {
         (Plays::One(_), Some(run)) if run.modulates => sine(AUDIBLE),
         (Plays::One(_), Some(_)) => Modulation { shape: Envelope::Off, ..Modulation::default() },
         (Plays::One(_) | Plays::Nothing | Plays::Scene | Plays::Motion | Plays::Checkerboard, _) => {
-            editor.scene().modulation.clone()
+            editor.scene().envelope().clone()
         }
     }
 }

@@ -224,7 +224,7 @@ impl Window {
             Command::TakeElements(path) => self.read_elements(&path, ctx),
             Command::TakeWiring(path) => self.read_wiring(&path, ctx),
             Command::OpenDrive(path) => self.read_drive(path, ctx),
-            Command::Waveform(path) => self.read_waveform(path, ctx),
+            Command::Waveform(target, path) => self.read_waveform(target, path, ctx),
             Command::Thresholds(path) => self.read_thresholds(path, ctx),
             Command::Directivity(path) => self.read_directivity(path, ctx),
             Command::OpenScan(path) => self.open_scan(path),

@@ -455,6 +455,10 @@ fn print(findings: &Findings, scene: &Scene) -> anyhow::Result<()> {
     rows.extend(findings.moving.iter().flat_map(Moving::rows));
     rows.extend(felt::rows(findings.felt.as_ref()));
     rows.extend(nonlinear_rows(&findings.nonlinear));
+    if let Some(demodulated) = &findings.demodulated {
+        let words = demodulated.words();
+        rows.push(("heard at 1 m", format!("{words}; far field on the beam's axis (Berktay), ± 6 dB")));
+    }
     for (name, value) in rows {
         let is_void = quality.is_silent() && COMPARED.contains(&name);
         let value = if is_void { format!("-, {SILENT}") } else { value };

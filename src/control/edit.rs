@@ -139,8 +139,9 @@ fn target(targets: &mut [Target], number: Number) -> Result<&mut Target, EditErr
 
 /// Refuses a target that names a file of this machine.
 fn refuse_file_of(target: &Target) -> Result<(), EditError> {
-    match target.shape.picture() {
-        Some((file, ..)) => Err(EditError::NamesFile(echo::value(file))),
+    let wave = target.modulation.as_ref().map(|modulation| &modulation.file).filter(|name| !name.is_empty());
+    match target.shape.picture().map(|(file, ..)| file).or(wave.map(|name| &**name)) {
+        Some(file) => Err(EditError::NamesFile(echo::value(file))),
         None => Ok(()),
     }
 }
@@ -153,7 +154,7 @@ pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     scene.targets.iter().try_for_each(refuse_file_of)?;
     let tables = scene.array.file.iter().chain(&scene.array.wiring);
     let table = tables.filter(|name| !name.starts_with(arrays::PRESET));
-    let wave = Some(&scene.modulation.file).filter(|name| !name.is_empty());
+    let wave = scene.modulations().map(|(_, modulation)| &modulation.file).find(|name| !name.is_empty());
     let drive = Some(&scene.drive.name).filter(|name| !name.is_empty());
     let thresholds = scene.skin.as_ref().filter(|skin| skin.known().is_none()).map(|skin| &skin.threshold);
     let directivity = scene.array.directivity.as_ref();

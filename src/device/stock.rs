@@ -70,6 +70,9 @@ pub(in crate::device) fn echo(profile: Profile) -> Option<fn(u8) -> Option<u8>> 
     protocol(profile).echo
 }
 
+/// Hz: the fastest modulation by swaps, of which a computer's timers send one each half period.
+const FASTEST: f64 = 1000.0;
+
 /// The playback of an envelope on a stock board.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Modulated {
@@ -97,6 +100,9 @@ pub fn modulated(profile: Profile, modulation: &Modulation, baud: u32) -> Modula
         (Envelope::Sine | Envelope::Square, Some(nearest), _) => {
             let (byte, frequency) = nearest(frequency);
             Modulated::ByBoard(byte, frequency)
+        }
+        (Envelope::Sine | Envelope::Square, None, Some(_)) if frequency > FASTEST => {
+            Modulated::Never(FASTEST)
         }
         (Envelope::Sine | Envelope::Square, None, Some(_)) => Modulated::FromHere(frequency),
         // Without a second buffer each half period is a frame.

@@ -476,7 +476,8 @@ impl Speeds {
         let skin = scene.skin.clone().unwrap_or_default();
         let mut swing = |speed: f64| -> Result<f64, FieldError> {
             let mut played = scene.clone();
-            (played.array.response, played.modulation) = (None, Modulation::default());
+            played.array.response = None;
+            played.modulations_mut().for_each(|(_, modulation)| *modulation = Modulation::default());
             let factor = speed / (leader.length * cycle.rate);
             let own = played.targets.iter_mut().filter_map(|target| target.motion.as_mut());
             for motion in own.chain([&mut played.motion]) {
@@ -587,7 +588,7 @@ impl Offer {
     /// For a scene at rest, or in motion, on a board at a bit rate; `None` if it is felt, or not for a hand.
     pub fn new(scene: &Scene, moves: bool, profile: Profile, baud: u32) -> Option<Self> {
         let flutters = moves && motion::cycle(scene).is_some_and(|cycle| cycle.rate >= FLUTTER);
-        if !is_steady(&scene.modulation) || flutters || !is_for_a_hand(scene) {
+        if !scene.envelope().is_steady() || scene.has_own_envelopes() || flutters || !is_for_a_hand(scene) {
             return None;
         }
         let asked = Modulation { shape: Envelope::Sine, frequency: FREQUENCY, ..Modulation::default() };
@@ -625,15 +626,6 @@ impl fmt::Display for Offer {
             None => f.write_str("makes it felt"),
             Some(limit) => write!(f, "makes it felt a little; {limit}"),
         }
-    }
-}
-
-/// Whether the envelope is always the same.
-fn is_steady(modulation: &Modulation) -> bool {
-    match modulation.shape {
-        Envelope::Off => true,
-        Envelope::Sine | Envelope::Square | Envelope::File => modulation.depth == 0.0,
-        Envelope::Tones => modulation.tones.iter().all(|tone| tone.depth == 0.0),
     }
 }
 

@@ -11,6 +11,7 @@ use crate::scene::{Pressures, Scene, motion, outline};
 use crate::solver::frames;
 use crate::solver::levels::{self, Reached};
 use crate::solver::{Limits, Problem, Ranges, Solution, SolveError, room, shape};
+use crate::studio::demodulation::Demodulated;
 use crate::studio::felt::{self, Felt};
 use crate::studio::levitation::{self, Held, Neighbour};
 use crate::studio::nonlinear::Nonlinear;
@@ -36,6 +37,8 @@ pub struct Findings {
     /// By a hand, if the scene has a skin.
     pub felt: Option<Result<Felt, FieldError>>,
     pub nonlinear: Result<Nonlinear, NoHarmonic>,
+    /// Of the modulation.
+    pub demodulated: Option<Demodulated>,
     /// Warnings about all of it, a sentence each.
     pub warnings: Vec<String>,
 }
@@ -66,6 +69,7 @@ impl Findings {
         let traps = levitation::held(scene, aperture, &drives);
         let neighbour = levitation::neighbour(scene, aperture, &drives, &traps);
         let nonlinear = Nonlinear::of_solution(scene, aperture, &solution);
+        let demodulated = Demodulated::new(scene, aperture, &solution);
         let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
         let mut warnings: Vec<_> = of_drive.map(|warning| warning.to_string()).collect();
         if scene.solver.pressures == Pressures::Pascal && limits.bound < 1.0 {
@@ -88,6 +92,7 @@ impl Findings {
             moving: None,
             felt: None,
             nonlinear,
+            demodulated,
             warnings,
         }
     }
@@ -143,6 +148,9 @@ impl Findings {
         if let Ok(nonlinear) = &self.nonlinear {
             value["harmonic"] = json!(nonlinear.harmonic);
             value["nonlinear"] = json::nonlinear(nonlinear);
+        }
+        if let Some(demodulated) = &self.demodulated {
+            value["heard"] = demodulated.json();
         }
         if let Some(ranges) = &self.ranges {
             value["spread"] = ranges.named().map(|(name, range)| (name.to_owned(), json!(range))).collect();

@@ -71,8 +71,8 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
     if scene.drive.is_named() {
         return Err(LinkError::Drive(scene.drive.name.clone()));
     }
-    if !scene.modulation.file.is_empty() {
-        return Err(LinkError::Wave(scene.modulation.file.clone()));
+    if let Some((_, named)) = scene.modulations().find(|(_, modulation)| !modulation.file.is_empty()) {
+        return Err(LinkError::Wave(named.file.clone()));
     }
     let tables = [&scene.array.file, &scene.array.wiring, &scene.array.directivity];
     if let Some(name) = tables.into_iter().flatten().find(|name| !name.starts_with(arrays::PRESET)) {

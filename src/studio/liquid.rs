@@ -34,7 +34,7 @@ pub fn describe(scene: &Scene, pressed: &Pressed, (quantity, map): (Quantity, &M
             }
         }
     };
-    let part = scene.modulation.mean_square();
+    let part = scene.envelope().mean_square();
     if part < 1.0 {
         words.push_str(&format!("; {}", envelope(scene)));
     }
@@ -72,7 +72,7 @@ pub fn picture(
             size.x, size.y, relief.exaggeration
         ),
     ];
-    if scene.modulation.mean_square() < 1.0 {
+    if scene.envelope().mean_square() < 1.0 {
         lines[2] = format!("{}; {}", lines[2], envelope(scene));
     }
     relief.page(Words { lines: &lines, warning: beyond.as_deref() }, page)
@@ -174,7 +174,7 @@ fn figures(pressed: &Pressed, depression: Depression) -> String {
 }
 
 fn envelope(scene: &Scene) -> String {
-    let modulation = &scene.modulation;
+    let modulation = scene.envelope();
     let Modulation { frequency, tones, file, .. } = modulation;
     let what = match modulation.shape {
         Envelope::Off => "no modulation".to_owned(),

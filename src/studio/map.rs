@@ -88,7 +88,8 @@ pub fn remark(quantity: Quantity, map: &Map) -> Option<String> {
 /// Whether a map of this quantity leaves out the scene's modulation: pressures are those at full amplitude.
 pub fn omits_modulation(scene: &Scene, quantity: Quantity) -> bool {
     let is_of_sound = quantity.declaration().is_root || quantity == Quantity::Instantaneous;
-    is_of_sound && scene.modulation.shape != Envelope::Off && scene.modulation.mean_square() < 1.0
+    let envelope = scene.envelope();
+    is_of_sound && envelope.shape != Envelope::Off && envelope.mean_square() < 1.0
 }
 
 /// Values minus values; phases differ by at most half a turn.

@@ -5,6 +5,7 @@ pub mod animate;
 pub mod arrays;
 pub mod bring_up;
 pub mod convention;
+pub mod demodulation;
 pub mod directivity;
 pub mod elements;
 pub mod evaluator;

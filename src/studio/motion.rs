@@ -64,7 +64,8 @@ fn warn_of_shortfall(sequence: &Sequence) {
     let asked =
         |frame: &Frame| frame.foci.iter().map(|focus| focus.target).sum::<f64>() / frame.foci.len() as f64;
     let part = |frame: &Frame| frame.mean_pressure() / asked(frame);
-    if let Some(worst) = sequence.frames.iter().min_by(|a, b| part(a).total_cmp(&part(b)))
+    let heard = sequence.frames.iter().filter(|frame| asked(frame) > 0.0);
+    if let Some(worst) = heard.min_by(|a, b| part(a).total_cmp(&part(b)))
         && part(worst) < 0.999
     {
         warn(&format!(

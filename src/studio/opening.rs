@@ -12,9 +12,7 @@ use crate::drive;
 use crate::picture::grey;
 use crate::scene::check::check;
 use crate::scene::file::{self, FileError};
-use crate::scene::{
-    Array, DriveFile, Elements, Grey, Key, KeyError, Modulation, Pixels, Scene, Skin, Target, Wires,
-};
+use crate::scene::{Array, DriveFile, Elements, Grey, Key, KeyError, Pixels, Scene, Skin, Target, Wires};
 use crate::source;
 use crate::studio::{arrays, directivity, elements, thresholds, waveform};
 
@@ -58,7 +56,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
 /// A missing, unreadable or black picture, errors of [`waveform::read`] and [`thresholds::read`], a missing or invalid
 /// table, and errors of [`check()`] and [`file::targets_in_motion`].
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
-    load_wave(&mut scene.modulation, folder)?;
+    load_waves(scene, folder)?;
     load_thresholds(scene.skin.as_mut(), folder)?;
     load_directivity(&mut scene.array, folder)?;
     let lacks_table = scene.array.lacks_elements() || scene.array.lacks_wires() || scene.drive.is_missing();
@@ -148,15 +146,20 @@ pub fn read_drive(path: &Path, name: String, scene: &Scene) -> Result<DriveFile,
     Ok(DriveFile::new(name, table, Some(path.to_owned())))
 }
 
-/// Loads the waveform of a modulation, if named and not loaded.
+/// Loads the waveforms of the modulations of a scene and its targets that are named and not loaded.
 ///
 /// # Errors
 /// The errors of [`waveform::read`].
-pub fn load_wave(modulation: &mut Modulation, folder: &Path) -> Result<(), KeyError> {
-    if modulation.lacks_wave() {
+pub fn load_waves(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
+    for (target, modulation) in scene.modulations_mut().filter(|(_, modulation)| modulation.lacks_wave()) {
         let read = waveform::read(&folder.join(&modulation.file));
-        let key = [Key::from("modulation"), Key::from("file")];
-        modulation.wave = read.map_err(|message| KeyError::new(key, message))?;
+        modulation.wave = read.map_err(|message| {
+            let error = KeyError::new([Key::from("modulation"), Key::from("file")], message);
+            match target {
+                None => error,
+                Some(index) => error.under(&["target".into(), index.into()]),
+            }
+        })?;
     }
     Ok(())
 }

@@ -72,10 +72,12 @@ impl Paintings {
             let before = if Path::new(&drive.name).is_absolute() { "" } else { &*drive.name };
             drive.name = name_from(&path, &absolute(place), before);
         }
-        if let Some(samples) = scene.modulation.wave.get() {
-            let file = &mut placed.scene.modulation.file;
-            let before = if Path::new(file).is_absolute() { "" } else { &**file };
-            *file = name_from(&path, &absolute(&samples.file), before);
+        for (_, modulation) in placed.scene.modulations_mut() {
+            if let Some(samples) = modulation.wave.get() {
+                let file = &modulation.file;
+                let before = if Path::new(file).is_absolute() { "" } else { file };
+                modulation.file = name_from(&path, &absolute(&samples.file), before);
+            }
         }
         if let Some(skin) = placed.scene.skin.as_mut().filter(|skin| skin.known().is_none())
             && let Some(place) = &skin.curve.from

@@ -88,12 +88,12 @@ impl Player {
         is_new
     }
 
-    /// Sets the envelope.
+    /// Sets the envelope of a carrier (Hz).
     ///
     /// # Errors
     /// An envelope that the board cannot play; it then keeps the one before.
-    pub fn modulate(&mut self, modulation: &Modulation) -> Result<(), String> {
-        envelope::playable(self.link.settings().profile, modulation)?;
+    pub fn modulate(&mut self, modulation: &Modulation, carrier: f64) -> Result<(), String> {
+        envelope::playable(self.link.settings().profile, modulation, carrier)?;
         if self.modulation.as_ref() != Some(modulation) {
             self.modulation = Some(modulation.clone());
             self.link.modulate(modulation.clone());
@@ -117,7 +117,10 @@ impl Player {
     fn begin(&mut self, scene: &Scene, performance: Performance) -> Result<Vec<String>, String> {
         let Settings { profile, .. } = *self.link.settings();
         let wiring = self.wiring(scene)?;
-        self.modulate(&scene.modulation)?;
+        if matches!(performance, Performance::Motion(_)) {
+            envelope::plays(profile, scene)?;
+        }
+        self.modulate(scene.envelope(), scene.array.frequency)?;
         let rate = match &performance {
             Performance::Still(solution) => {
                 profile.turns_per_second(self.link.settings().baud(), 1 + solution.others.len())

@@ -20,7 +20,7 @@ pub fn posed(scene: &Scene) -> Scene {
             Plane::default()
         },
         skin: scene.skin.clone().filter(|_| scene.aims_at_felt()),
-        modulation: if scene.aims_at_felt() { scene.modulation.clone() } else { Modulation::default() },
+        modulation: if scene.aims_at_felt() { scene.envelope().clone() } else { Modulation::default() },
         ..Scene::default()
     }
 }
@@ -39,7 +39,7 @@ fn has_surface(scene: &Scene) -> bool {
 }
 
 fn at_rest(target: &Target) -> Target {
-    Target { motion: None, ..target.clone() }
+    Target { motion: None, modulation: None, ..target.clone() }
 }
 
 /// The quiet plane, independent of the displayed part.
@@ -59,5 +59,8 @@ pub fn is_shape(scene: &Scene) -> bool {
 
 /// The part of a scene that the drives of its frames follow from.
 pub fn posed_in_motion(scene: &Scene) -> Scene {
-    Scene { motion: scene.motion.clone(), targets: scene.targets.clone(), ..posed(scene) }
+    let posed = posed(scene);
+    let modulation =
+        if scene.has_own_envelopes() { scene.modulation.clone() } else { posed.modulation.clone() };
+    Scene { motion: scene.motion.clone(), targets: scene.targets.clone(), modulation, ..posed }
 }

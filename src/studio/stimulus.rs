@@ -122,7 +122,7 @@ struct Family {
 }
 
 fn families(scene: &Scene) -> Vec<Family> {
-    let at_rest = |target: &Target| Target { motion: None, ..target.clone() };
+    let at_rest = |target: &Target| Target { motion: None, modulation: None, ..target.clone() };
     let skin = scene.skin.clone().unwrap_or_default();
     let still = Scene {
         targets: scene.targets.iter().map(at_rest).collect(),

@@ -98,7 +98,7 @@ pub struct Swell {
 /// The lines of the square of an envelope of sines or tones, behind the elements' response; relative to the mean, which the drives of a
 /// request have already.
 fn swinging(scene: &Scene) -> Vec<SpectralLine> {
-    let modulation = &scene.modulation;
+    let modulation = scene.envelope();
     let Some(resonator) = Resonator::new(scene) else { return square_lines(modulation, 0.0) };
     let mut lines = resonator.square_lines(modulation);
     let part = modulation.mean_square() / lines.first().map_or(1.0, |mean| mean.amplitude);
@@ -132,7 +132,7 @@ impl Swell {
         progress.tell(1, 1);
         stages.show_progress(Gauge::default());
         let tank = found.ok_or(FieldError::NoPlane)?;
-        let modulation = scene.modulation.clone();
+        let modulation = scene.envelope().clone();
         let (lines, knots) = match modulation.shape {
             Envelope::Off => (Vec::new(), 0.0),
             Envelope::Sine | Envelope::Tones => (swinging(scene), 0.0),

@@ -45,8 +45,8 @@ pub enum Command {
     Export(Export, PathBuf),
     /// Forgets the files that were open last.
     ForgetRecent,
-    /// Takes a WAV file as the modulation's waveform.
-    Waveform(PathBuf),
+    /// Takes a WAV file as the waveform of the scene's modulation, or of a target's own.
+    Waveform(Option<usize>, PathBuf),
     /// Takes a table of thresholds of feeling for the skin.
     Thresholds(PathBuf),
     /// Takes a table as the directivity of the elements.
@@ -143,8 +143,8 @@ pub enum Purpose {
     Scan,
     /// Drives that were played during the scan.
     ScanDrive,
-    /// Waveform of the modulation.
-    Waveform,
+    /// Waveform of the scene's modulation, or of a target's own.
+    Waveform(Option<usize>),
     /// Thresholds of the skin.
     Thresholds,
     /// Directivity of an element.
@@ -175,7 +175,7 @@ impl Purpose {
             Self::Scan => "Open a scan: readings of a microphone (CSV)",
             Self::ScanDrive => "Open the drives that were played during the scan (CSV)",
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
-            Self::Waveform => "Open a waveform of the modulation (WAV)",
+            Self::Waveform(_) => "Open a waveform of the modulation (WAV)",
             Self::Directivity => {
                 "Open a directivity (CSV with angle in degrees, amplitude or level in dB, and phase)"
             }
@@ -200,7 +200,7 @@ impl Purpose {
             Self::Import => IMPORTED,
             Self::Elements | Self::Wiring => ELEMENTS,
             Self::Drive | Self::Scan | Self::ScanDrive => DRIVES,
-            Self::Waveform => &["wav"],
+            Self::Waveform(_) => &["wav"],
             Self::Thresholds | Self::Directivity => &["csv"],
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
@@ -225,7 +225,7 @@ impl Purpose {
                 | Self::Drive
                 | Self::Scan
                 | Self::ScanDrive
-                | Self::Waveform
+                | Self::Waveform(_)
                 | Self::Thresholds
                 | Self::Directivity
         )
@@ -238,7 +238,7 @@ impl Purpose {
             Self::Import
             | Self::Elements
             | Self::Wiring
-            | Self::Waveform
+            | Self::Waveform(_)
             | Self::Thresholds
             | Self::Directivity => "Read",
             Self::Export(_) => "Export",
@@ -255,7 +255,7 @@ impl Purpose {
             Self::Drive => Command::OpenDrive(path),
             Self::Scan => Command::OpenScan(path),
             Self::ScanDrive => Command::OpenScanDrive(path),
-            Self::Waveform => Command::Waveform(path),
+            Self::Waveform(target) => Command::Waveform(target, path),
             Self::Thresholds => Command::Thresholds(path),
             Self::Directivity => Command::Directivity(path),
             Self::Export(export) => Command::Export(export, path),

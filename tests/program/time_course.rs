@@ -56,6 +56,47 @@ fn a_modulated_focus_swings_about_the_plain_probe() {
 }
 
 #[test]
+fn audible_tones_are_heard_and_too_fast_ones_refused() {
+    let tone = |frequency: f64| {
+        let own = format!("[target.modulation]\nshape = \"sine\"\nfrequency = {frequency:?}\ndepth = 0.5\n");
+        folder_with(&SCENE.replace("[solver]", &format!("{own}[solver]")))
+    };
+    let folder = tone(2000.0);
+    let solved: serde_json::Value =
+        serde_json::from_str(&succeed(folder.path(), &["solve", "a.toml", "--json"])).unwrap();
+    let heard = &solved["heard"];
+    assert_eq!(heard["frequencies"], serde_json::json!([2000.0, 4000.0]));
+    assert!((heard["distortion"].as_f64().unwrap() - 1.0 / 3.0).abs() < 1e-9, "{heard}");
+    // 97.025 dB of a full sine (numpy), whose line is d(1 - d/2) = 1/2 of the square; here 3/8.
+    let expected = 97.025 + 20.0 * 0.75f64.log10();
+    assert!((heard["levels"][0].as_f64().unwrap() - expected).abs() < 0.02, "{heard}");
+    let said = succeed(folder.path(), &["solve", "a.toml"]);
+    assert!(said.contains("heard at 1 m") && said.contains("33.33 % distortion"), "{said}");
+    let error = refuse(tone(30e3).path(), &["solve", "a.toml"]);
+    let part = "a.toml:6: target[1].modulation.frequency = 30000.0: must be a number from 1 to 20000 Hz: half of the carrier";
+    assert!(error.contains(part), "{error}");
+}
+
+#[test]
+fn targets_with_own_modulations_are_played_by_boards_with_amplitudes_only() {
+    let own = |x: f64, frequency: f64| {
+        format!(
+            "[[target]]\nat = [{x:?}, 0, 0.12]\n[target.modulation]\nshape = \"sine\"\nfrequency = {frequency:?}\n"
+        )
+    };
+    let folder = folder_with(&format!("format = 1\n{}{}", own(-0.025, 200.0), own(0.025, 160.0)));
+    let said = succeed(folder.path(), &["solve", "a.toml", "--motion", "--csv", "frames.csv"]);
+    assert!(said.contains("40 cycles/s of 100 frames"), "{said}");
+    let frames = fs::read_to_string(folder.path().join("frames.csv")).unwrap();
+    assert!(frames.lines().count() == 101 && frames.lines().next().unwrap().contains("amplitude_255"));
+    for quantity in ["rms", "felt", "skin"] {
+        succeed(folder.path(), &["render", "a.toml", "-o", "a.png", "--size", "32", "--quantity", quantity]);
+    }
+    let error = refuse(folder.path(), &["send", "a.toml", "--port", "none", "--profile", "sonicsurface"]);
+    assert!(error.contains("sonicsurface has no amplitude control"), "{error}");
+}
+
+#[test]
 fn a_moving_focus_is_probed_frame_by_frame() {
     let scene = format!("{SCENE}[motion]\npath = \"circle\"\nsize = 0.03\nrate = 5\nframes = 8\n");
     let folder = folder_with(&scene);

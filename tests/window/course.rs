@@ -115,11 +115,11 @@ fn a_waveform_is_chosen_from_a_file() {
     let before = scene(&screen).modulation.shape;
     pick(&mut screen, "Amplitude modulation", "file");
     let editor = screen.state().editor();
-    assert!(matches!(editor.dialog, Some(Dialog::Path { purpose: Purpose::Waveform, .. })));
+    assert!(matches!(editor.dialog, Some(Dialog::Path { purpose: Purpose::Waveform(None), .. })));
     assert_eq!(scene(&screen).modulation.shape, before, "unchanged until a file is chosen");
     let path = folder.path().join("buzz.wav");
     std::fs::write(&path, "no sound").unwrap();
-    answer(&mut screen, Purpose::Waveform, &path);
+    answer(&mut screen, Purpose::Waveform(None), &path);
     rest(&mut screen);
     assert!(
         matches!(&screen.state().editor().dialog, Some(Dialog::Message { text, .. }) if text.contains("no WAV file"))
@@ -132,7 +132,7 @@ fn a_waveform_is_chosen_from_a_file() {
     std::fs::write(&path, bytes).unwrap();
     rest(&mut screen);
     pick(&mut screen, "Amplitude modulation", "file");
-    answer(&mut screen, Purpose::Waveform, &path);
+    answer(&mut screen, Purpose::Waveform(None), &path);
     rest(&mut screen);
     let modulation = &scene(&screen).modulation;
     assert_eq!((modulation.shape, modulation.file.as_str()), (Envelope::File, path.to_str().unwrap()));

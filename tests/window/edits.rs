@@ -243,6 +243,38 @@ fn a_target_gets_its_own_motion_without_a_new_solution_at_rest() {
 }
 
 #[test]
+fn a_target_gets_its_own_modulation_and_the_window_plays_the_frames() {
+    let mut screen = open_with(&[point(-0.02), point(0.02)]);
+    let solution = screen.state().shown().solution.clone().unwrap();
+    screen.get_by_label("Own modulation").click();
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets[0].modulation, Some(scene(&screen).modulation.clone()));
+    pick(&mut screen, "Amplitude modulation", "sine");
+    type_in(&mut screen, "Frequency", "2000");
+    type_in(&mut screen, "Modulation depth", "60");
+    let own = scene(&screen).targets[0].modulation.clone().unwrap();
+    assert_eq!((own.shape, own.frequency, own.depth), (Envelope::Sine, 2000.0, 0.6));
+    screen.get_by_label("Motion").click();
+    rest(&mut screen);
+    assert!(screen.query_by_label_contains("1 target has its own modulation").is_some());
+    assert!(screen.query_by_label_contains("Heard at 1 m").is_some());
+    let round = screen.state().shown().round.clone().unwrap();
+    assert!(round.frames.len() == 20, "{}", round.frames.len());
+    let least = |index: usize| {
+        let all = round.frames.iter().map(|frame| frame.pressures[index].norm());
+        let most = all.clone().fold(0.0, f64::max);
+        all.fold(f64::INFINITY, f64::min) / most
+    };
+    assert!((least(0) - 0.4).abs() < 0.05 && (least(1) - 1.0).abs() < 1e-3, "{} {}", least(0), least(1));
+    assert!(std::sync::Arc::ptr_eq(&solution, screen.state().shown().solution.as_ref().unwrap()));
+    screen.get_by_label("Scene").click();
+    rest(&mut screen);
+    screen.get_by_label("Own modulation").click();
+    rest(&mut screen);
+    assert_eq!(scene(&screen).targets[0].modulation, None);
+}
+
+#[test]
 fn a_focus_dragged_upwards_in_an_upright_plane_follows_the_pointer() {
     let mut screen = open_with(&[point(0.0)]);
     for (cut, across) in [("XZ", 12.0), ("YZ", -8.0)] {

@@ -428,7 +428,7 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
         Purpose::Elements
         | Purpose::Wiring
         | Purpose::Import
-        | Purpose::Waveform
+        | Purpose::Waveform(_)
         | Purpose::Thresholds
         | Purpose::Directivity => "Read",
         Purpose::SaveAs | Purpose::Export(_) => "Save",

@@ -139,7 +139,7 @@ fn compare(more: &str, button: &str) {
             "format = 1\n[[target]]\nat = [0.01, 0.02, 0.1]\n[array]\ncolumns = {columns}\nrows = {rows}\n{more}"
         );
         let scene = file::parse(&text, Path::new("scene.toml")).unwrap();
-        if envelope::playable(profile, &scene.modulation).is_err() {
+        if envelope::plays(profile, &scene).is_err() {
             continue;
         }
         let path = folder.path().join(format!("{}.toml", profile.name()));

@@ -14,11 +14,9 @@ use rayon::prelude::*;
 use sonoglyph_fourier::coefficients;
 
 use crate::acoustics::response::{Resonator, frames_per_second};
-use crate::scene::modulation::{Envelope, Law, Modulation, SpectralLine};
+use crate::scene::modulation::{Envelope, LONGEST, Law, Modulation, SpectralLine, common};
 use crate::scene::{Drive, Scene};
 
-/// Limit of the common period, s.
-const LONGEST: f64 = 10.0;
 /// Time steps of a frame.
 const STEPS_PER_FRAME: f64 = 4.0;
 /// Lines closer than this count as one, Hz.
@@ -35,6 +33,8 @@ const MOST_PRODUCTS: f64 = 3e7;
 const FADED: f64 = 40.0;
 /// Longest step of a response, in parts of its pole's modulus.
 const STEP: f64 = 0.5;
+/// The same of tones, in parts of the fastest period: an eighth.
+const TONES: f64 = 4.0;
 /// Nodes and weights of Gauss' quadrature on [0, 1]; exact to 1e-12 over such a step.
 const NODES: [[f64; 2]; 6] = [
     [0.033_765_242_898_423_99, 0.085_662_246_189_585_17],
@@ -91,7 +91,7 @@ impl Course {
     pub fn new(scene: &Scene, frames: usize) -> Self {
         assert!(frames > 0, "something is played");
         let rate = if frames == 1 { 0.0 } else { frames_per_second(scene) };
-        let modulation = scene.modulation.clone();
+        let modulation = scene.envelope().clone();
         Self { modulation, frames, rate, is_held: true, response: Resonator::new(scene) }
     }
 
@@ -370,7 +370,12 @@ impl Slow<'_> {
         if self.time < start {
             (self.time, self.value) = (start, Complex64::ZERO);
         }
-        let longest = STEP / pole.norm();
+        // Tones have no events, and a step no more than a part of their period.
+        let fastest = match self.course.modulation.shape {
+            Envelope::Tones => self.course.modulation.fastest(),
+            Envelope::Off | Envelope::Sine | Envelope::Square | Envelope::File => 0.0,
+        };
+        let longest = STEP / pole.norm().max(TONES * fastest);
         let events = self.course.events();
         while self.time < time {
             /// Part of the distance of events: times are rounded.
@@ -521,17 +526,4 @@ fn lines(mut terms: Vec<Term>) -> Vec<SpectralLine> {
     let lines: Vec<_> = sums.map(line).collect();
     let mean = lines.first().filter(|line| line.frequency == 0.0).map_or(0.0, |line| line.amplitude);
     lines.into_iter().filter(|line| line.frequency == 0.0 || line.amplitude > LEAST * mean).collect()
-}
-
-/// The shortest common multiple of two periods (s).
-fn common(a: f64, b: f64) -> Option<f64> {
-    /// Relative.
-    const APART: f64 = 1e-9;
-    let (long, short) = (a.max(b), a.min(b));
-    let is_whole = |count: &f64| {
-        let times = count * long / short;
-        (times - times.round()).abs() < APART * times
-    };
-    let most = (LONGEST / long).floor().max(1.0) as u32;
-    (1..=most).map(f64::from).find(is_whole).map(|count| count * long)
 }

@@ -42,7 +42,7 @@ const TURNS: f64 = 1000.0;
 /// Weights of predecessors below this are left out.
 const LEAST: f64 = 1e-10;
 /// Limits of the samples of an envelope's period.
-const SAMPLES: [usize; 2] = [1 << 12, 1 << 18];
+const SAMPLES: [usize; 2] = [1 << 12, 1 << 20];
 /// Longest span (s) for which an envelope without a short period is sampled.
 const LONGEST: f64 = 10.0;
 /// Lines closer than this (Hz), or than this part of their frequency, count as one: λ changes over 1/(2πτ).
@@ -248,7 +248,7 @@ impl Weights {
         let resonator = Resonator::new(scene)?;
         let span = frames_per_second(scene).recip();
         let steady = resonator.decay(span, 0.0);
-        let envelope = if is_slow { powers(&scene.modulation) } else { vec![[0.0, 1.0]] };
+        let envelope = if is_slow { powers(scene.envelope()) } else { vec![[0.0, 1.0]] };
         let decays: Vec<_> =
             envelope.into_iter().map(|[line, power]| (resonator.decay(span, line), power)).collect();
         let harmonic = |k: usize| {

@@ -7,7 +7,7 @@ use glam::DVec3;
 use crate::scene::array::{Array, ElementModel, Spread};
 use crate::scene::content::{Listener, Scene};
 use crate::scene::modulation::{Envelope, Modulation};
-use crate::scene::modulation::{FREQUENCIES, MOST_TONES};
+use crate::scene::modulation::{MOST_TONES, frequencies};
 use crate::scene::motion::{Keyframe, Motion, MotionPath, Tempo};
 use crate::scene::range::{Key, KeyError, count, direction, finite, length, point, refuse, within};
 use crate::scene::response::Response;
@@ -68,7 +68,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
         return refuse("target", message);
     }
     for (index, target) in scene.targets.iter().enumerate() {
-        self::target(target, scene.solver.pressures)
+        self::target(target, scene.solver.pressures, scene.array.frequency)
             .map_err(|e| e.under(&["target".into(), index.into()]))?;
     }
     if scene.quiet.len() > MOST_ZONES {
@@ -86,7 +86,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     scene.bead.check().map_err(|e| e.under(&["bead".into()]))?;
     scene.skin.as_ref().map_or(Ok(()), Skin::check).map_err(|e| e.under(&["skin".into()]))?;
     space::check(scene)?;
-    modulation(&scene.modulation).map_err(|e| e.under(&["modulation".into()]))?;
+    modulation(&scene.modulation, scene.array.frequency).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
     let audible = |it| listener(it, &front).map_err(|e| e.under(&["listener".into()]));
     scene.listener.as_ref().map_or(Ok(()), audible)
@@ -200,7 +200,7 @@ fn disk(scene: &Scene) -> Result<(), KeyError> {
     refuse("element_radius", message)
 }
 
-fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
+fn target(target: &Target, pressures: Pressures, carrier: f64) -> Result<(), KeyError> {
     shape(&target.shape)?;
     label("name", &target.name)?;
     label("group", &target.group)?;
@@ -224,6 +224,9 @@ fn target(target: &Target, pressures: Pressures) -> Result<(), KeyError> {
     direction("normal", target.normal)?;
     if let Some(own) = &target.motion {
         motion(own).and_then(|()| no_steps(own)).map_err(|e| e.under(&["motion".into()]))?;
+    }
+    if let Some(own) = &target.modulation {
+        modulation(own, carrier).map_err(|e| e.under(&["modulation".into()]))?;
     }
     match target.sampling {
         Sampling::Whole | Sampling::Continuous => Ok(()),
@@ -304,7 +307,13 @@ fn felt(scene: &Scene) -> Result<(), KeyError> {
     if scene.solver.pressures == Pressures::Pascal {
         return refuse("target", "\"felt\" finds the pressures, and pressures = \"pascal\" prescribes them");
     }
-    if scene.modulation.shape == Envelope::Off && !motion::moves(scene) {
+    if scene.has_own_envelopes() {
+        return refuse(
+            "target",
+            "\"felt\" levels targets that share one modulation: leave [target.modulation] out",
+        );
+    }
+    if scene.envelope().shape == Envelope::Off && !motion::moves(scene) {
         return refuse("target", "steady sound is not felt: give [modulation] a shape, or [motion] a path");
     }
     Ok(())
@@ -405,9 +414,11 @@ fn liquid(liquid: &Liquid) -> Result<(), KeyError> {
     length("screen", liquid.screen)
 }
 
-fn modulation(modulation: &Modulation) -> Result<(), KeyError> {
-    let frequency =
-        |frequency| within("frequency", frequency, *FREQUENCIES.start(), *FREQUENCIES.end(), "Hz");
+/// Checks a modulation of a carrier (Hz).
+fn modulation(modulation: &Modulation, carrier: f64) -> Result<(), KeyError> {
+    let unit = format!("Hz: half of the carrier, array.frequency = {carrier}");
+    let (slowest, fastest) = frequencies(carrier).into_inner();
+    let frequency = |frequency| within("frequency", frequency, slowest, fastest, &unit);
     let depth = |depth| within("depth", depth, 0.0, 1.0, "(0: none, 1: full)");
     frequency(modulation.frequency)?;
     depth(modulation.depth)?;

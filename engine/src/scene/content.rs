@@ -1,5 +1,7 @@
 //! The content of a scene file, as plain data in SI units.
 
+use std::sync::LazyLock;
+
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +21,9 @@ use crate::scene::zone::Zone;
 
 /// The format of scene files.
 pub const FORMAT: u32 = 1;
+
+/// Full amplitude all the time.
+static STEADY: LazyLock<Modulation> = LazyLock::new(Modulation::default);
 
 /// The content of a scene file.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -87,6 +92,47 @@ impl Scene {
     #[doc(hidden)]
     pub fn has_drive(&self) -> bool {
         !self.targets.is_empty() || self.drive.is_named()
+    }
+
+    /// The modulation that a target follows.
+    pub(crate) fn modulation_of<'a>(&'a self, target: &'a Target) -> &'a Modulation {
+        target.modulation.as_ref().unwrap_or(&self.modulation)
+    }
+
+    /// The modulation of all visible targets; `None` if theirs differ.
+    fn shared_modulation(&self) -> Option<&Modulation> {
+        let mut own = self.targets.iter().filter(|it| it.visible).map(|target| self.modulation_of(target));
+        let first = own.next().unwrap_or(&self.modulation);
+        own.all(|other| other.is_like(first)).then_some(first)
+    }
+
+    /// The envelope of the whole drive: that of all visible targets, or full amplitude if theirs differ: the frames then
+    /// have them.
+    #[doc(hidden)]
+    pub fn envelope(&self) -> &Modulation {
+        self.shared_modulation().unwrap_or(&STEADY)
+    }
+
+    /// Whether the envelopes of visible targets differ, so that frames have them.
+    #[doc(hidden)]
+    pub fn has_own_envelopes(&self) -> bool {
+        !self.drive.is_named() && self.shared_modulation().is_none()
+    }
+
+    /// The modulations of the scene and of its targets, each with the target's index.
+    #[doc(hidden)]
+    pub fn modulations(&self) -> impl Iterator<Item = (Option<usize>, &Modulation)> {
+        let own = self.targets.iter().enumerate();
+        let own = own.filter_map(|(index, target)| Some((Some(index), target.modulation.as_ref()?)));
+        std::iter::once((None, &self.modulation)).chain(own)
+    }
+
+    /// The same to be changed.
+    #[doc(hidden)]
+    pub fn modulations_mut(&mut self) -> impl Iterator<Item = (Option<usize>, &mut Modulation)> {
+        let own = self.targets.iter_mut().enumerate();
+        let own = own.filter_map(|(index, target)| Some((Some(index), target.modulation.as_mut()?)));
+        std::iter::once((None, &mut self.modulation)).chain(own)
     }
 
     /// Lets a method find the drive, instead of a file.

@@ -19,6 +19,8 @@ pub fn lists(text: String) -> String {
     for target in targets.into_iter().flat_map(|targets| targets.iter_mut()) {
         let own = target.get_mut("motion").and_then(Item::as_table_like_mut);
         own.into_iter().for_each(|table| write(table, KEYFRAMES));
+        let own = target.get_mut("modulation").and_then(Item::as_table_like_mut);
+        own.into_iter().for_each(|table| write(table, TONES));
     }
     document.to_string()
 }

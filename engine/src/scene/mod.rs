@@ -64,7 +64,7 @@ pub use liquid::{Light, Liquid, LiquidName};
 pub use medium::Medium;
 pub use modulation::{Envelope, Law, Modulation, SpectralLine, Tone};
 #[doc(hidden)]
-pub use modulation::{FREQUENCIES, MOST_TONES};
+pub use modulation::{MOST_TONES, frequencies};
 #[doc(hidden)]
 pub use motion::{Easing, Keyframe, Motion, MotionPath, Tempo};
 pub use pixels::{Dab, Grey, Pixels};

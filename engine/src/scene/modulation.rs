@@ -1,6 +1,7 @@
 //! Amplitude modulation: the envelope of the drive over time.
 
 use std::f64::consts::TAU;
+use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
@@ -10,8 +11,10 @@ use crate::scene::wave::Wave;
 
 /// Tones that a modulation may have.
 pub const MOST_TONES: usize = 16;
-/// Hz, of modulations.
-pub const FREQUENCIES: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
+/// Hz, of the slowest modulation.
+const SLOWEST: f64 = 1.0;
+/// Limit of a common period, s.
+pub(crate) const LONGEST: f64 = 10.0;
 /// Hz: the common frequency of tones is looked for among multiples of this.
 const GRAIN: f64 = 1e-6;
 /// Time steps of an envelope's shortest period that follow it closely.
@@ -102,6 +105,24 @@ pub enum Law {
     Power,
 }
 
+/// Frequencies (Hz) of the modulations of a carrier (Hz): beyond its half no period of the carrier follows the envelope.
+pub fn frequencies(carrier: f64) -> RangeInclusive<f64> {
+    SLOWEST..=carrier / 2.0
+}
+
+/// The shortest common multiple of two periods (s), at most 10 s unless one of them is it.
+pub(crate) fn common(a: f64, b: f64) -> Option<f64> {
+    /// Relative.
+    const APART: f64 = 1e-9;
+    let (long, short) = (a.max(b), a.min(b));
+    let is_whole = |count: &f64| {
+        let times = count * long / short;
+        (times - times.round()).abs() < APART * times
+    };
+    let most = (LONGEST / long).floor().max(1.0) as u32;
+    (1..=most).map(f64::from).find(is_whole).map(|count| count * long)
+}
+
 fn is_amplitude(law: &Law) -> bool {
     *law == Law::Amplitude
 }
@@ -187,12 +208,35 @@ impl Modulation {
     /// Rate of time steps that resolve the envelope, Hz; 0 if it is steady.
     pub fn step_rate(&self) -> f64 {
         match self.shape {
-            Envelope::Off => 0.0,
-            Envelope::Sine | Envelope::Square => STEPS_PER_PERIOD * self.frequency,
-            Envelope::Tones => {
-                STEPS_PER_PERIOD * self.tones.iter().map(|tone| tone.frequency).fold(0.0, f64::max)
+            Envelope::Off | Envelope::Sine | Envelope::Square | Envelope::Tones => {
+                STEPS_PER_PERIOD * self.fastest()
             }
             Envelope::File => self.wave.get().map_or(0.0, |samples| samples.rate),
+        }
+    }
+
+    /// Whether the envelopes are the same.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        self == other || (self.is_steady() && other.is_steady())
+    }
+
+    /// Whether the envelope is always full.
+    #[doc(hidden)]
+    pub fn is_steady(&self) -> bool {
+        match self.shape {
+            Envelope::Off => true,
+            Envelope::Sine | Envelope::Square | Envelope::File => self.depth == 0.0,
+            Envelope::Tones => self.tones.iter().all(|tone| tone.depth == 0.0),
+        }
+    }
+
+    /// The highest frequency (Hz) that the shape names; 0 of steady sound, and of a file.
+    #[doc(hidden)]
+    pub fn fastest(&self) -> f64 {
+        match self.shape {
+            Envelope::Off | Envelope::File => 0.0,
+            Envelope::Sine | Envelope::Square => self.frequency,
+            Envelope::Tones => self.tones.iter().map(|tone| tone.frequency).fold(0.0, f64::max),
         }
     }
 

@@ -37,7 +37,7 @@ fn as_written(scene: &Scene) -> Scene {
             *pixels = Pixels::default();
         }
     }
-    scene.modulation.wave = Wave::default();
+    scene.modulations_mut().for_each(|(_, modulation)| modulation.wave = Wave::default());
     if let Some(skin) = &mut scene.skin {
         skin.curve = Curve::default();
     }

@@ -5,6 +5,7 @@ use serde::ser::SerializeMap;
 use serde::{Deserialize, Serialize, Serializer};
 use strum::VariantArray;
 
+use crate::scene::modulation::Modulation;
 use crate::scene::motion::MotionTable;
 use crate::scene::range::{Key, KeyError};
 use crate::scene::shape::Kind;
@@ -45,6 +46,9 @@ pub struct Target {
     /// Its own motion, instead of the scene's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<Motion>,
+    /// Its own modulation, instead of the scene's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modulation: Option<Modulation>,
 }
 
 impl Target {
@@ -63,6 +67,7 @@ impl Target {
             name: String::new(),
             group: String::new(),
             motion: None,
+            modulation: None,
         }
     }
 
@@ -172,6 +177,7 @@ pub struct TargetTable {
     #[serde(default)]
     group: String,
     motion: Option<MotionTable>,
+    modulation: Option<Modulation>,
 }
 
 impl TargetTable {
@@ -197,6 +203,7 @@ impl TargetTable {
         target.group = std::mem::take(&mut table.group);
         let under = |e: KeyError| e.under(&["target".into(), index.into(), "motion".into()]);
         target.motion = table.motion.take().map(MotionTable::into_motion).transpose().map_err(under)?;
+        target.modulation = table.modulation.take();
         target.pressure = table.pressure.unwrap_or(target.pressure);
         if !target.shape.is_point() {
             take(&mut table.angle, &mut target.angle);

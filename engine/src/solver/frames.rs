@@ -23,6 +23,7 @@ use crate::drive::Drive;
 use crate::gauge::{Counter, Gauge};
 use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
 use crate::solver::felt::Levelling;
+use crate::solver::parts::Parts;
 use crate::solver::problem::{Excitation, Problem};
 use crate::solver::run::Played;
 use crate::solver::solution::unless_cancelled;
@@ -39,6 +40,8 @@ const KEPT: f64 = 0.96;
 const KEPT_OF_SHAPE: f64 = 0.85;
 /// The same for traps, whose stiffness also depends on their place.
 const KEPT_OF_TRAPS: f64 = 0.7;
+/// Envelopes below this count as silence.
+const SILENT: f64 = 1e-3;
 
 /// All frames of a cycle, or all drives in turn of a scene at rest.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -74,11 +77,14 @@ impl Frame {
 
     /// Standard deviation over mean of pressure/target.
     pub fn spread(&self) -> f64 {
-        if self.foci.is_empty() { 0.0 } else { statistics::spread(&self.relative().collect::<Vec<_>>()) }
+        let relative: Vec<_> = self.relative().collect();
+        if relative.is_empty() { 0.0 } else { statistics::spread(&relative) }
     }
 
+    /// Of foci that an envelope does not silence.
     fn relative(&self) -> impl Iterator<Item = f64> {
-        self.pressures.iter().zip(&self.foci).map(|(p, focus)| p.norm() / focus.target)
+        let foci = self.pressures.iter().zip(&self.foci).filter(|(_, focus)| focus.target > 0.0);
+        foci.map(|(p, focus)| p.norm() / focus.target)
     }
 }
 
@@ -153,9 +159,54 @@ fn of_frames(
         .collect();
     let frame = |(found, &turn): (Found, &Complex64)| found.into_frame(aperture, turn);
     let solved: Vec<_> = solved.into_par_iter().zip(&turns).with_min_len(64).map(frame).collect();
+    if let Some(envelopes) = motion::envelopes(scene)? {
+        return Ok(under(&envelopes, aperture, &solved, &stands));
+    }
     let repeated =
         solved.into_iter().zip(&stands).flat_map(|(frame, stand)| std::iter::repeat_n(frame, stand.len()));
     Ok(repeated.collect())
+}
+
+/// The frames of a cycle under envelopes, from one of each stand; targets are those of the moment, 0 if silent. No element exceeds full
+/// drive in any frame, and all frames are scaled alike.
+fn under(
+    envelopes: &motion::Envelopes,
+    aperture: &Aperture,
+    solved: &[Frame],
+    stands: &[&[Vec<Focus>]],
+) -> Vec<Frame> {
+    let (mut start, mut all) = (0, Vec::new());
+    for stand in stands {
+        all.push(start..start + stand.len());
+        start += stand.len();
+    }
+    let of_stand = |(frame, frames): (&Frame, &std::ops::Range<usize>)| {
+        let points: Vec<_> = frame.foci.iter().map(|focus| focus.position).collect();
+        let transfer = aperture.transfer(&points);
+        let u = frame.drive.excitation(&aperture.driven);
+        let count = envelopes.frames.first().map_or(0, Vec::len);
+        let parts = Parts::new(&transfer, &u, &envelopes.of_foci, count);
+        frames.clone().map(|index| parts.under(&envelopes.frames[index])).collect::<Vec<_>>()
+    };
+    let sums: Vec<Vec<[Vec<Complex64>; 2]>> = solved.par_iter().zip(&all).map(of_stand).collect();
+    let moduli = sums.iter().flatten().flat_map(|[u, _]| u).map(|u| u.norm());
+    let scale = moduli.fold(1.0, f64::max).recip();
+    let scaled = |values: Vec<Complex64>| values.into_iter().map(|value| value * scale).collect::<Vec<_>>();
+    let of_all =
+        sums.into_iter().zip(solved).flat_map(|(sums, frame)| sums.into_iter().map(move |sum| (sum, frame)));
+    let frame = |(([u, pressures], frame), values): (([Vec<Complex64>; 2], &Frame), &Vec<f64>)| {
+        let now = |(focus, of): (&Focus, &usize)| {
+            let part = if values[*of] < SILENT { 0.0 } else { values[*of] };
+            Focus { target: focus.target * part, ..*focus }
+        };
+        Frame {
+            foci: frame.foci.iter().zip(&envelopes.of_foci).map(now).collect(),
+            drive: Drive::of(aperture.positions.len(), &aperture.driven, &scaled(u)),
+            pressures: scaled(pressures),
+            cold: frame.cold,
+        }
+    };
+    of_all.zip(&envelopes.frames).map(frame).collect()
 }
 
 /// One of `of` frames, on any thread, under the limits of all.

@@ -32,6 +32,8 @@ pub mod levels;
 mod matrix;
 mod method;
 mod own;
+#[doc(hidden)]
+pub mod parts;
 mod problem;
 mod quality;
 mod ranges;

@@ -10,7 +10,7 @@ use sonoglyph::scene::{
     Envelope, Law, Method, Modulation, Motion, MotionPath, Scene, Shape, Target, Tempo, Tone,
 };
 use sonoglyph::scene::{SpectralLine, Wave, Waveform};
-use sonoglyph::solver::frames;
+use sonoglyph::solver::{self, frames};
 
 const BAND: f64 = 1000.0;
 
@@ -42,6 +42,93 @@ fn at(lines: &[SpectralLine], frequency: f64) -> Complex64 {
     let found = same.next().map_or(Complex64::ZERO, |line| Complex64::from_polar(line.amplitude, line.phase));
     assert!(same.next().is_none(), "one line at {frequency} Hz");
     found
+}
+
+/// Two foci under own modulations, besides one that follows the scene's.
+fn own_modulations() -> Scene {
+    let point = |x: f64, own: Option<f64>| {
+        let modulation = own.map(|frequency| Modulation { frequency, ..sine(Law::Amplitude) });
+        Target { modulation, ..Target::new(Shape::Point { at: DVec3::new(x, 0.0, 0.12) }) }
+    };
+    let targets = vec![point(-0.03, Some(200.0)), point(0.03, Some(160.0)), point(0.0, None)];
+    Scene { targets, ..Scene::default() }
+}
+
+#[test]
+fn targets_under_own_modulations_have_their_own_lines_alone() {
+    let scene = own_modulations();
+    let sequence = frames::follow(&scene).unwrap();
+    // 25 ms, 25 periods of the carrier to a frame at most.
+    assert_eq!(sequence.frames.len(), 100);
+    let loudest =
+        sequence.frames.iter().flat_map(|frame| &frame.drive.amplitudes).fold(0.0f64, |a, b| a.max(*b));
+    assert!(loudest <= 1.0 && loudest > 0.8, "{loudest}");
+    let at_rest = solver::solve(&scene).unwrap();
+    for (index, own) in [Some(200.0), Some(160.0), None].into_iter().enumerate() {
+        let of_frames: Vec<_> = sequence.frames.iter().map(|frame| frame.pressures[index]).collect();
+        let lines = spectrum(&scene, &of_frames);
+        let mean = at(&lines, 0.0).re;
+        for frequency in [160.0, 200.0, 320.0, 400.0, 40.0, 360.0] {
+            let line = at(&lines, frequency);
+            // Half of the steady square at f, 3/8 as the mean; held over a frame in its middle, so in phase.
+            match own {
+                Some(own) if own == frequency => {
+                    assert!(
+                        (line / mean - Complex64::from_polar(4.0 / 3.0, -PI / 2.0)).norm() < 0.01,
+                        "{lines:?}"
+                    );
+                }
+                Some(own) if 2.0 * own == frequency => assert!((line.norm() / mean - 1.0 / 3.0).abs() < 0.01),
+                Some(_) | None => assert!(line.norm() < 1e-4 * mean, "{index}: {frequency} Hz, {lines:?}"),
+            }
+        }
+        // Without frames that exceed full drive, each is as loud as at rest.
+        let most = of_frames.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        assert!(most > 0.75 * at_rest.pressures[index].norm(), "{index}: {most} Pa");
+    }
+}
+
+#[test]
+fn targets_of_one_modulation_have_the_drives_of_the_scenes() {
+    let mut scene = own_modulations();
+    scene.targets.iter_mut().for_each(|target| target.modulation = None);
+    let plain = frames::follow(&scene).unwrap().frames;
+    scene.targets.iter_mut().for_each(|target| target.modulation = Some(sine(Law::Power)));
+    let own = frames::follow(&scene).unwrap().frames;
+    assert!(own == plain && own.len() == 1 && *scene.envelope() == sine(Law::Power));
+}
+
+#[test]
+fn whole_targets_move_under_own_modulations() {
+    let mut scene = own_modulations();
+    let still: Vec<_> = scene.targets.iter().map(|target| target.shape.centre()).collect();
+    scene.motion =
+        Motion { path: MotionPath::Circle, tempo: Tempo::Rate(80.0), frames: 8, ..Motion::default() };
+    let sequence = frames::follow(&scene).unwrap();
+    // Two rounds of 8 frames in 25 ms, and whole periods of the carrier.
+    let count = sequence.frames.len();
+    assert!(count >= 80 && count % 16 == 0, "{count}");
+    let offset = sequence.frames[count / 4].foci[1].position - still[1];
+    assert!((offset.length() - 0.015).abs() < 1e-9 && offset.x < -0.014, "{offset}");
+    let silent = sequence.frames.iter().map(|frame| frame.pressures[0].norm()).fold(f64::INFINITY, f64::min);
+    assert!(silent < 0.05 * sequence.frames[0].pressures[2].norm(), "{silent} Pa");
+}
+
+#[test]
+fn own_modulations_that_cannot_be_frames_are_refused_with_the_reason() {
+    let refused = |change: fn(&mut Scene), part: &str| {
+        let mut scene = own_modulations();
+        change(&mut scene);
+        let error = sonoglyph::scene::motion::check(&scene).unwrap_err().to_string();
+        assert!(error.starts_with("target[1].modulation: ") && error.contains(part), "{error}");
+    };
+    refused(
+        |scene| scene.targets[0].modulation.as_mut().unwrap().frequency = 200.000_1,
+        "no common period up to 10 s",
+    );
+    refused(|scene| scene.targets[0].modulation.as_mut().unwrap().frequency = 2000.1, "1 GiB is the most");
+    refused(|scene| scene.motion.path = MotionPath::Outline, "outlines");
+    refused(|scene| scene.motion = Motion { path: MotionPath::Steps, ..Motion::default() }, "take turns");
 }
 
 #[test]

@@ -98,7 +98,7 @@ pub fn run(args: &SendArgs) -> anyhow::Result<()> {
     for share in &shares {
         Wiring::of(args.profile, &scene, *share).with_context(|| name.clone())?;
     }
-    if let Err(error) = envelope::playable(args.profile, &scene.modulation) {
+    if let Err(error) = envelope::plays(args.profile, &scene) {
         bail!("{name}: {error}");
     }
     let calibration = calibration(&args.calibrations, &scene, args.board)?;

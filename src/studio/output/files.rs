@@ -91,7 +91,7 @@ impl Files {
     /// # Errors
     /// The errors of [`Self::reads`].
     pub fn reads_files_of(&mut self, scene: &Scene) -> anyhow::Result<()> {
-        if let Some(samples) = scene.modulation.wave.get() {
+        for samples in scene.modulations().filter_map(|(_, modulation)| modulation.wave.get()) {
             self.reads(&samples.file)?;
         }
         if let Some(path) = scene.skin.as_ref().and_then(|skin| skin.curve.from.as_ref()) {

@@ -12,7 +12,7 @@ use crate::echo;
 use crate::scene::{Array, ElementModel, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
 use crate::ui::panels::form::{caption, choice, count, given, heading, remark, value};
-use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, number, target};
+use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, modulation, number, target};
 use crate::ui::parts::levitation;
 use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme, ticks};
 use crate::ui::{command::Purpose, dialog::state::Dialog};
@@ -96,7 +96,10 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
         }
         1 => {
             let index = editor.selection.first().copied().unwrap_or(0);
-            ui.push_id(("target", index), |ui| target::show(&mut editor.document.scene, index, ui));
+            ui.push_id(("target", index), |ui| {
+                target::show(&mut editor.document.scene, index, ui);
+                modulation::of_target(editor, index, ui);
+            });
         }
         count => together(editor, count, ui),
     }

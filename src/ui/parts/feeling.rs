@@ -12,8 +12,9 @@ use crate::ui::part::{Now, Part};
 
 /// The scene as a board plays it that was sent no motion.
 pub fn at_rest(scene: &Scene) -> Scene {
-    let targets = scene.targets.iter().map(|target| Target { motion: None, ..target.clone() }).collect();
-    Scene { targets, motion: Motion::default(), ..scene.clone() }
+    let at_rest = |target: &Target| Target { motion: None, modulation: None, ..target.clone() };
+    let (targets, modulation) = (scene.targets.iter().map(at_rest).collect(), scene.envelope().clone());
+    Scene { targets, modulation, motion: Motion::default(), ..scene.clone() }
 }
 
 /// The figures of the Felt page, and of what a board is to play.

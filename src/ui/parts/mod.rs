@@ -2,6 +2,7 @@
 
 mod bound;
 pub mod course;
+mod demodulation;
 pub(crate) mod feeling;
 pub mod flight;
 pub mod levitation;
@@ -20,6 +21,7 @@ use egui::Context;
 use crate::ui::part::{Background, Derived, Now};
 use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
+use crate::ui::parts::demodulation::Demodulation;
 use crate::ui::parts::feeling::Feeling;
 use crate::ui::parts::flight::Release;
 use crate::ui::parts::levitation::Levitation;
@@ -44,6 +46,7 @@ pub struct Parts {
     pub arrows: Derived<Arrows>,
     pub bound: Derived<Bound>,
     pub course: Derived<TimeCourse>,
+    pub demodulation: Derived<Demodulation>,
     pub feeling: Derived<Feeling>,
     pub flight: Derived<Release>,
     pub harmonic: Derived<Harmonic>,
@@ -59,11 +62,12 @@ pub struct Parts {
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 15] {
+    fn all(&self) -> [&dyn Background; 16] {
         let Self {
             arrows,
             bound,
             course,
+            demodulation,
             feeling,
             flight,
             harmonic,
@@ -78,16 +82,31 @@ impl Parts {
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, flight, harmonic, levitation, measuring, radiation, ranges,
-            response, survey, trade, waves, ways,
+            arrows,
+            bound,
+            course,
+            demodulation,
+            feeling,
+            flight,
+            harmonic,
+            levitation,
+            measuring,
+            radiation,
+            ranges,
+            response,
+            survey,
+            trade,
+            waves,
+            ways,
         ]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 15] {
+    fn all_mut(&mut self) -> [&mut dyn Background; 16] {
         let Self {
             arrows,
             bound,
             course,
+            demodulation,
             feeling,
             flight,
             harmonic,
@@ -102,8 +121,22 @@ impl Parts {
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, flight, harmonic, levitation, measuring, radiation, ranges,
-            response, survey, trade, waves, ways,
+            arrows,
+            bound,
+            course,
+            demodulation,
+            feeling,
+            flight,
+            harmonic,
+            levitation,
+            measuring,
+            radiation,
+            ranges,
+            response,
+            survey,
+            trade,
+            waves,
+            ways,
         ]
     }
 

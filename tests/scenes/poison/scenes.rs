@@ -4,8 +4,8 @@ use glam::{DVec2, DVec3};
 use sonoglyph::field::{Evaluator, FieldError, Quantity, Request, Stages};
 use sonoglyph::scene::check::check;
 use sonoglyph::scene::{
-    Area, ElementModel, Envelope, Keyframe, Law, Listener, Motion, MotionPath, Pressures, Sampling, Scene,
-    Shape, Target, Tempo, Tone, Wave, Waveform, Zone, font, motion, outline,
+    Area, ElementModel, Envelope, Keyframe, Law, Listener, Modulation, Motion, MotionPath, Pressures,
+    Sampling, Scene, Shape, Target, Tempo, Tone, Wave, Waveform, Zone, font, motion, outline,
 };
 use sonoglyph::solver::{self, SolveError};
 use strum::VariantArray;
@@ -91,6 +91,8 @@ const NUMBERS: &[(&str, Put<f64>)] = &[
     ("modulation.tones[1].frequency", |s, x| tone(s, Tone { frequency: x, ..Tone::default() })),
     ("modulation.tones[1].depth", |s, x| tone(s, Tone { depth: x, ..Tone::default() })),
     ("modulation.tones[1].phase", |s, x| tone(s, Tone { phase: x, ..Tone::default() })),
+    ("target.modulation.frequency", |s, x| own_modulation(s, x, 1.0)),
+    ("target.modulation.depth", |s, x| own_modulation(s, 20e3, x)),
     ("motion.size", |s, x| (s.motion.path, s.motion.size, s.motion.frames) = (MotionPath::Circle, x, 3)),
     ("motion.rate", |s, x| s.motion.tempo = Tempo::Rate(x)),
     ("motion.speed", |s, x| s.motion.tempo = Tempo::Speed(x)),
@@ -122,6 +124,13 @@ fn keyed(scene: &mut Scene, keyframe: Keyframe) {
 
 fn tone(scene: &mut Scene, tone: Tone) {
     (scene.modulation.shape, scene.modulation.tones) = (Envelope::Tones, vec![tone]);
+}
+
+/// A modulation of a target beside another that has none.
+fn own_modulation(scene: &mut Scene, frequency: f64, depth: f64) {
+    scene.targets.push(Target::new(Shape::Point { at: DVec3::new(-0.01, 0.0, 0.1) }));
+    let shape = Envelope::Sine;
+    scene.targets[0].modulation = Some(Modulation { shape, frequency, depth, ..Modulation::default() });
 }
 
 fn small() -> Scene {

@@ -69,7 +69,7 @@ impl Request {
             drives: drives.into(),
             quantity,
             moment: 0.0,
-            part: if is_slow && !of_skin { scene.modulation.mean_square() } else { 1.0 },
+            part: if is_slow && !of_skin { scene.envelope().mean_square() } else { 1.0 },
             liquid: scene.liquid.clone(),
             bead: scene.bead.clone(),
             spread: scene.array.spread,

@@ -1,6 +1,7 @@
 //! The common cycle of all motions of a scene, and the repetitions of each motion in it.
 
 use crate::scene::motion::course::Course;
+use crate::scene::motion::envelopes;
 use crate::scene::motion::{Motion, MotionPath};
 use crate::scene::{content::Scene, range::KeyError, target::Target};
 
@@ -16,9 +17,22 @@ pub struct Cycle<'a> {
     pub leader: usize,
 }
 
-impl Cycle<'_> {
+impl<'a> Cycle<'a> {
     pub fn frames_per_second(&self) -> f64 {
         f64::from(self.frames) * self.rate
+    }
+
+    /// Rate and frames of the motion, if anything moves.
+    pub(super) fn moving(&self) -> Option<(f64, u32)> {
+        (!self.groups.is_empty()).then_some((self.rate, self.frames))
+    }
+
+    /// As many repetitions as the envelopes of targets need for theirs; the same without a common period, which a check refuses.
+    fn under_envelopes(self, scene: &Scene) -> Self {
+        let Ok(fit) = envelopes::fit(scene, self.moving()) else { return self };
+        let again = |group: Group<'a>| Group { rounds: group.rounds * fit.rounds, ..group };
+        let groups = self.groups.into_iter().map(again).collect();
+        Self { rate: 1.0 / fit.period, frames: fit.frames, groups, leader: self.leader }
     }
 
     /// Actual repetitions per second of a group: a whole number per cycle.
@@ -47,12 +61,12 @@ impl Group<'_> {
     }
 }
 
-/// Whether a scene has more than one frame. Several drives of a file are frames if they have times or the scene moves,
+/// Whether a scene has more than one frame, also because targets have different envelopes. Several drives of a file are frames if they have times or the scene moves,
 /// and otherwise take turns; a single drive stands still.
 pub fn moves(scene: &Scene) -> bool {
     let has_path = || paths(scene).any(|path| path != MotionPath::None);
     match scene.drive.table() {
-        None => has_path(),
+        None => has_path() || scene.has_own_envelopes(),
         Some(table) => table.drives.len() > 1 && (table.rate.is_some() || has_path()),
     }
 }
@@ -77,7 +91,15 @@ fn paths(scene: &Scene) -> impl Iterator<Item = MotionPath> {
 /// The scene's own motion sets the cycle, or else the slowest of its targets'; the others are repeated a whole number
 /// of times. The drives of a file are the frames of the cycle, at their own rate if they have times. `None` for a scene
 /// at rest.
+///
+/// Where envelopes of targets differ, the cycle is the one in which they repeat, too, in frames that follow them.
 pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
+    let motion = of_motions(scene)?;
+    Some(if scene.has_own_envelopes() { motion.under_envelopes(scene) } else { motion })
+}
+
+/// The cycle without the envelopes of targets: one frame, if nothing moves.
+pub(super) fn of_motions(scene: &Scene) -> Option<Cycle<'_>> {
     if !moves(scene) {
         return None;
     }

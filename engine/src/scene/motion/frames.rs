@@ -6,6 +6,7 @@ use crate::scene::check::MOST_FOCI;
 use crate::scene::motion::Round;
 use crate::scene::motion::course::Course;
 use crate::scene::motion::cycle::{self, Cycle, Group, cycle};
+use crate::scene::motion::envelopes::{self, Envelopes};
 use crate::scene::motion::limits::{
     behind, check_group, check_memory, check_steps, check_turns, key, refuse, steps,
 };
@@ -29,12 +30,23 @@ pub fn frames(scene: &Scene) -> Result<Vec<Vec<Focus>>, KeyError> {
     Ok((0..score.frames).map(|frame| score.foci(frame)).collect())
 }
 
+/// The envelopes of all foci in the frames of a cycle; `None` if they are alike, and no frame's.
+///
+/// # Errors
+/// Invalid focal points.
+pub fn envelopes(scene: &Scene) -> Result<Option<Envelopes>, KeyError> {
+    match cycle(scene).filter(|_| scene.has_own_envelopes()) {
+        None => Ok(None),
+        Some(cycle) => envelopes::values(scene, 1.0 / cycle.rate, cycle.frames).map(Some),
+    }
+}
+
 /// Checks targets and motions together.
 ///
 /// # Errors
 /// Invalid focal points, a step without targets or a target whose step is never shown, an outline or a speed without
-/// length, too few frames for a motion repeated several times, frames that need more than 1 GiB, or a focal point
-/// that moves behind the array.
+/// length, too few frames for a motion repeated several times, different modulations of targets that cannot be frames,
+/// frames that need more than 1 GiB, or a focal point that moves behind the array.
 pub fn check(scene: &Scene) -> Result<(), KeyError> {
     Score::new(scene).map(drop)
 }
@@ -90,6 +102,7 @@ impl<'a> Score<'a> {
         let lead = cycle.as_ref().map_or(0.0, |cycle| cycle.rate * follows);
         let mut score = Self { scene, frames, ways, steps: Vec::new(), lead };
         score.steps = (0..steps(scene)).map(|step| score.parts(step)).collect::<Result<_, _>>()?;
+        envelopes::check(scene, cycle::of_motions(scene).and_then(|cycle| cycle.moving()))?;
         if let Some(cycle) = &cycle {
             score.check_size(cycle)?;
             score.check_heights(&scene.front())?;
@@ -197,8 +210,17 @@ impl<'a> Score<'a> {
             return refuse(group.target, "foci", message);
         }
         let leader = cycle.groups.get(cycle.leader).and_then(|group| group.target);
-        check_memory(self.scene, self.frames, foci)
-            .map_err(|message| KeyError::new(key(leader, "frames"), message))
+        check_memory(self.scene, self.frames, foci).map_err(|message| match self.scene.has_own_envelopes() {
+            false => KeyError::new(key(leader, "frames"), message),
+            true => KeyError::new(
+                envelopes::key(self.scene),
+                format!(
+                    "different modulations are played as frames, and repeat together after {:.4} s. {message}; frequencies \
+                     with a larger common divisor, or a shorter waveform, take fewer",
+                    1.0 / cycle.rate
+                ),
+            ),
+        })
     }
 
     fn check_heights(&self, front: &Front) -> Result<(), KeyError> {

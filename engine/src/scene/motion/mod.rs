@@ -4,6 +4,7 @@
 
 mod course;
 mod cycle;
+mod envelopes;
 mod frames;
 mod keyframes;
 mod limits;
@@ -21,6 +22,8 @@ use crate::scene::solver::is_zero;
 
 pub(crate) use cycle::has_dynamics;
 pub use cycle::{Cycle, Group, cycle, moves, runs};
+pub(crate) use envelopes::{Envelopes, shares};
+pub(crate) use frames::envelopes;
 pub use frames::{check, count, frames};
 pub use keyframes::{Easing, Keyframe, insert};
 use track::Track;

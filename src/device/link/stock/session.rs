@@ -502,9 +502,12 @@ impl Session<'_> {
                 "{name} modulates by itself, at {frequency:.1} Hz; {asked:.1} Hz were asked for"
             )),
             Modulated::Never(fastest) => Some(format!(
-                "{name} cannot be switched on and off {asked} times a second, but {fastest:.0} times at most at \
-                 {} baud: the sound is steady, and hardly felt",
-                self.baud
+                "{name} cannot be switched on and off {asked} times a second, but {fastest:.0} times at most {}: \
+                 the sound is steady, and hardly felt",
+                match stock::swap(self.profile) {
+                    Some(_) => "by a computer's timers".to_owned(),
+                    None => format!("at {} baud", self.baud),
+                }
             )),
             Modulated::FromHere(frequency) => Some(format!(
                 "{name} has no modulation: it is switched on and off {frequency} times a second from here{}{}",

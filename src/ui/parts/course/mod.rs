@@ -143,14 +143,15 @@ impl Part for TimeCourse {
 
 /// The part of a scene that times follow from.
 fn timed(scene: &Scene) -> Scene {
+    let moves = motion::moves(scene);
     let array =
         Array { response: scene.array.response, frequency: scene.array.frequency, ..Array::default() };
     Scene {
         array,
-        targets: if motion::moves(scene) { scene.targets.clone() } else { Vec::new() },
+        targets: if moves { scene.targets.clone() } else { Vec::new() },
         drive: scene.drive.clone(),
         motion: scene.motion.clone(),
-        modulation: scene.modulation.clone(),
+        modulation: if moves { scene.modulation.clone() } else { scene.envelope().clone() },
         ..Scene::default()
     }
 }
