@@ -2,14 +2,13 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
 use serde_json::{Value, json};
 
 use crate::control::counts::Tally;
 use crate::control::edit::Wish;
 use crate::device::health::{Health, State};
 use crate::echo;
-use crate::scene::motion;
+use crate::scene::{Focus, motion};
 use crate::solver::Solution;
 
 /// Targets and foci of an answer, at most.
@@ -54,9 +53,9 @@ pub struct Report {
 
 impl Report {
     /// Positions (m) and pressures (Pa, peak).
-    pub fn foci(&self) -> Vec<(DVec3, f64)> {
+    pub fn foci(&self) -> Vec<(&Focus, f64)> {
         let pairs = self.solution.iter().flat_map(|found| found.foci.iter().zip(&found.pressures));
-        pairs.map(|(focus, pressure)| (focus.position, pressure.norm())).collect()
+        pairs.map(|(focus, pressure)| (focus, pressure.norm())).collect()
     }
 
     /// Whether its wish or drive differs from an earlier report's.
@@ -87,7 +86,10 @@ impl Report {
             })
             .collect();
         let focus =
-            |(at, pressure): &(DVec3, f64)| json!({ "position": at.to_array(), "pressure": pressure });
+            |(focus, pressure): &(&Focus, f64)| {
+                let place = if focus.is_direction() { "direction" } else { "position" };
+                json!({ place: focus.position.to_array(), "pressure": pressure })
+            };
         let foci: Vec<_> = self.foci().iter().take(MOST).map(focus).collect();
         json!({ "state": {
             "change": self.generation,

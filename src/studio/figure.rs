@@ -576,7 +576,7 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
                 outlines.push(stroke.into_iter().filter_map(place).collect());
             }
         }
-        let separate = foci.iter().filter(|focus| focus.is_separate());
+        let separate = foci.iter().filter(|focus| focus.is_placed());
         rings = separate.filter_map(|focus| place(focus.position)).collect();
     }
     let range = request.quantity.declaration().range;
@@ -600,7 +600,7 @@ fn lengths(foci: &[Focus], request: &Request) -> Vec<Length> {
     let Some((x, y)) = plane.axes() else { return Vec::new() };
     let place = |point| sheet::on_plane(plane, point).map(|DVec2 { x, y }| [x, y]);
     let height = |point: DVec3| (point - plane.centre).dot(x.cross(y)).abs();
-    let shown = foci.iter().filter(|focus| focus.is_separate() && height(focus.position) < ON_PLANE);
+    let shown = foci.iter().filter(|focus| focus.is_placed() && height(focus.position) < ON_PLANE);
     let spans =
         shown.take(MOST_WIDTHS).flat_map(|focus| width::spans(aperture, drives, focus.position, [x, y]));
     spans

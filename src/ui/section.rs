@@ -483,7 +483,7 @@ impl<'a> Plot<'a> {
         let ends = self.profile.ends;
         let along = (ends[1] - ends[0]).normalize_or_zero();
         let separate =
-            self.sound.into_iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_separate());
+            self.sound.into_iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_placed());
         separate.filter_map(move |focus| {
             let from = self.map.axes.flat(focus.position) - ends[0];
             let is_near =

@@ -88,6 +88,15 @@ impl Element {
         self.transfer(DVec3::new((offset - normal * height).length(), 0.0, height))
     }
 
+    /// The far field towards a direction, a unit vector, of an element that radiates along `normal`: the limit of
+    /// r e^{jkr} P without absorption, in Pa·m.
+    pub(crate) fn far(&self, direction: DVec3, normal: DVec3) -> Complex64 {
+        if direction.dot(normal) < 0.0 {
+            return Complex64::ZERO;
+        }
+        Complex64::I * (self.strength * self.directivity(direction.cross(normal).length()))
+    }
+
     /// D = 2 J1(x)/x with x = ka sinθ.
     pub fn directivity(&self, sin: f64) -> f64 {
         match self.radiator() {

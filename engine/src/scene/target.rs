@@ -144,6 +144,7 @@ pub struct TargetTable {
     #[serde(default = "Kind::point")]
     kind: Kind,
     at: Option<DVec3>,
+    direction: Option<DVec3>,
     from: Option<DVec3>,
     to: Option<DVec3>,
     radius: Option<f64>,
@@ -198,7 +199,7 @@ impl TargetTable {
         let under = |e: KeyError| e.under(&["target".into(), index.into(), "motion".into()]);
         target.motion = table.motion.take().map(MotionTable::into_motion).transpose().map_err(under)?;
         target.pressure = table.pressure.unwrap_or(target.pressure);
-        if !target.shape.is_point() {
+        if !(target.shape.is_point() || target.shape.is_direction()) {
             take(&mut table.angle, &mut target.angle);
         }
         if !target.shape.is_whole() {
@@ -254,6 +255,7 @@ impl TargetTable {
             (_, ShapeValue::File(file)) => take(&mut self.file, file),
             (_, ShapeValue::Trap(trap)) => take(&mut self.trap, trap),
             (_, ShapeValue::Charge(charge)) => take(&mut self.charge, charge),
+            (_, ShapeValue::Direction(direction)) => take(&mut self.direction, direction),
             (_, ShapeValue::Point(_) | ShapeValue::Length(_)) => false,
         }
     }
