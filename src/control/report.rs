@@ -85,11 +85,10 @@ impl Report {
                 value
             })
             .collect();
-        let focus =
-            |(focus, pressure): &(&Focus, f64)| {
-                let place = if focus.is_direction() { "direction" } else { "position" };
-                json!({ place: focus.position.to_array(), "pressure": pressure })
-            };
+        let focus = |(focus, pressure): &(&Focus, f64)| {
+            let place = if focus.is_direction() { "direction" } else { "position" };
+            json!({ place: focus.position.to_array(), "pressure": pressure })
+        };
         let foci: Vec<_> = self.foci().iter().take(MOST).map(focus).collect();
         json!({ "state": {
             "change": self.generation,

@@ -281,6 +281,7 @@ impl Made<'_> {
                 | Plot::Space(_)
                 | Plot::Elements(_)
                 | Plot::Curve(_)
+                | Plot::Polar(_)
                 | Plot::Table(_),
             ) => None,
         }

@@ -24,6 +24,7 @@ pub mod nonlinear;
 pub mod opening;
 pub mod output;
 pub mod paintings;
+pub mod pattern;
 pub mod performance;
 pub mod player;
 pub mod posing;

@@ -39,7 +39,10 @@ pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<
 pub fn readings_of(aperture: &Aperture, drives: &[Drive], foci: &[Focus]) -> Vec<Reading> {
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
     let pressures = aperture.pressures_of(foci, &played);
-    foci.iter().zip(pressures).map(|(focus, pressure)| Reading { position: focus.position, pressure }).collect()
+    foci.iter()
+        .zip(pressures)
+        .map(|(focus, pressure)| Reading { position: focus.position, pressure })
+        .collect()
 }
 
 /// The pressures of [`readings`].

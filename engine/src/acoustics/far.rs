@@ -18,21 +18,29 @@ use crate::scene::Focus;
 
 impl Aperture {
     /// The limit of r e^{jkr} P (Pa·m, peak) towards a direction, a unit vector, per unit of drive of each driven element.
+    #[doc(hidden)]
     pub fn far_field(&self, direction: DVec3) -> Vec<Complex64> {
         let mut heard = vec![Complex64::ZERO; self.driven.len()];
         for face in &self.faces {
+            // Elements of a flat board have one normal.
+            let mut known: Option<(DVec3, Complex64)> = None;
             for column in face.among(&self.driven) {
                 let n = self.driven[column] - face.first;
                 let way = direction.dot(face.pose.world(face.layout.positions[n]));
                 let normal = face.pose.world_direction(face.layout.normal(n));
-                let turn = Complex64::from_polar(face.gain, self.element.wavenumber * way);
-                heard[column] += self.element.far(direction, normal) * turn;
+                let own = match known {
+                    Some((other, own)) if other == normal => own,
+                    Some(_) | None => self.element.far(direction, normal) * face.gain,
+                };
+                known = Some((normal, own));
+                heard[column] += own * Complex64::from_polar(1.0, self.element.wavenumber * way);
             }
         }
         heard
     }
 
     /// H for foci: a row per focus, of a direction with the far field at 1 m.
+    #[doc(hidden)]
     pub fn transfer_to(&self, foci: &[Focus]) -> Transfer {
         let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
         let mut transfer = self.transfer(&points);
@@ -48,6 +56,7 @@ impl Aperture {
     ///
     /// # Panics
     /// Other than a value per driven element and drive.
+    #[doc(hidden)]
     pub fn pressures_of(&self, foci: &[Focus], drives: &[Complex64]) -> Vec<Complex64> {
         if foci.iter().any(Focus::is_direction) {
             return self.transfer_to(foci).in_turn(drives);

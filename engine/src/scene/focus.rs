@@ -44,11 +44,13 @@ impl Focus {
     }
 
     /// Whether it is a plane wave, which has no place.
+    #[doc(hidden)]
     pub fn is_direction(&self) -> bool {
         self.part == Part::Direction
     }
 
     /// Whether it is a separate focal point with a place of its own.
+    #[doc(hidden)]
     pub fn is_placed(&self) -> bool {
         self.is_separate() && !self.is_direction()
     }

@@ -106,7 +106,10 @@ pub(crate) fn foci_of_targets(
             divisions.next();
             if !scene.hears(direction) {
                 let message = format!("no sound is radiated towards this direction: {}", front.ahead());
-                return Err(KeyError::new([Key::from("target"), Key::from(index), Key::from("direction")], message));
+                return Err(KeyError::new(
+                    [Key::from("target"), Key::from(index), Key::from("direction")],
+                    message,
+                ));
             }
             all.push(vec![Focus { position: direction, target: target.pressure, part: Part::Direction }]);
             continue;
@@ -136,7 +139,9 @@ fn directions_beside_points(
     shown: &[(usize, &Target)],
     foci: &[Vec<Focus>],
 ) -> Result<(), KeyError> {
-    let Some((index, _)) = shown.iter().find(|(_, target)| target.shape.is_direction()) else { return Ok(()) };
+    let Some((index, _)) = shown.iter().find(|(_, target)| target.shape.is_direction()) else {
+        return Ok(());
+    };
     let is_beside = |focus: &Focus| matches!(focus.part, Part::Point | Part::Direction);
     let is_plain = scene.quiet.is_empty()
         && !scene.solver.frames.are_several()

@@ -19,18 +19,55 @@ pub(super) const ARROW: f64 = 0.1;
 #[strum_discriminants(name(Kind), derive(EnumString, IntoStaticStr, VariantArray, VariantNames))]
 #[strum_discriminants(strum(serialize_all = "lowercase", const_into_str))]
 pub enum Shape {
-    Point { at: DVec3 },
-    Line { from: DVec3, to: DVec3 },
-    Circle { at: DVec3, radius: f64 },
-    Rectangle { at: DVec3, width: f64, height: f64 },
-    Triangle { at: DVec3, size: f64 },
-    Polygon { at: DVec3, radius: f64, sides: u32 },
-    Path { vertices: Vec<DVec3>, closed: bool },
-    Text { text: String, at: DVec3, height: f64 },
-    Picture { file: String, at: DVec3, width: f64, pixels: Pixels },
-    Trap { at: DVec3, trap: Trap, charge: i32 },
+    Point {
+        at: DVec3,
+    },
+    Line {
+        from: DVec3,
+        to: DVec3,
+    },
+    Circle {
+        at: DVec3,
+        radius: f64,
+    },
+    Rectangle {
+        at: DVec3,
+        width: f64,
+        height: f64,
+    },
+    Triangle {
+        at: DVec3,
+        size: f64,
+    },
+    Polygon {
+        at: DVec3,
+        radius: f64,
+        sides: u32,
+    },
+    Path {
+        vertices: Vec<DVec3>,
+        closed: bool,
+    },
+    Text {
+        text: String,
+        at: DVec3,
+        height: f64,
+    },
+    Picture {
+        file: String,
+        at: DVec3,
+        width: f64,
+        pixels: Pixels,
+    },
+    Trap {
+        at: DVec3,
+        trap: Trap,
+        charge: i32,
+    },
     /// A plane wave towards this direction, of any length.
-    Direction { direction: DVec3 },
+    Direction {
+        direction: DVec3,
+    },
 }
 
 /// A key of a shape in the scene file, and its row in the window.
@@ -170,7 +207,8 @@ impl Shape {
                 ("charge", ("Turns", ""), Charge(charge)),
             ],
             Self::Direction { direction } => {
-                let row = ("Direction", "x, y, z of the direction of a plane wave; its length does not count");
+                let row =
+                    ("Direction", "x, y, z of the direction of a plane wave; its length does not count");
                 vec![("direction", row, ShapeValue::Direction(direction))]
             }
         };
@@ -327,6 +365,7 @@ impl Shape {
     }
 
     /// The unit vector of a direction.
+    #[doc(hidden)]
     pub fn direction(&self) -> Option<DVec3> {
         let Self::Direction { direction } = *self else { return None };
         Some(unit(direction))

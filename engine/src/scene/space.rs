@@ -54,7 +54,9 @@ impl Front {
     /// Text for directions away from all boards.
     pub(crate) fn ahead(&self) -> &'static str {
         match &self.0[..] {
-            [(_, normal)] if *normal == DVec3::Z => "the array radiates towards +z, so give a positive z, and no reflector across it",
+            [(_, normal)] if *normal == DVec3::Z => {
+                "the array radiates towards +z, so give a positive z, and no reflector across it"
+            }
             _ => "it points away from every board, or behind a reflector",
         }
     }
@@ -156,7 +158,8 @@ impl Scene {
 
     /// Whether sound goes to infinity in a direction: radiated by some board, and behind no reflector.
     pub(crate) fn hears(&self, direction: DVec3) -> bool {
-        self.front().is_ahead(direction) && self.mirrors().iter().all(|mirror| mirror.normal.dot(direction) >= 0.0)
+        self.front().is_ahead(direction)
+            && self.mirrors().iter().all(|mirror| mirror.normal.dot(direction) >= 0.0)
     }
 
     /// All reflectors, the liquid's surface last.

@@ -22,6 +22,8 @@ use crate::studio::still::{Diagram, LARGEST_SIDE, Look, Moment, Size};
 const LEVELS: [f64; 2] = [-60.0, -0.1];
 /// Columns of a page, at most.
 const COLUMNS: i64 = 12;
+/// Degrees.
+const AZIMUTHS: [f64; 2] = [-360.0, 360.0];
 /// m; centres beyond are in a wrong unit.
 const FARTHEST: f64 = 100.0;
 
@@ -107,6 +109,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub figure: FigureArgs,
     #[command(flatten)]
+    pub pattern: PatternArgs,
+    #[command(flatten)]
     pub volume: VolumeArgs,
     #[command(flatten)]
     pub space: SpaceArgs,
@@ -154,6 +158,22 @@ pub struct FigureArgs {
     /// State pressures as peak amplitudes instead of RMS
     #[arg(long, requires = "figure")]
     pub peak: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Beam pattern")]
+pub struct PatternArgs {
+    /// Beam pattern: level (dB) against angle (degrees) in the far field, as FILE.csv or a figure: .png, .svg, .pdf
+    ///
+    /// The angle is that from the normal of the (first) board. Prints main lobe, widths, nulls and side lobes.
+    #[arg(long, conflicts_with_all = ["quantity", "view", "size", "data", "motion", "waves", "volume"])]
+    pub pattern: bool,
+    /// Azimuths of its cuts, in degrees from x to y [default: 0,90; for an oblique beam through it and across]
+    #[arg(long, value_name = "DEG", requires = "pattern", allow_hyphen_values = true, value_delimiter = ',', value_parser = between(AZIMUTHS, "degrees"))]
+    pub cut: Vec<f64>,
+    /// Print lobes and widths as JSON, in degrees and dB
+    #[arg(long, requires = "pattern")]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]

@@ -37,6 +37,7 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<Wish>> {
         (_, View::Shaded) if !is_surface => {
             bail!("--view shaded draws a liquid's surface: add --quantity depression")
         }
+        (Diagram::Map(_), View::Flat) if args.pattern.pattern => Some("leave out --pattern"),
         (Diagram::Map(_), View::Flat) => None,
         (Diagram::Map(_) | Diagram::Drive, View::Shaded) => Some("leave out --view shaded"),
         (Diagram::Map(_) | Diagram::Drive, View::Space) => Some("leave out --view 3d"),

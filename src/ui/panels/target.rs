@@ -130,7 +130,8 @@ fn towards(ui: &mut Ui, direction: &mut DVec3) {
     if before != (tilt, azimuth) {
         let way = DVec2::from_angle(azimuth).extend(0.0) * tilt.sin() + DVec3::Z * tilt.cos();
         // Right angles are exact.
-        *direction = DVec3::from_array(way.to_array().map(|part| if part.abs() < 1e-15 { 0.0 } else { part }));
+        *direction =
+            DVec3::from_array(way.to_array().map(|part| if part.abs() < 1e-15 { 0.0 } else { part }));
     }
 }
 
