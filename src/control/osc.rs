@@ -9,7 +9,6 @@ use crate::control::refusal::Number;
 use crate::control::report::Report;
 use crate::control::table::{self, Table};
 use crate::echo;
-use crate::scene::Focus;
 
 /// Bytes of a packet, at most.
 pub const LONGEST: usize = 16 << 10;
@@ -223,8 +222,7 @@ pub fn state(report: &Report) -> Vec<u8> {
         text(report.board.as_ref().map(|board| board.words())),
         text(report.problem.as_deref().map(echo::message)),
     ];
-    let focus = |(index, (focus, pressure)): (usize, &(&Focus, f64))| {
-        let at = focus.position;
+    let focus = |(index, (at, pressure)): (usize, &(DVec3, f64))| {
         let args = [at.x, at.y, at.z, *pressure].map(float).to_vec();
         message(&format!("focus/{}", index + 1), args)
     };

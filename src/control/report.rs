@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+use num_complex::Complex64;
 use serde_json::{Value, json};
 
 use crate::control::counts::Tally;
@@ -53,9 +55,9 @@ pub struct Report {
 
 impl Report {
     /// Positions (m) and pressures (Pa, peak).
-    pub fn foci(&self) -> Vec<(&Focus, f64)> {
+    pub fn foci(&self) -> Vec<(DVec3, f64)> {
         let pairs = self.solution.iter().flat_map(|found| found.foci.iter().zip(&found.pressures));
-        pairs.map(|(focus, pressure)| (focus, pressure.norm())).collect()
+        pairs.map(|(focus, pressure)| (focus.position, pressure.norm())).collect()
     }
 
     /// Whether its wish or drive differs from an earlier report's.
@@ -85,11 +87,12 @@ impl Report {
                 value
             })
             .collect();
-        let focus = |(focus, pressure): &(&Focus, f64)| {
+        let focus = |(focus, pressure): (&Focus, &Complex64)| {
             let place = if focus.is_direction() { "direction" } else { "position" };
-            json!({ place: focus.position.to_array(), "pressure": pressure })
+            json!({ place: focus.position.to_array(), "pressure": pressure.norm() })
         };
-        let foci: Vec<_> = self.foci().iter().take(MOST).map(focus).collect();
+        let pairs = self.solution.iter().flat_map(|found| found.foci.iter().zip(&found.pressures));
+        let foci: Vec<_> = pairs.take(MOST).map(focus).collect();
         json!({ "state": {
             "change": self.generation,
             "targets": targets,
