@@ -27,8 +27,8 @@ use crate::studio::width::root;
 pub const ANGLES: usize = 1801;
 /// dB: lower levels are numerical noise.
 pub const LOWEST: f64 = -300.0;
-/// dB: lower maxima are no lobes.
-const FAINTEST: f64 = -150.0;
+/// Of the largest power: smaller differences are rounding.
+const NOISE: f64 = 1e-13;
 /// dB: the lowest level of a chart.
 const FLOOR: f64 = -40.0;
 /// rad: a beam nearer to a plane is in it.
@@ -230,9 +230,34 @@ impl Sampled {
         (angle, beam.power(self.azimuth, angle))
     }
 
-    fn is_maximum(&self, index: usize) -> bool {
-        let (own, last) = (self.powers[index], self.powers.len() - 1);
-        (index == 0 || own > self.powers[index - 1]) && (index == last || own >= self.powers[index + 1])
+    /// The first minimum beside a sample on one side, after which the power rises by more than rounding does.
+    fn minimum(&self, from: usize, step: isize, noise: f64) -> Option<usize> {
+        let (mut lowest, mut index) = (from, from);
+        while let Some(next) = index.checked_add_signed(step).filter(|next| *next < self.powers.len()) {
+            index = next;
+            if self.powers[index] < self.powers[lowest] {
+                lowest = index;
+            } else if self.powers[index] > self.powers[lowest] + noise {
+                return Some(lowest);
+            }
+        }
+        None
+    }
+
+    /// Whether the power falls from a sample to both sides by more than rounding does before it rises above it.
+    fn is_maximum(&self, index: usize, noise: f64) -> bool {
+        let own = self.powers[index];
+        let falls = |others: &mut dyn Iterator<Item = &f64>| {
+            let mut others = others.peekable();
+            let is_edge = others.peek().is_none();
+            let decided = others.find(|&&power| power > own || power < own - noise);
+            is_edge || decided.is_some_and(|&power| power < own)
+        };
+        // Of equal neighbours the first counts.
+        let is_first = index == 0 || self.powers[index - 1] < own;
+        is_first
+            && falls(&mut self.powers[..index].iter().rev())
+            && falls(&mut self.powers[index + 1..].iter())
     }
 
     /// The cut with levels relative to a power.
@@ -246,16 +271,7 @@ impl Sampled {
             return Cut { azimuth, levels: vec![LOWEST; ANGLES], main: None, side_lobes: Vec::new() };
         }
         let (angle, power) = self.extremum(beam, top);
-        let side = |step: isize| {
-            let mut index = top;
-            while let Some(next) = index.checked_add_signed(step).filter(|next| *next < self.powers.len()) {
-                if self.powers[next] > self.powers[index] {
-                    return Some(index);
-                }
-                index = next;
-            }
-            None
-        };
+        let noise = NOISE * full;
         let width = |part: f64| {
             let end = |step: isize| {
                 let mut before = (angle, power - part * power);
@@ -276,13 +292,12 @@ impl Sampled {
             top: extremum((angle, power)),
             half_power: width(0.5),
             half_pressure: width(0.25),
-            nulls: [-1, 1].map(|step| side(step).map(|index| extremum(self.extremum(beam, index)))),
+            nulls: [-1, 1]
+                .map(|step| self.minimum(top, step, noise).map(|index| extremum(self.extremum(beam, index)))),
         };
         let others: Vec<_> =
-            (0..self.powers.len()).filter(|&index| index != top && self.is_maximum(index)).collect();
-        let side_lobes: Vec<_> =
-            others.into_par_iter().map(|index| extremum(self.extremum(beam, index))).collect();
-        let side_lobes = side_lobes.into_iter().filter(|lobe| lobe.level > FAINTEST).collect();
+            (0..self.powers.len()).filter(|&index| index != top && self.is_maximum(index, noise)).collect();
+        let side_lobes = others.into_par_iter().map(|index| extremum(self.extremum(beam, index))).collect();
         Cut { azimuth, levels, main: Some(main), side_lobes }
     }
 
@@ -290,7 +305,7 @@ impl Sampled {
         let most = self.powers.iter().copied().fold(0.0, f64::max);
         // Of equal ones that nearest to the normal; rounding makes none louder.
         let middle = self.powers.len() / 2;
-        let is_loudest = |index: &usize| self.powers[*index] >= most * (1.0 - 1e-12);
+        let is_loudest = |index: &usize| self.powers[*index] >= most * (1.0 - 1e-9);
         (0..self.powers.len()).filter(is_loudest).min_by_key(|index| index.abs_diff(middle)).unwrap_or(middle)
     }
 }
@@ -414,7 +429,10 @@ impl Cut {
         let nulls: Vec<_> = main.nulls.iter().flatten().map(null).collect();
         let lobe = self.highest_side_lobe().map_or_else(
             || "-".to_owned(),
-            |lobe| format!("{} at {}", decibels(lobe.level - main.top.level), degrees(lobe.angle)),
+            |lobe| {
+                let level = decibels(lobe.level - main.top.level);
+                format!("{level} from the main lobe, at {}", degrees(lobe.angle))
+            },
         );
         vec![
             ("main lobe", format!("{} at {}", decibels(main.top.level), degrees(main.top.angle))),

@@ -12,7 +12,7 @@ const SPOKES: i32 = 30;
 /// mm: space around the half circle for numbers.
 const BESIDE: f64 = 5.5;
 const ABOVE: f64 = NUMBER + GAP;
-const BELOW: f64 = NUMBER + 2.0 * GAP;
+const BELOW: f64 = NUMBER + 2.5 * GAP;
 
 /// Levels against angles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -53,7 +53,7 @@ impl Polar {
             // The levels are on the right half of the base line.
             let [x, y] = at(90.0, part(level));
             let text = if ring == 0 { "0 dB".to_owned() } else { format!("−{}", RINGS * f64::from(ring)) };
-            pen.number([x, y + GAP + NUMBER * CAPITAL], Anchor::Middle, BLACK, &text);
+            pen.number([x, y + 1.8 * GAP + NUMBER * CAPITAL], Anchor::Middle, BLACK, &text);
         }
         for degrees in (-90..=90).step_by(SPOKES as usize) {
             let degrees = f64::from(degrees);
