@@ -44,6 +44,7 @@ pub mod stimulus;
 pub mod swell;
 pub mod thresholds;
 pub mod trade;
+pub mod vectors;
 #[cfg_attr(target_arch = "wasm32", path = "no_video.rs")]
 pub mod video;
 #[cfg(not(target_arch = "wasm32"))]

@@ -146,6 +146,9 @@ pub struct FigureArgs {
     /// Draw the -6 dB widths of separate foci along both axes
     #[arg(long, requires = "figure")]
     pub widths: bool,
+    /// Draw the vector behind velocity, speed, intensity, gorkov or force in the plane: a longer arrow is stronger
+    #[arg(long, requires = "figure")]
+    pub arrows: bool,
     /// Draw a scale bar on the map
     #[arg(long, requires = "figure")]
     pub scale_bar: bool,

@@ -49,6 +49,7 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<Wish>> {
         (!figure.contours.is_empty(), "--contours"),
         (figure.targets, "--targets"),
         (figure.widths, "--widths"),
+        (figure.arrows, "--arrows"),
         (figure.light && args.view != View::Space, "--light"),
         (figure.scale_bar && args.view != View::Shaded, "--scale-bar"),
         (args.data.is_some() && args.view != View::Shaded, "--data"),
@@ -74,6 +75,7 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<Wish>> {
         has_scale_bar: figure.scale_bar,
         has_targets: figure.targets,
         has_widths: figure.widths,
+        has_arrows: figure.arrows,
         ..Wish::default()
     };
     Ok(Some(wish))

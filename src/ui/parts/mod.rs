@@ -1,5 +1,6 @@
 //! The parts of the window, a folder or a file each.
 
+pub mod arrows;
 mod bound;
 pub mod course;
 pub(crate) mod feeling;
@@ -18,12 +19,12 @@ mod ways;
 use egui::Context;
 
 use crate::ui::part::{Background, Derived, Now};
+use crate::ui::parts::arrows::Arrows;
 use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
 use crate::ui::parts::feeling::Feeling;
 use crate::ui::parts::flight::Release;
 use crate::ui::parts::levitation::Levitation;
-use crate::ui::parts::levitation::arrows::Arrows;
 use crate::ui::parts::measuring::Measuring;
 use crate::ui::parts::nonlinear::Harmonic;
 use crate::ui::parts::radiation::Radiation;
