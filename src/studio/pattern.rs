@@ -30,7 +30,7 @@ pub const LOWEST: f64 = -300.0;
 /// Of the largest power: smaller differences are rounding.
 const NOISE: f64 = 1e-13;
 /// dB: the lowest level of a chart.
-const FLOOR: f64 = -40.0;
+pub const FLOOR: f64 = -40.0;
 /// rad: a beam nearer to a plane is in it.
 const IN_PLANE: f64 = 1e-3;
 /// rad, of roots.

@@ -65,3 +65,48 @@ impl Aperture {
         self.pressures(&points, drives)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Array, Board, ElementModel, Medium, Reflector, Scene};
+
+    #[test]
+    fn a_direction_is_a_point_far_away() {
+        /// m
+        const FAR: f64 = 1e4;
+        let array = Array { rows: 3, columns: 4, ..Array::default() };
+        let medium = Medium { absorption: Some(0.0), ..Medium::default() };
+        let tilted =
+            Board { at: DVec3::new(0.1, 0.0, 0.02), normal: DVec3::new(-0.5, 0.2, 1.0), ..Board::default() };
+        let floor = Reflector { point: DVec3::NEG_Z * 0.3, normal: DVec3::Z, ..Reflector::default() };
+        let scenes = [(vec![], vec![]), (vec![Board::default(), tilted], vec![floor])];
+        for (boards, reflectors) in scenes {
+            for element in [ElementModel::Point, ElementModel::Piston, ElementModel::ExactPiston] {
+                let array = Array { element, ..array.clone() };
+                let scene = Scene {
+                    array,
+                    medium: medium.clone(),
+                    boards: boards.clone(),
+                    reflectors: reflectors.clone(),
+                    ..Scene::default()
+                };
+                let aperture = Aperture::new(&scene);
+                for way in [DVec3::Z, DVec3::new(0.3, -0.2, 1.0), DVec3::new(-0.9, 0.4, 0.2)] {
+                    let way = way.normalize();
+                    let there = aperture.transfer(&[way * FAR]);
+                    let turn = Complex64::from_polar(FAR, aperture.element.wavenumber * FAR);
+                    for (heard, far) in there.row(0).zip(aperture.far_field(way)) {
+                        let off = (heard * turn - far).norm();
+                        // The front is curved by k x²/2r, and 1e7 turns round in f64.
+                        assert!(
+                            off < 2e-3 * aperture.element.strength,
+                            "{element:?} {way}: {}, not {far}",
+                            heard * turn
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

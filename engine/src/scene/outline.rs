@@ -376,6 +376,7 @@ mod tests {
     use glam::dvec2;
 
     use super::*;
+    use crate::scene::motion::{self, Motion, MotionPath};
 
     fn sampled(shape: Shape, sampling: Sampling) -> Vec<DVec3> {
         points(&Target { sampling, ..Target::new(shape) }).unwrap()
@@ -493,5 +494,37 @@ mod tests {
             ..Target::new(Shape::Rectangle { at: AT, width: 0.04, height: 0.02 })
         };
         assert!(points(&target).unwrap_err().message.contains("need 4"));
+    }
+
+    #[test]
+    fn directions_are_unit_vectors_beside_separate_foci() {
+        let way = |x: f64, z: f64| Target::new(Shape::Direction { direction: DVec3::new(x, 0.0, z) });
+        let point = Target::new(Shape::Point { at: AT });
+        let ring = Target::new(Shape::Circle { at: AT, radius: 0.02 });
+        let of = |targets: &[&Target]| {
+            foci(&Scene { targets: targets.iter().map(|it| (*it).clone()).collect(), ..Scene::default() })
+        };
+        let found = of(&[&way(3.0, 4.0), &point]).unwrap();
+        assert_eq!(found[0].position, DVec3::new(0.6, 0.0, 0.8));
+        assert_eq!((found[0].part, found[1].part), (Part::Direction, Part::Point));
+        for (targets, why) in [
+            (vec![&way(0.3, -1.0)], "no sound is radiated towards this direction"),
+            (vec![&way(1.0, 0.0)], "no sound is radiated towards this direction"),
+            (vec![&ring, &way(0.0, 1.0)], "directions combine only with points"),
+        ] {
+            let error = of(&targets).unwrap_err();
+            assert!(error.message.contains(why), "{}", error.message);
+        }
+        let moving = Scene {
+            targets: vec![way(0.0, 1.0)],
+            motion: Motion { path: MotionPath::Circle, ..Motion::default() },
+            ..Scene::default()
+        };
+        let error = motion::check(&moving).unwrap_err();
+        assert!(
+            error.message.contains("a direction has no place that a path could move"),
+            "{}",
+            error.message
+        );
     }
 }

@@ -72,7 +72,7 @@ pub struct RenderArgs {
     pub colours: ColourMap,
     /// Also write the values: NPY, float32, (H, W), row 0 at the smallest y
     ///
-    /// Pressure in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s, potential in
+    /// Pressure in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity and speed in m/s, potential in
     /// J, force in N, skin in m, felt in dB over threshold. For --waves the shape is (frames, H, W), and FILE.times.npy has the times (s) of the frames. For
     /// `drive` it is (2, rows, columns): phase in rad, and the solver's amplitude before it is made uniform.
     #[arg(long, value_name = "FILE.npy")]

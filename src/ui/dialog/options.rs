@@ -40,6 +40,10 @@ pub enum Piece {
     Phases,
     #[strum(serialize = "Amplitudes")]
     Amplitudes,
+    #[strum(serialize = "Beam pattern")]
+    Pattern,
+    #[strum(serialize = "Beam pattern, polar")]
+    Polar,
     #[strum(serialize = "Methods table")]
     Methods,
 }

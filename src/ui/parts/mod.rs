@@ -1,6 +1,7 @@
 //! The parts of the window, a folder or a file each.
 
 pub mod arrows;
+pub mod beam;
 mod bound;
 pub mod course;
 pub(crate) mod feeling;
@@ -20,6 +21,7 @@ use egui::Context;
 
 use crate::ui::part::{Background, Derived, Now};
 use crate::ui::parts::arrows::Arrows;
+use crate::ui::parts::beam::Beam;
 use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
 use crate::ui::parts::feeling::Feeling;
@@ -43,6 +45,7 @@ pub use survey::Extremes;
 #[derive(Debug, Default)]
 pub struct Parts {
     pub arrows: Derived<Arrows>,
+    pub beam: Derived<Beam>,
     pub bound: Derived<Bound>,
     pub course: Derived<TimeCourse>,
     pub feeling: Derived<Feeling>,
@@ -60,9 +63,10 @@ pub struct Parts {
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 15] {
+    fn all(&self) -> [&dyn Background; 16] {
         let Self {
             arrows,
+            beam,
             bound,
             course,
             feeling,
@@ -79,14 +83,15 @@ impl Parts {
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, flight, harmonic, levitation, measuring, radiation, ranges,
+            arrows, beam, bound, course, feeling, flight, harmonic, levitation, measuring, radiation, ranges,
             response, survey, trade, waves, ways,
         ]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 15] {
+    fn all_mut(&mut self) -> [&mut dyn Background; 16] {
         let Self {
             arrows,
+            beam,
             bound,
             course,
             feeling,
@@ -103,7 +108,7 @@ impl Parts {
             ways,
         } = self;
         [
-            arrows, bound, course, feeling, flight, harmonic, levitation, measuring, radiation, ranges,
+            arrows, beam, bound, course, feeling, flight, harmonic, levitation, measuring, radiation, ranges,
             response, survey, trade, waves, ways,
         ]
     }
