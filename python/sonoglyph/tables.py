@@ -134,6 +134,14 @@ class Point(_Target):
 
 
 @dataclass
+class Direction(_Target):
+    """A plane wave towards a direction, of any length; its pressure is that at 1 m without absorption."""
+
+    kind: ClassVar[str] = "direction"
+    direction: Vector
+
+
+@dataclass
 class Line(_Drawn):
     """A line between two points, m."""
 

@@ -284,7 +284,7 @@ def test_classes_have_the_keys_of_the_scene_file():
         kinds = {"radius", "width", "height", "sides"} if name == "quiet" else set()
         assert keys(table) == documented | kinds, name
     kinds = dict(re.findall(r"^\| `(\w+)` \| (`.*) \|$", document.split("## Quiet zones")[0], re.MULTILINE))
-    targets = [sg.Point, sg.Line, sg.Circle, sg.Rectangle, sg.Triangle, sg.Polygon, sg.Path, sg.Text, sg.Picture, sg.Trap]
+    targets = [sg.Point, sg.Line, sg.Circle, sg.Rectangle, sg.Triangle, sg.Polygon, sg.Path, sg.Text, sg.Picture, sg.Trap, sg.Direction]
     assert {target.kind for target in targets} == set(kinds)
     common = set(re.findall(r"^\| `target\.(\w+)` \|", document, re.MULTILINE)) - {"kind"}
     assert set().union(*(keys(target) for target in targets)) == common | {

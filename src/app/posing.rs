@@ -50,8 +50,7 @@ pub fn sound(scene: &Scene, levels: Option<u32>, source: &Source) -> Sound {
     let mut readings = foci.iter().zip(pressures).map(at_foci).collect();
     let is_mean = matches!(source.performance, Performance::Motion(_)) && drives.len() > 1;
     if (levels.is_some() || follows || is_mean) && drives[0].phases.len() == aperture.positions.len() {
-        let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-        readings = probe::readings(&aperture, &heard, &points);
+        readings = probe::readings_of(&aperture, &heard, foci);
     }
     let air = Air::new(&scene.medium, scene.array.frequency);
     let (bead, spread) = (scene.bead.clone(), scene.array.spread);

@@ -39,7 +39,12 @@ impl Window {
                     let subject = Subject::Space(Box::new(prospect.context("there is no 3D view yet")?));
                     panels.push(Panel { name: "3D view".to_owned(), subject });
                 }
-                Piece::Profile | Piece::Phases | Piece::Amplitudes | Piece::Methods => {
+                Piece::Profile
+                | Piece::Phases
+                | Piece::Amplitudes
+                | Piece::Pattern
+                | Piece::Polar
+                | Piece::Methods => {
                     let plot = figure::plot(piece, editor, shown);
                     let (name, plot) =
                         plot.with_context(|| format!("{}: not there yet", piece.into_str()))?;

@@ -538,14 +538,19 @@ fn foci_table(scene: &Scene, solution: &Solution) -> Table {
     foci.set_header(["focus", "x / mm", "y / mm", "z / mm", target, "pressure (peak)", "phase / rad"]);
     let separate = solution.foci.iter().zip(&solution.pressures).filter(|(focus, _)| focus.is_separate());
     for (index, (focus, pressure)) in separate.enumerate() {
-        let [x, y, z] = coordinates(focus.position);
+        // A direction is a place at infinity, with its pressure at 1 m.
+        let far = |part: f64| format!("∞ × {part:.3}");
+        let ([x, y, z], distance) = match focus.is_direction() {
+            true => (focus.position.to_array().map(far), " at 1 m"),
+            false => (coordinates(focus.position), ""),
+        };
         foci.add_row([
             (index + 1).to_string(),
             x,
             y,
             z,
             format!("{}", focus.target),
-            pascals(pressure.norm()),
+            format!("{}{distance}", pascals(pressure.norm())),
             format!("{:.3}", pressure.arg()),
         ]);
     }

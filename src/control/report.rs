@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use num_complex::Complex64;
 use serde_json::{Value, json};
 
 use crate::control::counts::Tally;
 use crate::control::edit::Wish;
 use crate::device::health::{Health, State};
 use crate::echo;
-use crate::scene::motion;
+use crate::scene::{Focus, motion};
 use crate::solver::Solution;
 
 /// Targets and foci of an answer, at most.
@@ -86,9 +87,12 @@ impl Report {
                 value
             })
             .collect();
-        let focus =
-            |(at, pressure): &(DVec3, f64)| json!({ "position": at.to_array(), "pressure": pressure });
-        let foci: Vec<_> = self.foci().iter().take(MOST).map(focus).collect();
+        let focus = |(focus, pressure): (&Focus, &Complex64)| {
+            let place = if focus.is_direction() { "direction" } else { "position" };
+            json!({ place: focus.position.to_array(), "pressure": pressure.norm() })
+        };
+        let pairs = self.solution.iter().flat_map(|found| found.foci.iter().zip(&found.pressures));
+        let foci: Vec<_> = pairs.take(MOST).map(focus).collect();
         json!({ "state": {
             "change": self.generation,
             "targets": targets,

@@ -178,7 +178,7 @@ impl<'a> Page<'a> {
             }
         }
         let most = solution.foci.iter().map(|focus| focus.target).fold(0.0, f64::max);
-        let separate = solution.foci.iter().filter(|focus| focus.is_separate());
+        let separate = solution.foci.iter().filter(|focus| focus.is_placed());
         let dots = separate.filter_map(|focus| Some((place(focus.position)?, focus.target)));
         let is_inside =
             |&([x, y], _): &([f64; 2], f64)| (left..=right).contains(&x) && (top..=bottom).contains(&y);

@@ -28,7 +28,7 @@ use crate::studio::convention::Convention;
 use crate::studio::evaluator::or_by_cpu;
 use crate::studio::scattered::Scattered;
 use crate::studio::space::Prospect;
-use crate::studio::{liquid, map, width};
+use crate::studio::{liquid, map, vectors, width};
 
 /// mm, and dots per inch, that a figure may have.
 pub const WIDTHS: [f64; 2] = [30.0, 1000.0];
@@ -74,6 +74,8 @@ pub struct Wish {
     pub has_targets: bool,
     /// The -6 dB widths of separate foci, along the axes.
     pub has_widths: bool,
+    /// Arrows of the quantity's vector.
+    pub has_arrows: bool,
 }
 
 impl Default for Wish {
@@ -97,6 +99,7 @@ impl Default for Wish {
             has_scale_bar: false,
             has_targets: false,
             has_widths: false,
+            has_arrows: false,
         }
     }
 }
@@ -281,6 +284,7 @@ impl Made<'_> {
                 | Plot::Space(_)
                 | Plot::Elements(_)
                 | Plot::Curve(_)
+                | Plot::Polar(_)
                 | Plot::Table(_),
             ) => None,
         }
@@ -553,6 +557,9 @@ fn check(quantity: Quantity, wish: &Wish) -> anyhow::Result<()> {
     if !wish.contours.is_empty() && !declaration.has_mean {
         bail!("--contours are of amounts, and {words} has none");
     }
+    if wish.has_arrows && vectors::Vector::of(quantity).is_none() {
+        bail!("--arrows: {words} has no direction; velocity, speed, intensity, gorkov and force have one");
+    }
     if wish.range.is_some() && declaration.range == Range::Cyclic {
         bail!("--range: a {words} has one range, a whole turn");
     }
@@ -576,7 +583,7 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
                 outlines.push(stroke.into_iter().filter_map(place).collect());
             }
         }
-        let separate = foci.iter().filter(|focus| focus.is_separate());
+        let separate = foci.iter().filter(|focus| focus.is_placed());
         rings = separate.filter_map(|focus| place(focus.position)).collect();
     }
     let range = request.quantity.declaration().range;
@@ -588,10 +595,22 @@ fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) ->
         remark: None,
         contours: Vec::new(),
         outlines,
+        arrows: if wish.has_arrows { arrows(request) } else { Vec::new() },
         foci: rings,
         lengths: if wish.has_widths { lengths(foci, request) } else { Vec::new() },
         is_light: wish.is_light,
     })
+}
+
+/// The arrows of the quantity's vector, mm on the axes.
+fn arrows(request: &Request) -> Vec<[[f64; 2]; 2]> {
+    let Some((x, y)) = request.plane.axes() else { return Vec::new() };
+    let place = |at: DVec2| sheet::on_plane(&request.plane, request.plane.centre + x * at.x + y * at.y);
+    let on_axes = |at: DVec2| place(at).map(|DVec2 { x, y }| [x, y]);
+    vectors::arrows(request)
+        .into_iter()
+        .filter_map(|[tail, tip]| Some([on_axes(tail)?, on_axes(tip)?]))
+        .collect()
 }
 
 /// The -6 dB widths of separate foci on the plane, mm on the axes.
@@ -600,7 +619,7 @@ fn lengths(foci: &[Focus], request: &Request) -> Vec<Length> {
     let Some((x, y)) = plane.axes() else { return Vec::new() };
     let place = |point| sheet::on_plane(plane, point).map(|DVec2 { x, y }| [x, y]);
     let height = |point: DVec3| (point - plane.centre).dot(x.cross(y)).abs();
-    let shown = foci.iter().filter(|focus| focus.is_separate() && height(focus.position) < ON_PLANE);
+    let shown = foci.iter().filter(|focus| focus.is_placed() && height(focus.position) < ON_PLANE);
     let spans =
         shown.take(MOST_WIDTHS).flat_map(|focus| width::spans(aperture, drives, focus.position, [x, y]));
     spans

@@ -121,7 +121,7 @@ fn powers() -> impl Iterator<Item = f64> {
 pub fn place(foci: &[Focus], target: Option<usize>) -> Option<DVec3> {
     let of = |focus: &Focus| match focus.part {
         Part::Trap(index) => Some(index),
-        Part::Point | Part::Stroke | Part::Area(_) => None,
+        Part::Point | Part::Stroke | Part::Area(_) | Part::Direction => None,
     };
     let Some(index) = target.or_else(|| foci.iter().find_map(of)) else {
         return foci.first().map(|focus| focus.position);

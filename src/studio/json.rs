@@ -21,8 +21,9 @@ const MOST_WIDTHS: usize = 16;
 pub fn solution(solution: &Solution, limits: Option<&Limits>) -> Value {
     let quality = &solution.quality;
     let focus = |(focus, pressure): (&Focus, &Complex64)| {
+        let place = if focus.is_direction() { "direction" } else { "position" };
         json!({
-            "position": focus.position.to_array(),
+            place: focus.position.to_array(),
             "target": focus.target,
             "pressure": pressure.norm(),
             "phase": pressure.arg(),
@@ -84,7 +85,7 @@ pub fn nonlinear(nonlinear: &Nonlinear) -> Value {
 /// foci: m, and m² for their area, null if |p| does not fall to half.
 pub fn add_widths(value: &mut Value, aperture: &Aperture, solution: &Solution) {
     let drives = solution.drives();
-    let separate = solution.foci.iter().enumerate().filter(|(_, focus)| focus.is_separate());
+    let separate = solution.foci.iter().enumerate().filter(|(_, focus)| focus.is_placed());
     let first: Vec<_> = separate.take(MOST_WIDTHS).collect();
     let widths = |&(index, focus): &(usize, &Focus)| {
         let widths = width::widths(aperture, &drives, focus.position);

@@ -26,6 +26,7 @@ pub mod nonlinear;
 pub mod opening;
 pub mod output;
 pub mod paintings;
+pub mod pattern;
 pub mod performance;
 pub mod player;
 pub mod posing;
@@ -45,6 +46,7 @@ pub mod stimulus;
 pub mod swell;
 pub mod thresholds;
 pub mod trade;
+pub mod vectors;
 #[cfg_attr(target_arch = "wasm32", path = "no_video.rs")]
 pub mod video;
 #[cfg(not(target_arch = "wasm32"))]

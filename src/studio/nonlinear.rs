@@ -76,10 +76,11 @@ impl Audible {
     }
 }
 
-/// The loudest focus, m; `None` of silent foci.
+/// The loudest focus, m; `None` of silent foci and of directions.
 pub fn loudest(solution: &Solution) -> Option<DVec3> {
     let foci = solution.foci.iter().zip(&solution.pressures);
-    let loudest = foci.max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
+    let loudest =
+        foci.filter(|(focus, _)| !focus.is_direction()).max_by(|a, b| a.1.norm().total_cmp(&b.1.norm()));
     loudest.filter(|(_, p)| p.norm() > 0.0).map(|(focus, _)| focus.position)
 }
 

@@ -12,7 +12,7 @@ use crate::field::Quantity;
 use crate::field::slope::SoundTransfer;
 use crate::field::sound::Constants;
 use crate::force::Levitation;
-use crate::scene::{Bead, Spread};
+use crate::scene::{Bead, Focus, Spread};
 
 /// Pa, RMS: 0 dB.
 const REFERENCE: f64 = 20e-6;
@@ -33,6 +33,16 @@ pub struct Reading {
 pub fn readings(aperture: &Aperture, drives: &[Drive], points: &[DVec3]) -> Vec<Reading> {
     let pressures = pressures(aperture, drives, points);
     points.iter().zip(pressures).map(|(&position, pressure)| Reading { position, pressure }).collect()
+}
+
+/// The sound of drives in turn at foci, towards directions at 1 m.
+pub fn readings_of(aperture: &Aperture, drives: &[Drive], foci: &[Focus]) -> Vec<Reading> {
+    let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
+    let pressures = aperture.pressures_of(foci, &played);
+    foci.iter()
+        .zip(pressures)
+        .map(|(focus, pressure)| Reading { position: focus.position, pressure })
+        .collect()
 }
 
 /// The pressures of [`readings`].

@@ -57,8 +57,7 @@ impl Moving {
         let missing = resonator.missing(&drives, span);
         let places = places(scene, sequence);
         let of_frame = |index: usize| {
-            let points: Vec<_> = places[index].iter().map(|focus| focus.position).collect();
-            let transfer = aperture.transfer(&points);
+            let transfer = aperture.transfer_to(&places[index]);
             let at_rest = frames[index].pressures.iter().map(|p| p.norm());
             let [steady, missing] = [&drives[index], &missing[index]].map(|u| transfer.pressure(u));
             let foci = steady.into_iter().zip(missing).zip(at_rest);

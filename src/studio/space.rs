@@ -124,7 +124,7 @@ pub fn block_of(scene: &Scene, aperture: &Aperture, foci: &[Focus]) -> Block {
     let (x, y) = scene.plane.axes().unwrap_or((DVec3::X, DVec3::Y));
     let half = (x * scene.plane.size.x).abs() / 2.0 + (y * scene.plane.size.y).abs() / 2.0;
     let (mut low, mut high) = (scene.plane.centre - half, scene.plane.centre + half);
-    for focus in foci {
+    for focus in foci.iter().filter(|focus| !focus.is_direction()) {
         (low, high) = (low.min(focus.position), high.max(focus.position));
     }
     let wavelength = aperture.wavelength();
@@ -357,7 +357,7 @@ impl Items<'_> {
                 }
             }
         }
-        for focus in foci.iter().filter(|focus| focus.is_separate()) {
+        for focus in foci.iter().filter(|focus| focus.is_placed()) {
             let dot = |radius: f64, colour: Vec4, shine: f32| Item::Dot {
                 at: focus.position,
                 radius: radius * self.look.scale,

@@ -231,7 +231,7 @@ impl<'a> Field<'a> {
 }
 
 /// A root of a function between two points with known values, to within `error`; regula falsi with the Illinois rule.
-fn root(value: impl Fn(f64) -> f64, [mut a, mut b]: [(f64, f64); 2], error: f64) -> f64 {
+pub(super) fn root(value: impl Fn(f64) -> f64, [mut a, mut b]: [(f64, f64); 2], error: f64) -> f64 {
     /// More than bisection alone would need.
     const MOST: usize = 60;
     let mut last = a.0;

@@ -272,7 +272,7 @@ fn outlines(editor: &Editor, sound: Option<&Sound>, view: &View, painter: &Paint
             painter.add(egui::Shape::line(stroke, Stroke::new(1.0, theme::line(view.is_light, 110))));
         }
     }
-    for focus in sound.iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_separate()) {
+    for focus in sound.iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_placed()) {
         let at = lens.screen(axes.flat(focus.position));
         painter.circle_stroke(at, 5.0, Stroke::new(3.0, theme::MARK_EDGE));
         painter.circle_stroke(at, 5.0, Stroke::new(1.2, theme::MARK));

@@ -28,6 +28,8 @@ pub fn available(editor: &Editor, shown: &Shown) -> Vec<Piece> {
         (Piece::Profile, is_flat && section::Profile::of(editor, shown).is_some()),
         (Piece::Phases, shown.sound.is_some()),
         (Piece::Amplitudes, shown.solution.is_some()),
+        (Piece::Pattern, editor.parts.beam.newest().is_some()),
+        (Piece::Polar, editor.parts.beam.newest().is_some()),
         (Piece::Methods, !shown.methods.is_empty()),
     ];
     all.into_iter().filter(|(_, is_there)| *is_there).map(|(piece, _)| piece).collect()
@@ -64,6 +66,11 @@ pub fn plot(piece: Piece, editor: &Editor, shown: &Shown) -> Option<(String, Plo
             let solution = shown.solution.as_ref()?;
             let elements = Elements::amplitudes(scene, &solution.excitation, &solution.drive.amplitudes);
             Some((amplitude_title(solution).to_owned(), Plot::Elements(elements)))
+        }
+        Piece::Pattern | Piece::Polar => {
+            let [curve, polar] = editor.parts.beam.newest()?.panels();
+            let (name, plot) = if piece == Piece::Polar { polar } else { curve };
+            Some((name.to_owned(), plot))
         }
         Piece::Methods => {
             let table = methods(&shown.methods, editor.view.convention);

@@ -61,6 +61,7 @@ mod tests {
             Shape::Path { vertices, closed: true },
             Shape::Path { vertices: many, closed: false },
             Shape::Text { text: "HIT".to_owned(), at: AT, height: 0.02 },
+            Shape::Direction { direction: DVec3::new(0.1, -0.2, 2.0) },
         ]
     }
 

@@ -77,7 +77,7 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, poi
 fn foci(editor: &Editor, sound: &Sound, painter: &Painter, lens: &Lens, pointer: Option<Pos2>) {
     let axes = editor.view.axes(editor.scene());
     // A stroke is drawn as its line.
-    let separate = sound.foci.iter().zip(&sound.readings).filter(|(focus, _)| focus.is_separate());
+    let separate = sound.foci.iter().zip(&sound.readings).filter(|(focus, _)| focus.is_placed());
     let most = separate.clone().map(|(focus, _)| focus.target).fold(0.0, f64::max);
     let few = separate.clone().count() <= 12;
     for (focus, reading) in separate {

@@ -367,6 +367,8 @@ impl<'a> Plot<'a> {
                 Axis { ends: self.values, label },
             ],
             points: values(&|i| profile.values[i]),
+            others: Vec::new(),
+            names: Vec::new(),
             dots: Vec::new(),
             limits: profile.band.as_ref().map(|band| [0, 1].map(|edge| values(&|i| band[i][edge]))),
             places: self.foci().map(|place| place * 1e3).collect(),
@@ -482,8 +484,7 @@ impl<'a> Plot<'a> {
     fn foci(&self) -> impl Iterator<Item = f64> {
         let ends = self.profile.ends;
         let along = (ends[1] - ends[0]).normalize_or_zero();
-        let separate =
-            self.sound.into_iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_separate());
+        let separate = self.sound.into_iter().flat_map(|sound| &sound.foci).filter(|focus| focus.is_placed());
         separate.filter_map(move |focus| {
             let from = self.map.axes.flat(focus.position) - ends[0];
             let is_near =

@@ -104,5 +104,5 @@ pub fn focus(scene: &Scene, selection: &BTreeSet<usize>, sound: Option<&Sound>) 
     let of_selection = selection.first().and_then(|&index| scene.targets.get(index));
     of_selection
         .map(|target| outline::centre(&target.shape))
-        .or_else(|| sound?.foci.first().map(|focus| focus.position))
+        .or_else(|| sound?.foci.iter().find(|focus| !focus.is_direction()).map(|focus| focus.position))
 }

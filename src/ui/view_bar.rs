@@ -7,6 +7,7 @@ use crate::field::Quantity;
 use crate::picture::relief::{self, Sight};
 use crate::scene::Channel;
 use crate::studio::convention::Convention;
+use crate::studio::vectors::Vector;
 use crate::ui::action::Action;
 use crate::ui::icon::{self, Icon};
 use crate::ui::number::{self, Look};
@@ -60,6 +61,10 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         }
         if editor.view.quantity.declaration().of_skin {
             channel(editor, ui);
+        }
+        if Vector::of(editor.view.quantity).is_some() {
+            ui.checkbox(&mut editor.parts.arrows.form.is_of_quantity, "Arrows")
+                .on_hover_text("Direction and size of the vector in this plane; longer is stronger");
         }
     });
     ui.horizontal_wrapped(|ui| {

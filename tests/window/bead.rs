@@ -87,10 +87,10 @@ fn arrows_are_the_forces_on_the_plane() {
     screen.get_by_label("Arrows on the map").click();
     rest(&mut screen);
     let arrows = screen.state().editor().parts.arrows.newest().cloned().unwrap();
-    assert!(arrows.places.len() > 100 && arrows.places.len() == arrows.forces.len());
+    assert!(arrows.places.len() > 100 && arrows.places.len() == arrows.vectors.len());
     let height = scene(&screen).plane.centre.z;
     assert!(arrows.places.iter().all(|place| (place.z - height).abs() < 1e-12));
-    assert_eq!(arrows.forces, levitation(&screen).forces_at(&arrows.places));
+    assert_eq!(arrows.vectors, levitation(&screen).vectors_at(&arrows.places));
     // They stay on other pages, and vanish with the map.
     screen.state_mut().editor_mut().panel = Panel::Solver;
     rest(&mut screen);

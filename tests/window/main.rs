@@ -4,6 +4,7 @@
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
 mod bead;
+mod beam;
 #[cfg(unix)]
 mod board;
 mod brush;

@@ -150,6 +150,25 @@ impl Element {
         self.transfer(across.extend(height))
     }
 
+    /// The far field towards a direction, a unit vector, of an element that radiates along `normal`, with its x axis along
+    /// `aside`: the limit of r e^{jkr} P without absorption, in Pa·m.
+    pub(crate) fn far(&self, direction: DVec3, normal: DVec3, aside: DVec3) -> Complex64 {
+        let height = direction.dot(normal);
+        if height < 0.0 {
+            return Complex64::ZERO;
+        }
+        let directivity = match self.radiator() {
+            Radiator::Monopole | Radiator::Piston(_) | Radiator::Disk(_) => {
+                self.directivity(direction.cross(normal).length()).into()
+            }
+            Radiator::Rectangle(_) | Radiator::Cosine(_) | Radiator::Measured => {
+                let across = DVec2::new(direction.dot(aside), direction.dot(normal.cross(aside)));
+                self.pattern(across.extend(height)).value
+            }
+        };
+        Complex64::I * self.strength * directivity
+    }
+
     /// The modulus of the directivity at an angle from the axis; of a rectangle along its width. D = 2 J1(x)/x with x = ka sinθ
     /// of a piston.
     pub fn directivity(&self, sin: f64) -> f64 {

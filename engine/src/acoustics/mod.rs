@@ -22,6 +22,7 @@ pub(crate) mod element;
 mod emitters;
 mod ensemble;
 mod face;
+mod far;
 mod gauss;
 mod jacobian;
 mod normal;

@@ -378,6 +378,21 @@ quantities! {
         is_slow: true,
         of_skin: true,
     }
+    /// RMS particle velocity in all directions, m/s: |∇P|/(√2 ρω).
+    Speed {
+        parts: ALONG | NORMAL,
+        formula: |s, c| {
+            0.5 * c.of_velocity * c.of_velocity * (s.x.norm_sqr() + s.y.norm_sqr() + s.n.norm_sqr())
+        },
+        wgsl: "0.5 * c.of_velocity * c.of_velocity * (dot(s.x, s.x) + dot(s.y, s.y) + dot(s.n, s.n))",
+        name: "speed",
+        title: "Speed",
+        words: "RMS particle velocity in all directions",
+        help: "Modulus of the RMS velocity of the air, along and across the plane",
+        unit: Unit::MetrePerSecond,
+        is_square: true,
+        is_root: true,
+    }
 }
 
 /// The mean of a formula over drives at one point, in f64.
@@ -597,6 +612,7 @@ mod tests {
             near(Quantity::Rms, 100.0 / 2f64.sqrt());
             near(Quantity::Intensity, 100.0 * 100.0 / (2.0 * impedance));
             near(Quantity::Velocity, 100.0 / 2f64.sqrt() / impedance * angle.cos());
+            near(Quantity::Speed, 100.0 / 2f64.sqrt() / impedance);
             near(Quantity::Radiation, 1e4 / (impedance * air.sound_speed) * angle.cos().powi(2));
             near(Quantity::Phase, 0.7);
             near(Quantity::Instantaneous, 100.0 * 0.7f64.cos());

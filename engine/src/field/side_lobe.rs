@@ -66,6 +66,8 @@ pub struct SideLobe {
 pub enum NoSideLobe {
     #[error("the plane meets no focus")]
     NoFocus,
+    #[error("a direction has no focus, and its side lobes are those of the beam pattern")]
+    Direction,
     #[error("the plane is too large to be searched in steps of an eighth of a wavelength")]
     TooLarge,
     #[error("the plane has no local maximum besides the foci")]
@@ -134,6 +136,9 @@ struct Outskirts<'a> {
 
 impl<'a> Outskirts<'a> {
     fn new(aperture: &'a Aperture, plane: &Plane, foci: &[Focus]) -> Result<Self, NoSideLobe> {
+        if foci.iter().any(Focus::is_direction) {
+            return Err(NoSideLobe::Direction);
+        }
         let is_rectangle = plane.size.is_finite() && plane.size.min_element() > 0.0;
         let (x_axis, y_axis) = plane.axes().filter(|_| is_rectangle).ok_or(FieldError::NoPlane)?;
         let lobes = Lobes::new(aperture, foci);

@@ -356,6 +356,7 @@ fn shape(shape: &Shape) -> Result<(), KeyError> {
                 return refuse(name, "there is no name of a picture");
             }
             ShapeValue::Charge(charge) => Trap::check(*charge)?,
+            ShapeValue::Direction(direction) => self::direction(name, *direction)?,
             ShapeValue::Letters(_) | ShapeValue::File(_) | ShapeValue::Closed(_) | ShapeValue::Trap(_) => {}
         }
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// A focal point, or a sample of a stroke or an area.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Focus {
-    /// m
+    /// m; of a direction the point at 1 m from the origin, a unit vector.
     pub position: DVec3,
     /// Target pressure: relative to the other foci, or Pa (peak), depending on [`crate::scene::Solver::pressures`].
     pub target: f64,
@@ -25,6 +25,8 @@ pub enum Part {
     Area(usize),
     /// A lobe of a trap: of the scene's target with this number.
     Trap(usize),
+    /// A plane wave: a focal point at infinity, with the pressure at 1 m without absorption.
+    Direction,
 }
 
 impl Focus {
@@ -36,9 +38,21 @@ impl Focus {
     /// Whether it is a separate focal point rather than a sample of a stroke or an area.
     pub fn is_separate(&self) -> bool {
         match self.part {
-            Part::Point | Part::Trap(_) => true,
+            Part::Point | Part::Trap(_) | Part::Direction => true,
             Part::Stroke | Part::Area(_) => false,
         }
+    }
+
+    /// Whether it is a plane wave, which has no place.
+    #[doc(hidden)]
+    pub fn is_direction(&self) -> bool {
+        self.part == Part::Direction
+    }
+
+    /// Whether it is a separate focal point with a place of its own.
+    #[doc(hidden)]
+    pub fn is_placed(&self) -> bool {
+        self.is_separate() && !self.is_direction()
     }
 
     /// Whether it is a sample of an area.

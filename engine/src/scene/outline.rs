@@ -102,6 +102,17 @@ pub(crate) fn foci_of_targets(
                 target: target.pressure,
                 part: Part::Trap(index),
             }));
+        } else if let Some(direction) = target.shape.direction() {
+            divisions.next();
+            if !scene.hears(direction) {
+                let message = format!("no sound is radiated towards this direction: {}", front.ahead());
+                return Err(KeyError::new(
+                    [Key::from("target"), Key::from(index), Key::from("direction")],
+                    message,
+                ));
+            }
+            all.push(vec![Focus { position: direction, target: target.pressure, part: Part::Direction }]);
+            continue;
         } else if let Some(division) = divisions.next() {
             let is_stroke = target.sampling == Sampling::Continuous;
             foci.extend(division.points().into_iter().map(|point| Focus {
@@ -117,15 +128,38 @@ pub(crate) fn foci_of_targets(
         }
         all.push(foci);
     }
+    directions_beside_points(scene, shown, &all)?;
     traps_beside_points(scene, &all)?;
     Ok(all)
+}
+
+/// Directions can only be combined with points and other separate foci.
+fn directions_beside_points(
+    scene: &Scene,
+    shown: &[(usize, &Target)],
+    foci: &[Vec<Focus>],
+) -> Result<(), KeyError> {
+    let Some((index, _)) = shown.iter().find(|(_, target)| target.shape.is_direction()) else {
+        return Ok(());
+    };
+    let is_beside = |focus: &Focus| matches!(focus.part, Part::Point | Part::Direction);
+    let is_plain = scene.quiet.is_empty()
+        && !scene.solver.frames.are_several()
+        && !scene.aims_at_depression()
+        && !scene.aims_at_felt();
+    if is_plain && foci.iter().flatten().all(is_beside) {
+        return Ok(());
+    }
+    let message = "directions combine only with points and separate focal points: give strokes `points` or `spacing`, and \
+                   remove areas, traps, `[[quiet]]`, `solver.frames` and `solver.target`";
+    Err(KeyError::new([Key::from("target"), Key::from(*index), Key::from("kind")], message))
 }
 
 /// Traps can only be combined with separate foci.
 fn traps_beside_points(scene: &Scene, foci: &[Vec<Focus>]) -> Result<(), KeyError> {
     let of_trap = |focus: &Focus| match focus.part {
         Part::Trap(index) => Some(index),
-        Part::Point | Part::Stroke | Part::Area(_) => None,
+        Part::Point | Part::Stroke | Part::Area(_) | Part::Direction => None,
     };
     let Some(index) = foci.iter().flatten().find_map(of_trap) else { return Ok(()) };
     let is_alone = foci.iter().flatten().all(Focus::is_separate)
@@ -178,6 +212,9 @@ pub fn centre(shape: &Shape) -> DVec3 {
 pub(crate) fn drawn(target: &Target) -> Result<Vec<Vec<Vertex>>, KeyError> {
     if target.shape.is_path() {
         return Ok(vec![stroke::path(target)]);
+    }
+    if target.shape.is_direction() {
+        return Ok(vec![vec![Vertex { at: target.shape.centre(), pressure: 1.0 }]]);
     }
     let even = |stroke: Vec<DVec3>| stroke.into_iter().map(|at| Vertex { at, pressure: 1.0 }).collect();
     Ok(strokes(target)?.into_iter().map(even).collect())
@@ -339,6 +376,7 @@ mod tests {
     use glam::dvec2;
 
     use super::*;
+    use crate::scene::motion::{self, Motion, MotionPath};
 
     fn sampled(shape: Shape, sampling: Sampling) -> Vec<DVec3> {
         points(&Target { sampling, ..Target::new(shape) }).unwrap()
@@ -456,5 +494,37 @@ mod tests {
             ..Target::new(Shape::Rectangle { at: AT, width: 0.04, height: 0.02 })
         };
         assert!(points(&target).unwrap_err().message.contains("need 4"));
+    }
+
+    #[test]
+    fn directions_are_unit_vectors_beside_separate_foci() {
+        let way = |x: f64, z: f64| Target::new(Shape::Direction { direction: DVec3::new(x, 0.0, z) });
+        let point = Target::new(Shape::Point { at: AT });
+        let ring = Target::new(Shape::Circle { at: AT, radius: 0.02 });
+        let of = |targets: &[&Target]| {
+            foci(&Scene { targets: targets.iter().map(|it| (*it).clone()).collect(), ..Scene::default() })
+        };
+        let found = of(&[&way(3.0, 4.0), &point]).unwrap();
+        assert_eq!(found[0].position, DVec3::new(0.6, 0.0, 0.8));
+        assert_eq!((found[0].part, found[1].part), (Part::Direction, Part::Point));
+        for (targets, why) in [
+            (vec![&way(0.3, -1.0)], "no sound is radiated towards this direction"),
+            (vec![&way(1.0, 0.0)], "no sound is radiated towards this direction"),
+            (vec![&ring, &way(0.0, 1.0)], "directions combine only with points"),
+        ] {
+            let error = of(&targets).unwrap_err();
+            assert!(error.message.contains(why), "{}", error.message);
+        }
+        let moving = Scene {
+            targets: vec![way(0.0, 1.0)],
+            motion: Motion { path: MotionPath::Circle, ..Motion::default() },
+            ..Scene::default()
+        };
+        let error = motion::check(&moving).unwrap_err();
+        assert!(
+            error.message.contains("a direction has no place that a path could move"),
+            "{}",
+            error.message
+        );
     }
 }

@@ -10,6 +10,8 @@ use crate::scene::{pixels::Pixels, trap::Trap};
 
 /// m; scaling and dragging stop at this size.
 pub(super) const SMALLEST: f64 = 1e-3;
+/// m: length of the arrow that stands for a direction.
+pub(super) const ARROW: f64 = 0.1;
 
 /// The outline of a target. Lengths in m. The brightness of a picture prescribes |p|²; its file is relative to the
 /// scene's folder, or absolute. The charge of a trap for a bead is the topological one of a vortex.
@@ -17,16 +19,55 @@ pub(super) const SMALLEST: f64 = 1e-3;
 #[strum_discriminants(name(Kind), derive(EnumString, IntoStaticStr, VariantArray, VariantNames))]
 #[strum_discriminants(strum(serialize_all = "lowercase", const_into_str))]
 pub enum Shape {
-    Point { at: DVec3 },
-    Line { from: DVec3, to: DVec3 },
-    Circle { at: DVec3, radius: f64 },
-    Rectangle { at: DVec3, width: f64, height: f64 },
-    Triangle { at: DVec3, size: f64 },
-    Polygon { at: DVec3, radius: f64, sides: u32 },
-    Path { vertices: Vec<DVec3>, closed: bool },
-    Text { text: String, at: DVec3, height: f64 },
-    Picture { file: String, at: DVec3, width: f64, pixels: Pixels },
-    Trap { at: DVec3, trap: Trap, charge: i32 },
+    Point {
+        at: DVec3,
+    },
+    Line {
+        from: DVec3,
+        to: DVec3,
+    },
+    Circle {
+        at: DVec3,
+        radius: f64,
+    },
+    Rectangle {
+        at: DVec3,
+        width: f64,
+        height: f64,
+    },
+    Triangle {
+        at: DVec3,
+        size: f64,
+    },
+    Polygon {
+        at: DVec3,
+        radius: f64,
+        sides: u32,
+    },
+    Path {
+        vertices: Vec<DVec3>,
+        closed: bool,
+    },
+    Text {
+        text: String,
+        at: DVec3,
+        height: f64,
+    },
+    Picture {
+        file: String,
+        at: DVec3,
+        width: f64,
+        pixels: Pixels,
+    },
+    Trap {
+        at: DVec3,
+        trap: Trap,
+        charge: i32,
+    },
+    /// A plane wave towards this direction, of any length.
+    Direction {
+        direction: DVec3,
+    },
 }
 
 /// A key of a shape in the scene file, and its row in the window.
@@ -53,6 +94,8 @@ pub enum ShapeValue<'a> {
     Letters(&'a mut String),
     File(&'a mut String),
     Trap(&'a mut Trap),
+    /// Of any length but zero.
+    Direction(&'a mut DVec3),
     Charge(&'a mut i32),
 }
 
@@ -90,8 +133,14 @@ impl Kind {
                 Shape::Picture { file: String::new(), at, width: 0.08, pixels: Pixels::default() }
             }
             Self::Trap => Shape::Trap { at, trap: Trap::default(), charge: 1 },
+            Self::Direction => Shape::Direction { direction: DVec3::Z },
         }
     }
+}
+
+/// A direction as a unit vector; +z of a zero vector, which the checks refuse.
+fn unit(direction: DVec3) -> DVec3 {
+    direction.try_normalize().unwrap_or(DVec3::Z)
 }
 
 /// Name of a regular polygon.
@@ -157,6 +206,11 @@ impl Shape {
                 ("trap", ("Trap", ""), ShapeValue::Trap(trap)),
                 ("charge", ("Turns", ""), Charge(charge)),
             ],
+            Self::Direction { direction } => {
+                let row =
+                    ("Direction", "x, y, z of the direction of a plane wave; its length does not count");
+                vec![("direction", row, ShapeValue::Direction(direction))]
+            }
         };
         rows.into_iter().map(|(name, row, value)| ShapeKey { name, row, value }).collect()
     }
@@ -174,13 +228,14 @@ impl Shape {
                 | ShapeValue::Letters(_)
                 | ShapeValue::File(_)
                 | ShapeValue::Trap(_)
+                | ShapeValue::Direction(_)
                 | ShapeValue::Charge(_) => {}
             }
         }
         points
     }
 
-    /// The centre of rotation, which is also its position for edits; m.
+    /// The centre of rotation, which is also its position for edits; m. Of a direction the tip of its arrow.
     pub fn centre(&self) -> DVec3 {
         match self {
             Self::Line { from, to } => (*from + *to) / 2.0,
@@ -193,11 +248,15 @@ impl Shape {
             | Self::Text { at, .. }
             | Self::Picture { at, .. }
             | Self::Trap { at, .. } => *at,
+            Self::Direction { direction } => unit(*direction) * ARROW,
         }
     }
 
-    /// Moves its centre to this point (m).
+    /// Moves its centre to this point (m); turns a direction towards it.
     pub fn move_to(&mut self, place: DVec3) {
+        if let Self::Direction { direction } = self {
+            *direction = place.try_normalize().unwrap_or(*direction);
+        }
         let by = place - self.centre();
         match &mut self.points()[..] {
             [at] => **at = place,
@@ -205,8 +264,11 @@ impl Shape {
         }
     }
 
-    /// Moves it (m).
+    /// Moves it (m); turns the arrow of a direction.
     pub fn translate(&mut self, by: DVec3) {
+        if self.is_direction() {
+            self.move_to(self.centre() + by);
+        }
         self.points().into_iter().for_each(|at| *at += by);
     }
 
@@ -220,19 +282,20 @@ impl Shape {
         }
     }
 
-    /// Whether it has no outline to sample: a point is its own focal point, a trap its lobes, a picture its area.
+    /// Whether it has no outline to sample: a point and a direction are their own focal points, a trap its lobes, a
+    /// picture its area.
     pub fn is_whole(&self) -> bool {
-        self.is_point() || self.is_trap() || self.is_picture()
+        self.is_point() || self.is_direction() || self.is_trap() || self.is_picture()
     }
 
     /// Whether it lies in a plane of its own, with a normal.
     pub fn is_flat(&self) -> bool {
-        !(self.is_point() || self.is_line() || self.is_path())
+        !(self.is_point() || self.is_direction() || self.is_line() || self.is_path())
     }
 
     /// Whether a rotation about its centre changes nothing.
     pub fn is_round(&self) -> bool {
-        self.is_point() || self.is_circle()
+        self.is_point() || self.is_direction() || self.is_circle()
     }
 
     /// Whether it has an inside that can be filled.
@@ -250,7 +313,7 @@ impl Shape {
             }
             Self::Line { .. } => Err("a line has no inside: give `stroke`, a width in metres, instead"),
             Self::Text { .. } => Err("letters are strokes: give `stroke`, their width in metres, instead"),
-            Self::Point { .. } | Self::Trap { .. } | Self::Picture { .. } => {
+            Self::Point { .. } | Self::Trap { .. } | Self::Picture { .. } | Self::Direction { .. } => {
                 Err("only closed shapes are filled")
             }
         }
@@ -271,14 +334,19 @@ impl Shape {
             | Self::Line { .. }
             | Self::Circle { .. }
             | Self::Rectangle { .. }
-            | Self::Triangle { .. } => <&str>::from(self).to_owned(),
+            | Self::Triangle { .. }
+            | Self::Direction { .. } => <&str>::from(self).to_owned(),
         }
     }
 
     /// Its size, with lengths as text by `mm`; `None` of a shape without lengths.
     pub fn size(&self, mm: impl Fn(f64) -> String) -> Option<String> {
         Some(match self {
-            Self::Point { .. } | Self::Trap { .. } | Self::Line { .. } | Self::Path { .. } => return None,
+            Self::Point { .. }
+            | Self::Trap { .. }
+            | Self::Line { .. }
+            | Self::Path { .. }
+            | Self::Direction { .. } => return None,
             Self::Circle { radius, .. } => format!("Ø {} mm", mm(2.0 * radius)),
             Self::Rectangle { width, height, .. } => format!("{} x {} mm", mm(*width), mm(*height)),
             Self::Triangle { size, .. } => format!("side {} mm", mm(*size)),
@@ -294,6 +362,13 @@ impl Shape {
     pub fn circle(&self) -> Option<f64> {
         let Self::Circle { radius, .. } = *self else { return None };
         Some(radius)
+    }
+
+    /// The unit vector of a direction.
+    #[doc(hidden)]
+    pub fn direction(&self) -> Option<DVec3> {
+        let Self::Direction { direction } = *self else { return None };
+        Some(unit(direction))
     }
 
     /// A trap, with its charge.

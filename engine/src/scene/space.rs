@@ -46,6 +46,21 @@ impl Front {
         (!self.0.iter().zip(lowest).any(is_in_front)).then_some(first)
     }
 
+    /// Whether some board radiates towards a direction.
+    pub(crate) fn is_ahead(&self, direction: DVec3) -> bool {
+        self.0.iter().any(|(_, normal)| is_before(normal.dot(direction)))
+    }
+
+    /// Text for directions away from all boards.
+    pub(crate) fn ahead(&self) -> &'static str {
+        match &self.0[..] {
+            [(_, normal)] if *normal == DVec3::Z => {
+                "the array radiates towards +z, so give a positive z, and no reflector across it"
+            }
+            _ => "it points away from every board, or behind a reflector",
+        }
+    }
+
     /// Text for objects behind all boards.
     pub fn behind(&self) -> &'static str {
         match &self.0[..] {
@@ -139,6 +154,12 @@ impl Scene {
             }
         }
         Front(faces)
+    }
+
+    /// Whether sound goes to infinity in a direction: radiated by some board, and behind no reflector.
+    pub(crate) fn hears(&self, direction: DVec3) -> bool {
+        self.front().is_ahead(direction)
+            && self.mirrors().iter().all(|mirror| mirror.normal.dot(direction) >= 0.0)
     }
 
     /// All reflectors, the liquid's surface last.

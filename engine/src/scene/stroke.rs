@@ -6,7 +6,7 @@ use glam::{DQuat, DVec2, DVec3};
 
 use crate::scene::range::{KeyError, refuse};
 use crate::scene::run::Vertex;
-use crate::scene::shape::SMALLEST;
+use crate::scene::shape::{ARROW, SMALLEST};
 use crate::scene::{font, shape::Shape, target::Target};
 
 /// Vertices of a path that get a handle each; of more, the box around them gets one.
@@ -24,6 +24,7 @@ pub fn strokes(target: &Target) -> Result<Vec<Vec<DVec3>>, KeyError> {
     let flat = |outline: Vec<DVec2>| vec![outline.iter().map(placed).collect()];
     Ok(match &target.shape {
         Shape::Point { at } | Shape::Trap { at, .. } => vec![vec![*at]],
+        Shape::Direction { .. } => arrow(centre),
         Shape::Line { .. } => vec![target.placed()],
         Shape::Path { .. } => vec![path(target).iter().map(|vertex| vertex.at).collect()],
         Shape::Circle { radius, .. } => flat(ring(*radius, CIRCLE_VERTICES, 0.0)),
@@ -65,6 +66,7 @@ impl Target {
     pub fn handles(&self) -> Vec<DVec3> {
         let corners = match &self.shape {
             Shape::Point { .. } | Shape::Trap { .. } => 0,
+            Shape::Direction { .. } => return vec![self.shape.centre()],
             Shape::Circle { .. } | Shape::Triangle { .. } | Shape::Polygon { .. } => 1,
             Shape::Rectangle { .. } => 4,
             Shape::Line { .. } => return self.placed(),
@@ -91,6 +93,7 @@ impl Target {
         let reach = flat(centre, to).length().max(SMALLEST);
         match &mut self.shape {
             Shape::Point { .. } | Shape::Trap { .. } => {}
+            Shape::Direction { .. } => self.shape.move_to(to),
             Shape::Circle { radius, .. } | Shape::Polygon { radius, .. } => *radius = reach,
             Shape::Triangle { size, .. } => *size = reach * 3.0_f64.sqrt(),
             Shape::Rectangle { at, width, height } => {
@@ -131,6 +134,9 @@ impl Target {
             *at = about + turn * (placed - about);
         }
         self.angle = 0.0;
+        if let Shape::Direction { direction } = &mut self.shape {
+            *direction = turn * *direction;
+        }
         if self.shape.is_flat() {
             self.face(facing * DVec3::Z, facing * DVec3::X);
         }
@@ -143,6 +149,16 @@ impl Target {
         let x = self.turn().inverse() * x;
         self.angle = x.y.atan2(x.x);
     }
+}
+
+/// The arrow of a direction, from the origin to its tip, with a head that is seen from all sides.
+fn arrow(tip: DVec3) -> Vec<Vec<DVec3>> {
+    /// Of its length.
+    const HEAD: f64 = 0.14;
+    let (across, other) = tip.normalize().any_orthonormal_pair();
+    let barb = |side: DVec3| tip * (1.0 - HEAD) + side * (0.4 * HEAD * ARROW);
+    let head = |side: DVec3| vec![barb(side), tip, barb(-side)];
+    vec![vec![DVec3::ZERO, tip], head(across), head(other)]
 }
 
 /// A rectangle about the origin.

@@ -149,6 +149,7 @@ pub struct TargetTable {
     #[serde(default = "Kind::point")]
     kind: Kind,
     at: Option<DVec3>,
+    direction: Option<DVec3>,
     from: Option<DVec3>,
     to: Option<DVec3>,
     radius: Option<f64>,
@@ -205,7 +206,7 @@ impl TargetTable {
         target.motion = table.motion.take().map(MotionTable::into_motion).transpose().map_err(under)?;
         target.modulation = table.modulation.take();
         target.pressure = table.pressure.unwrap_or(target.pressure);
-        if !target.shape.is_point() {
+        if !(target.shape.is_point() || target.shape.is_direction()) {
             take(&mut table.angle, &mut target.angle);
         }
         if !target.shape.is_whole() {
@@ -261,6 +262,7 @@ impl TargetTable {
             (_, ShapeValue::File(file)) => take(&mut self.file, file),
             (_, ShapeValue::Trap(trap)) => take(&mut self.trap, trap),
             (_, ShapeValue::Charge(charge)) => take(&mut self.charge, charge),
+            (_, ShapeValue::Direction(direction)) => take(&mut self.direction, direction),
             (_, ShapeValue::Point(_) | ShapeValue::Length(_)) => false,
         }
     }

@@ -130,6 +130,6 @@ impl<'a> Levelling<'a> {
 fn is_scaled(focus: &Focus) -> bool {
     match focus.part {
         Part::Point | Part::Stroke => true,
-        Part::Area(_) | Part::Trap(_) => false,
+        Part::Area(_) | Part::Trap(_) | Part::Direction => false,
     }
 }

@@ -225,8 +225,7 @@ fn of_file(scene: &Scene) -> Result<Sequence, SolveError> {
     let foci = if scene.has_foci() { motion::frames(scene)? } else { vec![Vec::new()] };
     let frame = |(index, drive): (usize, Drive)| {
         let foci = foci[index % foci.len()].clone();
-        let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
-        let pressures = aperture.pressures(&points, &drive.excitation(&aperture.driven));
+        let pressures = aperture.pressures_of(&foci, &drive.excitation(&aperture.driven));
         unless_cancelled(Frame { foci, drive, pressures, cold: true })
     };
     let drives = own::drives(scene, &aperture)?;

@@ -60,7 +60,12 @@ pub fn focus(problem: &Problem<'_>) -> Result<Excitation, SolveError> {
         return Err(SolveError::SeveralFoci(problem.foci.len()));
     }
     let Aperture { element, positions, driven, .. } = problem.aperture;
-    let distance = |&n: &usize| problem.foci[0].position.distance(positions[n]);
+    let focus = problem.foci[0];
+    // To a focus at infinity only differences of distances count.
+    let distance = |&n: &usize| match focus.is_direction() {
+        true => -focus.position.dot(positions[n]),
+        false => focus.position.distance(positions[n]),
+    };
     let values =
         driven.iter().map(|n| Complex64::from_polar(1.0, element.wavenumber * distance(n))).collect();
     Ok(Excitation { values, iterations: 0, residual: None, weights: None })

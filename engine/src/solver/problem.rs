@@ -39,10 +39,9 @@ impl<'a> Problem<'a> {
             assert!(position.is_finite() && position.abs().max_element() <= FARTHEST, "no focus: {position}");
             assert!(target.is_finite() && *target > 0.0, "no target: {target}");
         }
-        let points: Vec<_> = foci.iter().map(|focus| focus.position).collect();
         Self {
             aperture,
-            transfer: aperture.transfer(&points),
+            transfer: aperture.transfer_to(&foci),
             foci,
             surroundings: None,
             traps: None,

@@ -54,9 +54,8 @@ impl Ranges {
         let played = solution.played(&aperture.driven);
         let count = problem.foci.len();
         let most = (MOST_RESPONSES / aperture.driven.len().max(1)).clamp(1, MOST_PLACES).min(count);
-        let some: Vec<_> = (0..most).map(|place| &problem.foci[place * count / most]).collect();
-        let points: Vec<_> = some.iter().map(|focus| focus.position).collect();
-        let transfer = aperture.transfer(&points);
+        let some: Vec<_> = (0..most).map(|place| problem.foci[place * count / most]).collect();
+        let transfer = aperture.transfer_to(&some);
         let ensemble = Ensemble::new(&transfer, &played, spread);
         let nominal: Vec<_> = ensemble.nominal().collect();
         let over_target: Vec<_> = some.iter().map(|focus| 1.0 / focus.target).collect();

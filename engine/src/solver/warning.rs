@@ -57,9 +57,11 @@ pub fn of_foci(aperture: &Aperture, foci: &[Focus]) -> Vec<Warning> {
     let resolution_at = aperture.resolution();
     let (mut coincident, mut close, mut closest) = (0, 0, (f64::INFINITY, 0.0));
     // Lobes of a trap may be arbitrarily close.
-    let separate: Vec<_> = foci.iter().filter(|focus| focus.part == Part::Point).collect();
+    let is_counted = |focus: &&Focus| matches!(focus.part, Part::Point | Part::Direction);
+    let separate: Vec<_> = foci.iter().filter(is_counted).collect();
     for (i, focus) in separate.iter().enumerate() {
-        for other in &separate[..i] {
+        // Unit vectors of directions are as far apart as points that are resolved at 1 m.
+        for other in separate[..i].iter().filter(|other| other.part == focus.part) {
             let distance = focus.position.distance(other.position);
             let resolution = resolution_at((focus.position + other.position) / 2.0);
             coincident += usize::from(distance < 1e-9);

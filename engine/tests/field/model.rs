@@ -75,6 +75,12 @@ pub fn value(
         Quantity::Velocity => {
             mean(&|Sound { slopes: [_, _, n], .. }| (n.norm() / (rho * omega) / SQRT_2).powi(2)).sqrt()
         }
+        Quantity::Speed => {
+            let square = |Sound { slopes, .. }: Sound| {
+                slopes.iter().map(|slope| (slope.norm() / (rho * omega)).powi(2)).sum::<f64>() / 2.0
+            };
+            mean(&square).sqrt()
+        }
         Quantity::Depression
         | Quantity::Caustic
         | Quantity::Gorkov

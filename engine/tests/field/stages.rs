@@ -91,7 +91,8 @@ fn by_cells(quantity: Quantity) -> bool {
         | Quantity::Phase
         | Quantity::Instantaneous
         | Quantity::Intensity
-        | Quantity::Velocity => false,
+        | Quantity::Velocity
+        | Quantity::Speed => false,
     }
 }
 

@@ -375,3 +375,31 @@ fn the_common_phase_advances_by_the_same_part_from_frame_to_frame() {
     assert!(steps.iter().all(|step| (step - steps[0]).abs() < 1e-6), "{steps:?}");
     assert!(steps[0].abs() <= TAU / 2.0 / played.len() as f64 + 1e-6, "{steps:?}");
 }
+
+#[test]
+fn a_direction_gets_the_phases_of_a_plane_wave() {
+    let way = dvec3(0.3, -0.2, 0.9).normalize();
+    let directed = Target::new(Shape::Direction { direction: way * 7.0 });
+    for method in [Method::Focus, Method::Naive, Method::Pinv, Method::Best] {
+        let mut scene = Scene { targets: vec![directed.clone()], ..Scene::default() };
+        scene.solver.method = method;
+        let solution = solver::solve(&scene).unwrap();
+        let aperture = Aperture::new(&scene);
+        let wave = |n: usize| -aperture.element.wavenumber * way.dot(aperture.positions[n]);
+        let turn = solution.drive.phases[0] - wave(0);
+        for (n, phase) in solution.drive.phases.iter().enumerate() {
+            let off = (phase - wave(n) - turn).sin().abs() + 1.0 - (phase - wave(n) - turn).cos();
+            assert!(off < 1e-9, "{method:?}, element {n}: {off} rad");
+        }
+        // All elements in phase, each with its directivity.
+        let sin = way.cross(DVec3::Z).length();
+        let expected = 256.0 * aperture.element.strength * aperture.element.directivity(sin);
+        assert!((solution.pressures[0].norm() / expected - 1.0).abs() < 1e-9, "{method:?}");
+    }
+    // Beside a point, both are reached.
+    let point = Target::new(Shape::Point { at: dvec3(-0.02, 0.0, 0.1) });
+    let scene = Scene { targets: vec![Target { pressure: 0.1, ..directed }, point], ..Scene::default() };
+    let solution = solver::solve(&scene).unwrap();
+    let ratio = solution.pressures[0].norm() / solution.pressures[1].norm();
+    assert!((ratio / 0.1 - 1.0).abs() < 0.02, "{ratio}");
+}

@@ -22,6 +22,8 @@ use crate::studio::still::{Diagram, LARGEST_SIDE, Look, Moment, Size};
 const LEVELS: [f64; 2] = [-60.0, -0.1];
 /// Columns of a page, at most.
 const COLUMNS: i64 = 12;
+/// Degrees.
+const AZIMUTHS: [f64; 2] = [-360.0, 360.0];
 /// m; centres beyond are in a wrong unit.
 const FARTHEST: f64 = 100.0;
 
@@ -70,7 +72,7 @@ pub struct RenderArgs {
     pub colours: ColourMap,
     /// Also write the values: NPY, float32, (H, W), row 0 at the smallest y
     ///
-    /// Pressure in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity in m/s, potential in
+    /// Pressure in Pa, phase in rad, depression in m (positive down), intensity in W/m², velocity and speed in m/s, potential in
     /// J, force in N, skin in m, felt in dB over threshold. For --waves the shape is (frames, H, W), and FILE.times.npy has the times (s) of the frames. For
     /// `drive` it is (2, rows, columns): phase in rad, and the solver's amplitude before it is made uniform.
     #[arg(long, value_name = "FILE.npy")]
@@ -107,6 +109,8 @@ pub struct RenderArgs {
     #[command(flatten)]
     pub figure: FigureArgs,
     #[command(flatten)]
+    pub pattern: PatternArgs,
+    #[command(flatten)]
     pub volume: VolumeArgs,
     #[command(flatten)]
     pub space: SpaceArgs,
@@ -142,6 +146,9 @@ pub struct FigureArgs {
     /// Draw the -6 dB widths of separate foci along both axes
     #[arg(long, requires = "figure")]
     pub widths: bool,
+    /// Draw the vector behind velocity, speed, intensity, gorkov or force in the plane: a longer arrow is stronger
+    #[arg(long, requires = "figure")]
+    pub arrows: bool,
     /// Draw a scale bar on the map
     #[arg(long, requires = "figure")]
     pub scale_bar: bool,
@@ -154,6 +161,22 @@ pub struct FigureArgs {
     /// State pressures as peak amplitudes instead of RMS
     #[arg(long, requires = "figure")]
     pub peak: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Beam pattern")]
+pub struct PatternArgs {
+    /// Beam pattern: level (dB) against angle (degrees) in the far field, as FILE.csv or a figure: .png, .svg, .pdf
+    ///
+    /// The angle is that from the normal of the (first) board. Prints main lobe, widths, nulls and side lobes.
+    #[arg(long, conflicts_with_all = ["quantity", "view", "size", "data", "motion", "waves", "volume"])]
+    pub pattern: bool,
+    /// Azimuths of its cuts, in degrees from x to y [default: 0,90; for an oblique beam through it and across]
+    #[arg(long, value_name = "DEG", requires = "pattern", allow_hyphen_values = true, value_delimiter = ',', value_parser = between(AZIMUTHS, "degrees"))]
+    pub cut: Vec<f64>,
+    /// Print lobes and widths as JSON, in degrees and dB
+    #[arg(long, requires = "pattern")]
+    pub json: bool,
 }
 
 #[derive(Debug, Args)]

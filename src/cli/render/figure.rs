@@ -37,6 +37,7 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<Wish>> {
         (_, View::Shaded) if !is_surface => {
             bail!("--view shaded draws a liquid's surface: add --quantity depression")
         }
+        (Diagram::Map(_), View::Flat) if args.pattern.pattern => Some("leave out --pattern"),
         (Diagram::Map(_), View::Flat) => None,
         (Diagram::Map(_) | Diagram::Drive, View::Shaded) => Some("leave out --view shaded"),
         (Diagram::Map(_) | Diagram::Drive, View::Space) => Some("leave out --view 3d"),
@@ -48,6 +49,7 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<Wish>> {
         (!figure.contours.is_empty(), "--contours"),
         (figure.targets, "--targets"),
         (figure.widths, "--widths"),
+        (figure.arrows, "--arrows"),
         (figure.light && args.view != View::Space, "--light"),
         (figure.scale_bar && args.view != View::Shaded, "--scale-bar"),
         (args.data.is_some() && args.view != View::Shaded, "--data"),
@@ -73,6 +75,7 @@ pub fn wish(args: &RenderArgs) -> anyhow::Result<Option<Wish>> {
         has_scale_bar: figure.scale_bar,
         has_targets: figure.targets,
         has_widths: figure.widths,
+        has_arrows: figure.arrows,
         ..Wish::default()
     };
     Ok(Some(wish))

@@ -3,6 +3,7 @@
 mod animate;
 pub mod args;
 mod figure;
+mod pattern;
 mod space;
 mod still;
 mod volume;
@@ -15,6 +16,9 @@ use crate::cli::render::args::{RenderArgs, View};
 /// Bad input, or output that cannot be written.
 pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
     space::refuse(args)?;
+    if args.pattern.pattern {
+        return pattern::run(args);
+    }
     match (args.motion || args.waves, args.volume.volume, args.view) {
         (true, _, _) => animate::run(args),
         (false, Some(counts), _) => volume::run(args, counts),

@@ -1,7 +1,9 @@
 //! The plot of values along a line.
 
-use crate::picture::figure::layout::{Axis, Frame, HAIRLINE, Length, Pen, Room, STROKE, clipped};
-use crate::picture::figure::mark::{BLACK, Ink, Mark};
+use crate::picture::figure::layout::{
+    Axis, CAPITAL, Frame, GAP, HAIRLINE, Length, NUMBER, Pen, Room, STROKE, clipped,
+};
+use crate::picture::figure::mark::{Anchor, BLACK, Ink, Mark};
 
 /// Height over width.
 pub(in crate::picture) const SHAPE: f64 = 0.6;
@@ -9,6 +11,8 @@ const CURVE: Ink = [0, 114, 178];
 const BAND: Ink = [150, 195, 222];
 const FAINT: Ink = [150, 150, 156];
 const DOT: Ink = [213, 94, 0];
+/// Of several curves.
+pub(in crate::picture) const INKS: [Ink; 4] = [CURVE, DOT, [0, 158, 115], [204, 121, 167]];
 /// mm
 const DOT_RADIUS: f64 = 0.35;
 
@@ -18,6 +22,10 @@ pub struct Curve {
     pub axes: [Axis; 2],
     /// On the axes.
     pub points: Vec<[f64; 2]>,
+    /// Further curves.
+    pub others: Vec<Vec<[f64; 2]>>,
+    /// Names of the curves, in their colours; empty: none.
+    pub names: Vec<String>,
     /// Readings beside the curve, on the axes.
     pub dots: Vec<[f64; 2]>,
     /// Lower and upper limits of what the points scatter by, if known.
@@ -51,13 +59,19 @@ impl Curve {
         for limit in self.limits.iter().flatten() {
             lines(&placed(limit), HAIRLINE, BAND);
         }
-        lines(&placed(&self.points), STROKE, CURVE);
+        for (points, ink) in std::iter::once(&self.points).chain(&self.others).zip(INKS.iter().cycle()) {
+            lines(&placed(points), STROKE, *ink);
+        }
         let [left, top, right, bottom] = room;
         let is_inside = |[x, y]: &[f64; 2]| (left..=right).contains(x) && (top..=bottom).contains(y);
         let dots = placed(&self.dots).into_iter().filter(is_inside);
         pen.list.extend(dots.map(|centre| Mark::Disc { centre, radius: DOT_RADIUS, ink: DOT }));
         if let Some((ends, text)) = &self.width {
             pen.length(ends.map(|end| frame.place(&self.axes, end)), text, BLACK, room);
+        }
+        for (index, (name, ink)) in self.names.iter().zip(INKS.iter().cycle()).enumerate() {
+            let y = top + GAP + NUMBER * CAPITAL + index as f64 * (NUMBER + 0.6 * GAP);
+            pen.number([right - GAP, y], Anchor::End, *ink, name);
         }
         pen.frame(BLACK);
         pen.axes(&self.axes);

@@ -92,6 +92,8 @@ pub struct Content {
     pub contours: Vec<Line>,
     /// Outlines of targets, mm on the axes.
     pub outlines: Vec<Vec<[f64; 2]>>,
+    /// Arrows from tail to tip, mm on the axes.
+    pub arrows: Vec<[[f64; 2]; 2]>,
     /// Focal points, mm on the axes.
     pub foci: Vec<[f64; 2]>,
     /// Measured lengths: end points in mm on the axes, and text.
@@ -297,6 +299,23 @@ impl<'a> Pen<'a> {
         self.list.push(Mark::turned_text([x, top + height / 2.0], letters, BLACK, label));
     }
 
+    /// An arrow from tail to tip, a dot if it is short.
+    fn arrow(&mut self, [tail, tip]: [[f64; 2]; 2], ink: Ink) {
+        /// mm
+        const SHORTEST: f64 = 0.4;
+        /// Of the length.
+        const HEAD: f64 = 0.36;
+        let way = [tip[0] - tail[0], tip[1] - tail[1]];
+        if way[0].hypot(way[1]) < SHORTEST {
+            let centre = [f64::midpoint(tail[0], tip[0]), f64::midpoint(tail[1], tip[1])];
+            return self.list.push(Mark::Disc { centre, radius: HAIRLINE, ink });
+        }
+        let wing =
+            |side: f64| [tip[0] - HEAD * (way[0] - side * way[1]), tip[1] - HEAD * (way[1] + side * way[0])];
+        self.line(&[tail, tip], HAIRLINE, ink);
+        self.line(&[wing(0.5), tip, wing(-0.5)], HAIRLINE, ink);
+    }
+
     /// Contours, targets and scale bar: ink on the map.
     fn drawn_on_the_map(&mut self, content: &Content) {
         let ink = if content.is_light { BLACK } else { [255; 3] };
@@ -316,6 +335,9 @@ impl<'a> Pen<'a> {
             for piece in clipped(&points, room) {
                 self.line(&piece, STROKE, target_ink);
             }
+        }
+        for arrow in &content.arrows {
+            self.arrow(arrow.map(place), ink);
         }
         for &focus in &content.foci {
             let [u, v] = place(focus);

@@ -13,6 +13,7 @@ pub(in crate::picture) mod layout;
 pub(in crate::picture) mod mark;
 pub mod page;
 mod pdf;
+pub mod polar;
 pub(in crate::picture) mod raster;
 pub mod space;
 pub mod surface;

@@ -7,6 +7,7 @@ use crate::picture::figure::elements::Elements;
 use crate::picture::figure::font;
 use crate::picture::figure::layout::{Content, Frame, GAP, MARGIN, Paper, Room, TITLE};
 use crate::picture::figure::mark::{Anchor, BLACK, Figure, Mark};
+use crate::picture::figure::polar::Polar;
 use crate::picture::figure::space::Space;
 use crate::picture::figure::surface::Surface;
 use crate::picture::figure::table::Table;
@@ -26,6 +27,7 @@ pub enum Plot {
     Space(Space),
     Elements(Elements),
     Curve(Curve),
+    Polar(Polar),
     Table(Table),
 }
 
@@ -37,6 +39,7 @@ impl Plot {
             Self::Space(space) => space.room(),
             Self::Elements(elements) => elements.room(),
             Self::Curve(curve) => curve.room(),
+            Self::Polar(polar) => polar.room(),
             Self::Table(_) => Room::default(),
         }
     }
@@ -49,6 +52,7 @@ impl Plot {
             Self::Space(space) => width * space.shape,
             Self::Elements(elements) => width * elements.shape(),
             Self::Curve(_) => width * curve::SHAPE,
+            Self::Polar(polar) => polar.height(width),
             Self::Table(table) => table.height(width),
         }
     }
@@ -57,7 +61,7 @@ impl Plot {
     fn has_pixels(&self) -> bool {
         match self {
             Self::Map(_) | Self::Surface(_) | Self::Space(_) => true,
-            Self::Elements(_) | Self::Curve(_) | Self::Table(_) => false,
+            Self::Elements(_) | Self::Curve(_) | Self::Polar(_) | Self::Table(_) => false,
         }
     }
 
@@ -69,6 +73,7 @@ impl Plot {
             (Self::Map(_) | Self::Surface(_) | Self::Space(_), None) => Vec::new(),
             (Self::Elements(elements), _) => elements.marks(frame),
             (Self::Curve(curve), _) => curve.marks(frame),
+            (Self::Polar(polar), _) => polar.marks(frame),
             (Self::Table(table), _) => table.marks(frame),
         }
     }

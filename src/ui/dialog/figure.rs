@@ -5,6 +5,7 @@ use strum::VariantArray;
 
 use crate::picture::figure::{Format, page};
 use crate::studio::figure::{DENSITIES, WIDTHS};
+use crate::studio::vectors::Vector;
 use crate::ui::command::{Command, Export, Purpose};
 use crate::ui::dialog::answer::answer;
 use crate::ui::dialog::options::{Extent, FigureForm, Piece, SPANS};
@@ -78,6 +79,7 @@ fn pieces(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
 
 fn settings(editor: &mut Editor, ui: &mut Ui) {
     let has_contours = editor.view.quantity.declaration().has_mean;
+    let has_vector = Vector::of(editor.view.quantity).is_some();
     let form = &mut editor.figure;
     egui::Grid::new("figure").num_columns(2).show(ui, |ui| {
         ui.label("Format");
@@ -132,6 +134,8 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
             ui.add_enabled(has_contours, contours).on_hover_text("At the view's level");
             ui.checkbox(&mut form.targets, "Targets");
             ui.checkbox(&mut form.widths, "Widths").on_hover_text("−6 dB widths of separate foci (FWHM)");
+            let arrows = egui::Checkbox::new(&mut form.arrows, "Arrows");
+            ui.add_enabled(has_vector, arrows).on_hover_text("Of the quantity's vector in the plane");
         }
         if has_maps || has_space {
             ui.checkbox(&mut form.is_light, "White background").on_hover_text("Silence is white");

@@ -10,6 +10,7 @@ use crate::studio::animate::Kind;
 use crate::studio::figure::Wish;
 use crate::studio::map;
 use crate::studio::swell::Schedule;
+use crate::studio::vectors::Vector;
 use crate::ui::map::Map;
 use crate::ui::view::View;
 
@@ -39,6 +40,10 @@ pub enum Piece {
     Phases,
     #[strum(serialize = "Amplitudes")]
     Amplitudes,
+    #[strum(serialize = "Beam pattern")]
+    Pattern,
+    #[strum(serialize = "Beam pattern, polar")]
+    Polar,
     #[strum(serialize = "Methods table")]
     Methods,
 }
@@ -94,6 +99,7 @@ pub struct FigureForm {
     pub(super) contours: bool,
     pub(super) targets: bool,
     pub(super) widths: bool,
+    pub(super) arrows: bool,
     pub is_light: bool,
     pub(super) format: Format,
 }
@@ -114,6 +120,7 @@ impl Default for FigureForm {
             contours: false,
             targets: false,
             widths: false,
+            arrows: false,
             is_light: false,
             format: Format::Pdf,
         }
@@ -180,6 +187,7 @@ impl FigureForm {
             has_scale_bar: self.scale_bar,
             has_targets: self.targets,
             has_widths: self.widths,
+            has_arrows: self.arrows && Vector::of(view.quantity).is_some(),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::picture::ColourMap;
 use crate::studio::probe::Reading;
 use crate::ui::panels::form::{choice, heading};
 use crate::ui::panels::{fact, form};
-use crate::ui::parts::trade::panel;
+use crate::ui::parts::{beam, trade};
 use crate::ui::{editor::Editor, element_map, shown::Shown, sound::Sound, ticks};
 
 /// Numbers of phases per period of boards.
@@ -46,7 +46,8 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let colour = |n: usize| viridis[(sound.drive().amplitudes[n] * 255.0).round().clamp(0.0, 255.0) as usize];
     map(editor, sound, ui, "Amplitude of every element", colour);
     strip(ui, &viridis, ["0", "0.5", "1"]);
-    panel::show(editor, ui);
+    beam::panel::show(editor, ui);
+    trade::panel::show(editor, ui);
 }
 
 /// The colours of a map with labels.

@@ -1,7 +1,9 @@
 //! The numbers of a single target.
 
+use std::f64::consts::PI;
+
 use egui::{TextEdit, Ui};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::scene::check::{MOST_FOCI, MOST_LETTERS};
 use crate::scene::{MotionPath, Pressures, Sampling, Scene, Shape, ShapeKey, ShapeValue, Target, Trap, font};
@@ -27,6 +29,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
         let kind = target.shape.title();
         label(ui, ("Name", "What the target is called in lists and warnings"), &kind, &mut target.name);
         shape(target, ui);
+        distance(target, ui);
         holding(target, ui);
         let has_inside = target.shape.inside().is_ok();
         if target.sampling == Sampling::Fill && !has_inside {
@@ -92,9 +95,43 @@ fn shape(target: &mut Target, ui: &mut Ui) {
                 ui.label(file.as_str()).on_hover_text(row.1);
                 ui.end_row();
             }
+            ShapeValue::Direction(direction) => towards(ui, direction),
             // A point has them too, to become a trap.
             ShapeValue::Trap(_) | ShapeValue::Charge(_) => {}
         }
+    }
+}
+
+/// Whether a point is at infinity.
+fn distance(target: &mut Target, ui: &mut Ui) {
+    if !(target.shape.is_point() || target.shape.is_direction()) {
+        return;
+    }
+    let mut is_far = target.shape.is_direction();
+    ui.checkbox(&mut is_far, "Far away").on_hover_text("A plane wave in this direction, instead of a focus");
+    ui.end_row();
+    if is_far != target.shape.is_direction() {
+        let at = target.shape.centre();
+        target.shape = match is_far {
+            true => Shape::Direction { direction: at.try_normalize().unwrap_or(DVec3::Z) },
+            false => Shape::Point { at },
+        };
+    }
+}
+
+/// The angles of a direction.
+fn towards(ui: &mut Ui, direction: &mut DVec3) {
+    let flat = direction.truncate();
+    let mut tilt = flat.length().atan2(direction.z);
+    let mut azimuth = if flat == DVec2::ZERO { 0.0 } else { flat.y.atan2(flat.x) };
+    let before = (tilt, azimuth);
+    number(ui, ("Tilt", "Of the direction, from +z"), &mut tilt, DEGREES, 0.0..=PI);
+    number(ui, ("Azimuth", "Of the direction, from +x to +y"), &mut azimuth, DEGREES, -PI..=PI);
+    if before != (tilt, azimuth) {
+        let way = DVec2::from_angle(azimuth).extend(0.0) * tilt.sin() + DVec3::Z * tilt.cos();
+        // Right angles are exact.
+        *direction =
+            DVec3::from_array(way.to_array().map(|part| if part.abs() < 1e-15 { 0.0 } else { part }));
     }
 }
 

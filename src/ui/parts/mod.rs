@@ -1,5 +1,7 @@
 //! The parts of the window, a folder or a file each.
 
+pub mod arrows;
+pub mod beam;
 mod bound;
 pub mod course;
 mod demodulation;
@@ -19,13 +21,14 @@ mod ways;
 use egui::Context;
 
 use crate::ui::part::{Background, Derived, Now};
+use crate::ui::parts::arrows::Arrows;
+use crate::ui::parts::beam::Beam;
 use crate::ui::parts::bound::Bound;
 use crate::ui::parts::course::TimeCourse;
 use crate::ui::parts::demodulation::Demodulation;
 use crate::ui::parts::feeling::Feeling;
 use crate::ui::parts::flight::Release;
 use crate::ui::parts::levitation::Levitation;
-use crate::ui::parts::levitation::arrows::Arrows;
 use crate::ui::parts::measuring::Measuring;
 use crate::ui::parts::nonlinear::Harmonic;
 use crate::ui::parts::radiation::Radiation;
@@ -44,6 +47,7 @@ pub use survey::Extremes;
 #[derive(Debug, Default)]
 pub struct Parts {
     pub arrows: Derived<Arrows>,
+    pub beam: Derived<Beam>,
     pub bound: Derived<Bound>,
     pub course: Derived<TimeCourse>,
     pub demodulation: Derived<Demodulation>,
@@ -62,9 +66,10 @@ pub struct Parts {
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 16] {
+    fn all(&self) -> [&dyn Background; 17] {
         let Self {
             arrows,
+            beam,
             bound,
             course,
             demodulation,
@@ -83,6 +88,7 @@ impl Parts {
         } = self;
         [
             arrows,
+            beam,
             bound,
             course,
             demodulation,
@@ -101,9 +107,10 @@ impl Parts {
         ]
     }
 
-    fn all_mut(&mut self) -> [&mut dyn Background; 16] {
+    fn all_mut(&mut self) -> [&mut dyn Background; 17] {
         let Self {
             arrows,
+            beam,
             bound,
             course,
             demodulation,
@@ -122,6 +129,7 @@ impl Parts {
         } = self;
         [
             arrows,
+            beam,
             bound,
             course,
             demodulation,

@@ -63,7 +63,7 @@ impl Course {
 
 /// The strokes of a target as drawn, with the target pressures along them.
 fn tracks(target: &Target) -> Result<Vec<Track>, KeyError> {
-    if target.shape.is_picture() {
+    if target.shape.is_picture() || target.shape.is_direction() {
         return Ok(Vec::new());
     }
     if let Some(radius) = target.shape.circle() {

@@ -104,6 +104,7 @@ impl<'a> Score<'a> {
         score.steps = (0..steps(scene)).map(|step| score.parts(step)).collect::<Result<_, _>>()?;
         envelopes::check(scene, cycle::of_motions(scene).and_then(|cycle| cycle.moving()))?;
         if let Some(cycle) = &cycle {
+            score.check_directions()?;
             score.check_size(cycle)?;
             score.check_heights(&scene.front())?;
         }
@@ -136,9 +137,9 @@ impl<'a> Score<'a> {
     fn way_of(&self, index: usize, target: &Target) -> Option<usize> {
         let own = target.motion.is_some().then_some(index);
         let way = self.ways.iter().position(|(group, _)| group.target == own)?;
-        // Foci do not run along pictures.
+        // Foci do not run along pictures and directions.
         let runs = matches!(self.ways[way].1, Way::Run(_));
-        let stands = runs && target.shape.is_picture();
+        let stands = runs && (target.shape.is_picture() || target.shape.is_direction());
         (!stands).then_some(way)
     }
 
@@ -223,6 +224,19 @@ impl<'a> Score<'a> {
         })
     }
 
+    /// Directions stand still: a path displaces places.
+    fn check_directions(&self) -> Result<(), KeyError> {
+        for part in self.steps.iter().flatten().filter(|part| part.foci.iter().any(Focus::is_direction)) {
+            let Some((group, _)) = part.way.map(|way| &self.ways[way]) else { continue };
+            if !matches!(group.motion.path, MotionPath::None | MotionPath::Steps) {
+                let message = "a direction has no place that a path could move: give moving targets a [target.motion] of their \
+                               own, or play several directions with path = \"steps\"";
+                return refuse(group.target, "path", message.to_owned());
+            }
+        }
+        Ok(())
+    }
+
     fn check_heights(&self, front: &Front) -> Result<(), KeyError> {
         for (index, (group, way)) in self.ways.iter().enumerate() {
             let round = match way {
@@ -236,7 +250,8 @@ impl<'a> Score<'a> {
                 }
             };
             let moved = self.steps.iter().flatten().filter(|part| part.way == Some(index));
-            let foci: Vec<_> = moved.flat_map(|part| &part.foci).map(|focus| focus.position).collect();
+            let placed = moved.flat_map(|part| &part.foci).filter(|focus| !focus.is_direction());
+            let foci: Vec<_> = placed.map(|focus| focus.position).collect();
             let lowest =
                 front.lowest(|up| foci.iter().copied().min_by(|a, b| a.dot(up).total_cmp(&b.dot(up))));
             let outside = |frame: u64| front.outside_moved(&lowest, round.at(self.part(group, frame, 0)).at);

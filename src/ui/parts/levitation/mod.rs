@@ -1,6 +1,5 @@
 //! Levitation of the scene's bead at a point.
 
-pub mod arrows;
 pub mod panel;
 
 use glam::DVec3;

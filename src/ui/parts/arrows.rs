@@ -1,12 +1,12 @@
-//! Arrows over the map: the force on the scene's bead in the displayed plane.
+//! Arrows over the map: the vectors of the displayed quantity in its plane, or the force on the scene's bead.
 
 use egui::{Color32, Painter, Stroke, Vec2, vec2};
 use glam::{DVec2, DVec3};
 
-use crate::acoustics::Aperture;
+use crate::acoustics::{Air, Aperture};
 use crate::drive::Drive;
-use crate::force::Levitation;
-use crate::scene::Scene;
+use crate::scene::{Bead, Scene};
+use crate::studio::vectors::{self, Vector};
 use crate::ui::part::{Now, Part};
 use crate::ui::view::{Axes, Lens};
 
@@ -15,32 +15,37 @@ const APART: f32 = 26.0;
 const LONGEST: f32 = 23.0;
 /// Points of the screen; shorter ones are dots.
 const SHORTEST: f32 = 3.0;
-/// Quantile of force for the longest arrow: the force is large close to the array.
-const USUAL: f64 = 0.95;
 const INK: Color32 = Color32::from_rgb(250, 250, 250);
 const EDGE: Color32 = Color32::from_rgba_premultiplied(0, 0, 0, 150);
 
 /// Display of the arrows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Arrows {
+    /// Of the force on the bead.
     pub is_shown: bool,
+    /// Of the displayed quantity, if it has a vector.
+    pub is_of_quantity: bool,
 }
 
 /// The drives, the bead, and the positions of the arrows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    scene: Scene,
+    vector: Vector,
+    air: Air,
+    bead: Bead,
     aperture: Aperture,
     drives: Vec<Drive>,
+    /// Of the plane.
+    axes: [DVec3; 2],
     /// m
     places: Vec<DVec3>,
 }
 
-/// Radiation forces (N) on the scene's bead at points (m) of the plane.
+/// Vectors at points (m) of the plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Field {
     pub places: Vec<DVec3>,
-    pub forces: Vec<DVec3>,
+    pub vectors: Vec<DVec3>,
 }
 
 impl Part for Arrows {
@@ -48,20 +53,26 @@ impl Part for Arrows {
     type Output = Field;
 
     fn input(&self, now: &Now<'_>) -> Option<Input> {
-        let lens = now.lens.filter(|_| self.is_shown && !now.view.is_shaded())?;
+        let of_quantity = Vector::of(now.view.quantity).filter(|_| self.is_of_quantity);
+        let vector = of_quantity.or_else(|| self.is_shown.then_some(Vector::Force))?;
+        let lens = now.lens.filter(|_| !now.view.is_shaded())?;
         let sound = now.sound?;
+        let axes = now.view.axes(now.scene);
         Some(Input {
-            scene: now.scene.clone(),
+            vector,
+            air: sound.air,
+            bead: sound.bead.clone(),
             aperture: sound.aperture.clone(),
             drives: sound.heard.clone(),
-            places: places(now.scene, &now.view.axes(now.scene), lens),
+            axes: [axes.x, axes.y],
+            places: places(now.scene, &axes, lens),
         })
     }
 
     fn computation(&self) -> impl FnOnce(&Input) -> Field + Send + 'static {
-        |Input { scene, aperture, drives, places }| {
-            let levitation = Levitation::new(scene, aperture, drives);
-            Field { forces: levitation.forces_at(places), places: places.clone() }
+        |Input { vector, air, bead, aperture, drives, axes, places }| Field {
+            vectors: vector.at((aperture, air, bead), drives, *axes, places),
+            places: places.clone(),
         }
     }
 }
@@ -80,18 +91,16 @@ fn places(scene: &Scene, axes: &Axes, lens: &Lens) -> Vec<DVec3> {
 }
 
 pub fn paint(arrows: &Field, axes: &Axes, painter: &Painter, lens: &Lens) {
-    let along = |force: &DVec3| DVec2::new(force.dot(axes.x), force.dot(axes.y));
-    let forces: Vec<_> = arrows.forces.iter().map(along).collect();
-    let mut sizes: Vec<_> =
-        forces.iter().map(|force| force.length()).filter(|size| size.is_finite()).collect();
-    sizes.sort_by(f64::total_cmp);
-    let Some(&usual) = sizes.get((sizes.len() as f64 * USUAL) as usize).filter(|usual| **usual > 0.0) else {
+    let along = |vector: &DVec3| DVec2::new(vector.dot(axes.x), vector.dot(axes.y));
+    let flat: Vec<_> = arrows.vectors.iter().map(along).collect();
+    let usual = vectors::usual(&flat);
+    if usual == 0.0 {
         return;
-    };
-    for (place, force) in arrows.places.iter().zip(&forces) {
-        // Roots, so that weak forces have a direction too.
-        let size = LONGEST * (force.length() / usual).min(1.0).sqrt() as f32;
-        let way = force.normalize_or_zero();
+    }
+    for (place, vector) in arrows.places.iter().zip(&flat) {
+        // Roots, so that weak vectors have a direction too.
+        let size = LONGEST * vectors::part(*vector, usual) as f32;
+        let way = vector.normalize_or_zero();
         let way = vec2(way.x as f32, -way.y as f32);
         let middle = lens.screen(axes.flat(*place));
         if size < SHORTEST || way == Vec2::ZERO {
