@@ -29,7 +29,7 @@ use crate::table::TableError;
 pub struct ProbeArgs {
     /// Scene file
     pub scene: PathBuf,
-    /// CSV with the columns x, y, z (m)
+    /// Table with the columns x, y, z (m, or as `x [mm]`)
     #[arg(long, value_name = "FILE.csv")]
     pub points: PathBuf,
     #[command(flatten)]
@@ -64,7 +64,10 @@ pub fn run(args: &ProbeArgs) -> anyhow::Result<()> {
     for path in args.output.iter().chain(&args.time.spectrum) {
         files.writes(path)?;
     }
-    let samples = read_table(&args.points, Samples::read)?;
+    let (samples, has_unit) = read_table(&args.points, Samples::read_with_unit)?;
+    if !has_unit {
+        probe::slip(&scene, &samples.columns).iter().for_each(|warning| warn(warning));
+    }
     let name = args.scene.display().to_string();
     let drives = if args.time.time {
         Performance::of(&scene, &name, progress::begin)?.drives()

@@ -53,10 +53,11 @@ impl Calibration {
     /// # Errors
     /// An unreadable file, the errors of [`Self::parse`], or a broken `.pat` or that of another array.
     pub fn read(path: &Path, scene: &Scene) -> Result<Self, CalibrationError> {
-        let text = source::read_text(path, MOST_BYTES);
-        let text = text.map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
+        let bytes = source::read(path, MOST_BYTES);
+        let bytes = bytes.map_err(|error| CalibrationError::Unreadable(error.to_string()))?;
+        let text = String::from_utf8_lossy(&bytes);
         if !pat::is_board(&text) {
-            return Self::parse(&text, scene.elements());
+            return Self::of_table(&bytes, scene.elements());
         }
         if scene.boards.len() > 1 {
             return Err(CalibrationError::OneBoard(scene.boards.len()));
@@ -93,7 +94,11 @@ impl Calibration {
     /// # Errors
     /// An invalid row, duplicate or missing elements.
     pub fn parse(text: &str, elements: usize) -> Result<Self, CalibrationError> {
-        let mut table = Table::open(text.as_bytes(), ["element", "offset", "gain", "off"], [])?;
+        Self::of_table(text.as_bytes(), elements)
+    }
+
+    fn of_table(bytes: &[u8], elements: usize) -> Result<Self, CalibrationError> {
+        let mut table = Table::open(bytes, ["element", "offset", "gain", "off"], [])?;
         let mut rows = BTreeMap::new();
         while let Some(row) = table.next_row()? {
             let (number, element) =

@@ -13,7 +13,7 @@ use crate::device::levels::Levels;
 use crate::device::profile::Profile;
 use crate::drive::Drive;
 use crate::scene::check::MOST_ELEMENTS;
-use crate::scene::{Scene, Wire, Wires};
+use crate::scene::{Placed, Scene, Size, Wire, Wires};
 use crate::table::{Table, TableError};
 
 macro_rules! presets {
@@ -306,9 +306,44 @@ fn wired(
     (0..scene.elements()).map(channel).collect()
 }
 
+/// Columns and rows of a table of elements at the places of a regular grid, and each element's number in it.
+fn grid(placed: &[Placed]) -> Option<([u32; 2], Vec<usize>)> {
+    /// Spacings by which places may be off.
+    const OFF: f64 = 0.25;
+    let Size { extent, spacing } = Size::of(placed);
+    let range = |of: fn(&Placed) -> f64| {
+        let values = placed.iter().map(of);
+        values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), it| (low.min(it), high.max(it)))
+    };
+    let (x, y, z) = (range(|it| it.at.x), range(|it| it.at.y), range(|it| it.at.z));
+    let is_flat = z.1 - z.0 < OFF * spacing && placed.iter().all(|it| it.normal.z > 0.99);
+    if !is_flat || spacing <= 0.0 || extent > MOST_ELEMENTS as f64 * spacing {
+        return None;
+    }
+    let count = |(low, high): (f64, f64)| ((high - low) / spacing).round() as usize + 1;
+    let (columns, rows) = (count(x), count(y));
+    if columns * rows != placed.len() {
+        return None;
+    }
+    let mut taken = vec![false; placed.len()];
+    let number = |it: &Placed| {
+        let [across, up] = [(it.at.x - x.0) / spacing, (it.at.y - y.0) / spacing];
+        let [column, row] = [across.round(), up.round()];
+        let is_on = (across - column).abs() < OFF && (up - row).abs() < OFF;
+        let number = row as usize * columns + column as usize;
+        (is_on && !std::mem::replace(taken.get_mut(number)?, true)).then_some(number)
+    };
+    let numbers = placed.iter().map(number).collect::<Option<Vec<_>>>()?;
+    Some(([columns as u32, rows as u32], numbers))
+}
+
 fn in_own_order(profile: Profile, scene: &Scene, share: Share) -> Result<Vec<usize>, OtherArray> {
     let (boards, elements) = (scene.boards.len().max(1), scene.elements());
-    let grid = scene.array.file.is_none().then_some([scene.array.columns, scene.array.rows]);
+    let (grid, numbers) = match scene.array.placed.get().filter(|_| scene.array.file.is_some()) {
+        None => (scene.array.file.is_none().then_some([scene.array.columns, scene.array.rows]), None),
+        // A board of any array takes a table in its order.
+        Some(placed) => profile.shape().and_then(|_| grid(placed)).unzip(),
+    };
     let together = grid.map(|[columns, rows]| [columns, rows.saturating_mul(boards as u32)]);
     // A board of the scene for each of those on the lines begins at its first channel.
     let (one, all) = (of_one_board(profile), profile.elements() * share.of);
@@ -321,7 +356,11 @@ fn in_own_order(profile: Profile, scene: &Scene, share: Share) -> Result<Vec<usi
         let array = ArraySize { boards, grid, elements };
         return Err(OtherArray::Size { profile, array, ports: share.of });
     }
-    let channel = |n: usize| n / each * room + own_channel(profile, n % each);
+    let number = |n: usize| match &numbers {
+        Some(numbers) => n - n % numbers.len() + numbers[n % numbers.len()],
+        None => n,
+    };
+    let channel = |n: usize| number(n) / each * room + own_channel(profile, number(n) % each);
     Ok((0..elements).map(channel).collect())
 }
 

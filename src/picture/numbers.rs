@@ -17,23 +17,6 @@ pub fn npy(shape: &[u64], values: &[f32]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The shape and the values of an NPY file of float32 or float64 in C order.
-///
-/// # Errors
-/// Another file, other numbers, or another order.
-pub fn read_npy(bytes: &[u8]) -> io::Result<(Vec<usize>, Vec<f64>)> {
-    let file = || npyz::NpyFile::new(bytes);
-    let shape: Vec<_> = file()?.shape().iter().map(|&length| length as usize).collect();
-    if file()?.order() != npyz::Order::C {
-        return Err(io::Error::other("the array is in Fortran order: save it with numpy.ascontiguousarray"));
-    }
-    let values = match file()?.into_vec::<f64>() {
-        Ok(values) => values,
-        Err(_) => file()?.into_vec::<f32>()?.into_iter().map(f64::from).collect(),
-    };
-    Ok((shape, values))
-}
-
 /// An NPY file of float32, written piece by piece.
 pub struct Numbers<W: Write>(npyz::NpyWriter<f32, W>);
 
@@ -66,12 +49,13 @@ impl<W: Write> fmt::Debug for Numbers<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::table::npy::read;
 
     #[test]
     fn an_array_is_read_as_it_was_written() {
         let bytes = npy(&[2, 3], &[1.0, 2.0, 3.0, 4.0, 5.0, 6.5]).unwrap();
-        assert_eq!(read_npy(&bytes).unwrap(), (vec![2, 3], vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.5]));
-        assert!(read_npy(&bytes[..40]).is_err() && read_npy(b"x,y\n1,2\n").is_err());
+        assert_eq!(read(&bytes).unwrap(), (vec![2, 3], vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.5]));
+        assert!(read(&bytes[..40]).is_err() && read(b"x,y\n1,2\n").is_err());
     }
 
     #[test]

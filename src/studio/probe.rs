@@ -12,12 +12,33 @@ use crate::field::Quantity;
 use crate::field::slope::SoundTransfer;
 use crate::field::sound::Constants;
 use crate::force::Levitation;
-use crate::scene::{Bead, Focus, Spread};
+use crate::scene::{Bead, Focus, Scene, Spread};
 
 /// Pa, RMS: 0 dB.
 const REFERENCE: f64 = 20e-6;
 /// Consensus limit (dB) for an ear between 25 and 50 kHz for less than 4 hours (Howard, Hansen and Zander, 2004).
 pub const LIMIT: f64 = 110.0;
+
+/// The warning about points in millimetres, by their distance from the array.
+pub fn slip(scene: &Scene, points: &[DVec3]) -> Option<String> {
+    /// m, and radii of the arrays.
+    const FAR: f64 = 3.0;
+    const RADII: f64 = 20.0;
+    let aperture = Aperture::new(scene);
+    let centre = aperture.positions.iter().sum::<DVec3>() / aperture.positions.len().max(1) as f64;
+    let radius = aperture.positions.iter().map(|place| place.distance(centre)).fold(0.0, f64::max);
+    let far = points.iter().map(|point| point.distance(centre));
+    let count = far.clone().filter(|distance| *distance > FAR.max(RADII * radius)).count();
+    // A far field may be asked for beside the near one.
+    (2 * count > points.len()).then(|| {
+        format!(
+            "{count} of {} points are far from the array, up to {:.4} m: if they are millimetres, name the unit in the first \
+             line, as in `x [mm],y [mm],z [mm]`; if metres, `x [m]`",
+            points.len(),
+            far.fold(0.0, f64::max)
+        )
+    })
+}
 
 /// The sound at one point; for several drives in turn, the modulus is the root mean square and the phase that of the
 /// first.

@@ -12,7 +12,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::{Aperture, Face};
-use crate::scene::{ElementModel, Scene, Target, outline};
+use crate::scene::{ElementModel, Scene, Size, Target, outline};
 
 /// Limit relative to the pressure of a single focus at the best distance.
 const WEAK: f64 = 0.1;
@@ -47,6 +47,18 @@ pub enum Warning {
         .best * 1e3
     )]
     Far { name: String, pressure: f64, best: f64 },
+    /// Distance from the array and the array's extent, m.
+    #[error(
+        "{name} is {distance:.4} m away from an array of {extent:.3} m: positions are metres, not millimetres"
+    )]
+    Metres { name: String, distance: f64, extent: f64 },
+    /// m
+    #[error(
+        "The array spans {extent:.4} m, with elements of {:.1} mm radius {spacing:.4} m apart: lengths are metres, not \
+         millimetres",
+        1e3 * .radius
+    )]
+    Sparse { extent: f64, spacing: f64, radius: f64 },
     /// The pitch in wavelengths, and the lobe over the focus.
     #[error(
         "{name} is beyond the steering range: the elements are {pitch:.2} wavelengths apart, and a grating lobe reaches {:.0} \
@@ -76,9 +88,15 @@ pub fn of_targets(scene: &Scene) -> Vec<Warning> {
     }
     let rough = rough_fit(scene);
     let (best, distance) = best(&aperture);
+    let size = Size::of(&scene.array.places());
+    let sparse = sparse(scene, size);
+    let is_sparse = sparse.is_some();
     let shown = || scene.targets.iter().enumerate().filter(|(_, target)| target.visible).take(MOST_TARGETS);
-    let mut warnings: Vec<_> =
-        shown().filter_map(|(index, target)| warning(&aperture, index, target, (best, distance))).collect();
+    let of_target = |(index, target): (usize, &Target)| {
+        let slip = || far_in_metres(&aperture, index, target, size).filter(|_| !is_sparse);
+        slip().or_else(|| warning(&aperture, index, target, (best, distance)))
+    };
+    let mut warnings: Vec<_> = sparse.into_iter().chain(shown().filter_map(of_target)).collect();
     let places: Vec<_> = shown().map(|(_, target)| outline::centre(&target.shape)).collect();
     warnings.extend(turned_away(&aperture, &places));
     warnings.extend(rough);
@@ -91,6 +109,35 @@ fn rough_fit(scene: &Scene) -> Option<Warning> {
     const ROUGH: f64 = 0.02;
     let measured = scene.array.measured.get().filter(|_| scene.array.element == ElementModel::Measured)?;
     (measured.residual > ROUGH).then_some(Warning::RoughFit(measured.residual))
+}
+
+/// The warning about an array in millimetres, by its size.
+fn sparse(scene: &Scene, Size { extent, spacing }: Size) -> Option<Warning> {
+    /// Element radii, wavelengths, and m.
+    const APART: f64 = 100.0;
+    const WAVELENGTHS: f64 = 20.0;
+    const WIDEST: f64 = 10.0;
+    let radius = scene.array.element_radius;
+    let is_sparse = spacing > APART * radius && spacing > WAVELENGTHS * scene.wavelength();
+    (is_sparse || extent > WIDEST).then_some(Warning::Sparse { extent, spacing, radius })
+}
+
+/// The warning about a target in millimetres, by its distance.
+fn far_in_metres(aperture: &Aperture, index: usize, target: &Target, size: Size) -> Option<Warning> {
+    /// m, and widths of the array.
+    const FAR: f64 = 5.0;
+    const WIDTHS: f64 = 20.0;
+    let at = outline::centre(&target.shape);
+    let distance = aperture.positions.iter().map(|place| place.distance(at)).fold(f64::INFINITY, f64::min);
+    let is_far = distance > FAR && distance > WIDTHS * size.extent;
+    is_far.then(|| Warning::Metres { name: name(index, target), distance, extent: size.extent })
+}
+
+fn name(index: usize, target: &Target) -> String {
+    match target.name.as_str() {
+        "" => format!("Target {}", index + 1),
+        name => format!("Target {} ({name})", index + 1),
+    }
 }
 
 /// Boards without sound at any target.
@@ -125,10 +172,7 @@ fn warning(
     if at.z <= 0.0 {
         return None;
     }
-    let name = match target.name.as_str() {
-        "" => format!("Target {}", index + 1),
-        name => format!("Target {} ({name})", index + 1),
-    };
+    let name = name(index, target);
     let directivity = straightest(aperture, at);
     if directivity < SIDEWAYS {
         return Some(Warning::Aside { name, directivity });

@@ -13,7 +13,7 @@ use crate::ui::board::BoardCommand;
 /// Extensions of drawings.
 pub const IMPORTED: &[&str] = &["svg", "png", "jpg", "jpeg", "bmp"];
 /// Endings of tables of elements.
-pub const ELEMENTS: &[&str] = &["csv", "pat"];
+pub const ELEMENTS: &[&str] = &["csv", "pat", "txt", "tsv", "xml", "gz", "json", "npy"];
 /// Endings of files of drives.
 const DRIVES: &[&str] = &["csv", "tsv", "txt"];
 
@@ -169,7 +169,7 @@ impl Purpose {
         match self {
             Self::Open => "Open a scene",
             Self::SaveAs => "Save the scene as",
-            Self::Elements => "Open a table of elements (CSV, or PAT of OpenMPD)",
+            Self::Elements => "Open a table of elements (CSV, XML of Ultraino or acoular, PAT of OpenMPD)",
             Self::Wiring => "Open a wiring (CSV with element and channel, or PAT of OpenMPD)",
             Self::Drive => "Open a drive: phases and amplitudes of the elements (CSV)",
             Self::Scan => "Open a scan: readings of a microphone (CSV)",

@@ -12,7 +12,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("memory", &[]),
     ("gauge", &["web_time"]),
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
-    ("table", &["csv", "thiserror"]),
+    ("table", &["csv", "flate2", "npyz", "roxmltree", "serde_json", "thiserror"]),
     ("rounding", &[]),
     ("simd", &[]),
     ("acoustics", &["glam", "libm", "num_complex", "rayon", "sonoglyph_fourier"]),

@@ -7,7 +7,7 @@ use glam::DVec3;
 
 use crate::acoustics::Pose;
 use crate::scene::Plane;
-use crate::table::{Table, TableError};
+use crate::table::{Order, Table, TableError};
 
 /// Limit of points of a table: more would need gigabytes.
 pub const MOST_POINTS: usize = 10_000_000;
@@ -46,12 +46,23 @@ impl Samples {
         Self { columns: points, rows: vec![DVec3::ZERO] }
     }
 
-    /// The points of CSV with the columns `x`, `y` and `z` (m).
+    /// The points of a table with the columns `x`, `y` and `z` (m, unless their headings name a unit), or of those three
+    /// columns alone.
     ///
     /// # Errors
     /// No points or too many, an invalid row, or a point farther than 1000 km along an axis.
     pub fn read(csv: impl Read) -> Result<Self, TableError> {
-        let mut table = Table::open(csv, ["x", "y", "z"], [])?;
+        Self::read_with_unit(csv).map(|(samples, _)| samples)
+    }
+
+    /// The same, and whether the table names their unit.
+    ///
+    /// # Errors
+    /// The errors of [`Self::read`].
+    #[doc(hidden)]
+    pub fn read_with_unit(csv: impl Read) -> Result<(Self, bool), TableError> {
+        let orders: [Order; 2] = [&["x", "y", "z"], &["#", "x", "y", "z"]];
+        let mut table = Table::in_order(csv, ["x", "y", "z"], [], &orders)?;
         let mut points = Vec::new();
         while let Some(row) = table.next_row()? {
             let [] = row.optional;
@@ -70,7 +81,7 @@ impl Samples {
         if points.is_empty() {
             return Err(table.refusal("there are no points"));
         }
-        Ok(Self::at(points))
+        Ok((Self::at(points), table.has_unit()))
     }
 
     pub fn len(&self) -> usize {

@@ -78,6 +78,8 @@ pub use skin::{Channel, Skin};
 pub use skin::{Curve, Threshold, UNCERTAINTY};
 pub use solver::{Aim, Amplitudes, Method, Pressures, Solver};
 #[doc(hidden)]
+pub use space::Size;
+#[doc(hidden)]
 pub use target::TargetTable;
 pub use target::{Sampling, Target};
 pub use trap::Trap;

@@ -18,6 +18,33 @@ const MOST_REFLECTORS: usize = 16;
 /// Tolerated overlap of boards and reflectors (m), for rounding.
 const SLACK: f64 = 1e-6;
 
+/// The size of an array, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Size {
+    /// The longest side of its bounding box.
+    pub extent: f64,
+    /// Distance of neighbours: the median of some elements; 0 for a single one.
+    pub spacing: f64,
+}
+
+impl Size {
+    pub fn of(places: &[Placed]) -> Self {
+        /// Elements whose neighbours are searched.
+        const SAMPLES: usize = 16;
+        let bounds =
+            places.iter().fold((DVec3::MAX, DVec3::MIN), |(low, high), it| (low.min(it.at), high.max(it.at)));
+        let nearest = |n: usize| {
+            let others = (0..places.len()).filter(|&other| other != n);
+            others.map(|other| places[n].at.distance(places[other].at)).fold(f64::INFINITY, f64::min)
+        };
+        let step = places.len().div_ceil(SAMPLES).max(1);
+        let mut distances: Vec<_> = (0..places.len()).step_by(step).map(nearest).collect();
+        distances.sort_unstable_by(f64::total_cmp);
+        let spacing = if places.len() > 1 { distances[distances.len() / 2] } else { 0.0 };
+        Self { extent: (bounds.1 - bounds.0).max_element().max(0.0), spacing }
+    }
+}
+
 /// The region of sound: in front of some board, or of some element of a curved board.
 #[derive(Clone, Debug)]
 pub struct Front(Vec<(DVec3, DVec3)>);

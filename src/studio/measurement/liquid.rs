@@ -9,13 +9,12 @@ use serde_json::{Value, json};
 use crate::acoustics::response::responding;
 use crate::field::{Evaluator, Quantity, Request, Stages};
 use crate::measure::{DepressionFit, Estimate, fit_depression};
-use crate::picture::numbers;
 use crate::scene::{Plane, Scene};
 use crate::solver;
 use crate::source;
 use crate::studio::figure::Panel;
 use crate::studio::measurement::figure::{Sheet, maps, row_of_loudest};
-use crate::table::{Table, TableError};
+use crate::table::{Table, TableError, npy};
 
 /// Pixels of the model along the longer side: the cubic between them is exact to 1e-4.
 const FINE: f64 = 800.0;
@@ -70,7 +69,7 @@ pub fn read(scene: &Scene, path: &Path) -> Result<Heights, String> {
 }
 
 fn of_array(plane: &Plane, bytes: &[u8]) -> Result<Heights, String> {
-    let (shape, values) = numbers::read_npy(bytes).map_err(|error| error.to_string())?;
+    let (shape, values) = npy::read(bytes)?;
     let [rows, columns] = shape[..] else {
         return Err(format!("the array has {} dimensions: must have rows and columns", shape.len()));
     };

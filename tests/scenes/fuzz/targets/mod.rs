@@ -53,6 +53,8 @@ fn is_one_line(message: &str) {
 
 /// Asserts that a text has a line with this number, counted from 1.
 fn has_line(bytes: &[u8], line: usize) {
-    let lines = bytes.iter().filter(|&&byte| byte == b'\n').count() + 1;
-    assert!((1..=lines).contains(&line), "line {line} of {lines}");
+    // Lines end in either way, and those of a packed table are not seen here.
+    let lines = bytes.iter().filter(|&&byte| byte == b'\n' || byte == b'\r').count() + 1;
+    let is_packed = bytes.starts_with(b"\x1f\x8b");
+    assert!(is_packed || (1..=lines).contains(&line), "line {line} of {lines}");
 }
