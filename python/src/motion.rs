@@ -62,7 +62,7 @@ impl Motion {
         (0..self.sequence.frames.len() as u32).map(seconds).collect::<Vec<_>>().into_pyarray(py)
     }
 
-    /// Focal points of every frame, m: a list of float64, shape (foci, 3).
+    /// Focal points of every frame, m, of directions unit vectors: a list of float64, shape (foci, 3).
     #[getter]
     fn foci<'py>(&self, py: Python<'py>) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
         let places = |frame: &Frame| {

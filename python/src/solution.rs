@@ -109,7 +109,7 @@ impl Solution {
         all.into_pyarray(py).reshape([drives.len(), elements])
     }
 
-    /// Focal points, m; float64, shape (foci, 3).
+    /// Focal points, m, of directions unit vectors; float64, shape (foci, 3).
     #[getter]
     fn foci<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let foci = &self.solution.foci;

@@ -575,7 +575,9 @@ fn table(quantity: Quantity, wish: &Wish) -> [[u8; 4]; 256] {
 fn content((scene, foci): (&Scene, &[Focus]), request: &Request, wish: &Wish) -> anyhow::Result<Content> {
     let plane = &request.plane;
     let place = |point| sheet::on_plane(plane, point).map(|DVec2 { x, y }| [x, y]);
-    let is_continuous = |target: &Target| target.sampling == Sampling::Continuous || target.is_area();
+    let is_continuous = |target: &Target| {
+        target.sampling == Sampling::Continuous || target.is_area() || target.shape.is_direction()
+    };
     let (mut outlines, mut rings) = (Vec::new(), Vec::new());
     if wish.has_targets {
         for target in scene.targets.iter().filter(|target| target.is_in(0) && is_continuous(target)) {

@@ -90,7 +90,7 @@ fn arrows_are_the_forces_on_the_plane() {
     assert!(arrows.places.len() > 100 && arrows.places.len() == arrows.vectors.len());
     let height = scene(&screen).plane.centre.z;
     assert!(arrows.places.iter().all(|place| (place.z - height).abs() < 1e-12));
-    assert_eq!(arrows.vectors, levitation(&screen).vectors_at(&arrows.places));
+    assert_eq!(arrows.vectors, levitation(&screen).forces_at(&arrows.places));
     // They stay on other pages, and vanish with the map.
     screen.state_mut().editor_mut().panel = Panel::Solver;
     rest(&mut screen);
