@@ -139,8 +139,10 @@ fn target(targets: &mut [Target], number: Number) -> Result<&mut Target, EditErr
 
 /// Refuses a target that names a file of this machine.
 fn refuse_file_of(target: &Target) -> Result<(), EditError> {
-    match target.shape.picture() {
-        Some((file, ..)) => Err(EditError::NamesFile(echo::value(file))),
+    let picture = target.shape.picture().map(|(file, ..)| file);
+    let path = target.motion.as_ref().map(|motion| &*motion.file).filter(|file| !file.is_empty());
+    match picture.or(path) {
+        Some(file) => Err(EditError::NamesFile(echo::value(file))),
         None => Ok(()),
     }
 }
@@ -154,9 +156,10 @@ pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     let tables = scene.array.file.iter().chain(&scene.array.wiring);
     let table = tables.filter(|name| !name.starts_with(arrays::PRESET));
     let wave = Some(&scene.modulation.file).filter(|name| !name.is_empty());
+    let path = Some(&scene.motion.file).filter(|name| !name.is_empty());
     let drive = Some(&scene.drive.name).filter(|name| !name.is_empty());
     let thresholds = scene.skin.as_ref().filter(|skin| skin.known().is_none()).map(|skin| &skin.threshold);
-    if let Some(name) = table.chain(wave).chain(drive).chain(thresholds).next() {
+    if let Some(name) = table.chain(wave).chain(path).chain(drive).chain(thresholds).next() {
         return Err(EditError::NamesFile(echo::value(name)));
     }
     opening::load(&mut scene, Path::new(""))?;

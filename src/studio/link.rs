@@ -74,6 +74,10 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
     if !scene.modulation.file.is_empty() {
         return Err(LinkError::Wave(scene.modulation.file.clone()));
     }
+    let own = scene.targets.iter().filter_map(|target| target.motion.as_ref());
+    if let Some(motion) = own.chain([&scene.motion]).find(|motion| !motion.file.is_empty()) {
+        return Err(LinkError::Path(motion.file.clone()));
+    }
     let tables = [&scene.array.file, &scene.array.wiring];
     if let Some(name) = tables.into_iter().flatten().find(|name| !name.starts_with(arrays::PRESET)) {
         return Err(LinkError::Table(name.clone()));

@@ -32,6 +32,7 @@ pub mod primaries;
 pub mod probe;
 pub mod reach;
 pub mod response;
+pub mod routes;
 pub mod scattered;
 pub mod sheet;
 pub mod solving;
