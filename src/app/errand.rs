@@ -11,6 +11,7 @@ use egui::Context;
 
 use crate::import::Drawing;
 use crate::picture::Picture;
+use crate::scene::motion::Routes;
 use crate::scene::{Array, Curve, DriveFile, Wave};
 use crate::studio::later;
 use crate::ui::{Folder, Purpose};
@@ -125,6 +126,8 @@ pub enum Outcome {
     Heard(Result<Wave, String>),
     /// Thresholds of the skin, read.
     Felt(Result<Curve, String>),
+    /// The path of a target's own motion, or of the scene's.
+    Routed(Option<usize>, Result<Routes, String>),
     /// An array with loaded elements.
     Placed(Result<Box<Array>, String>),
     /// An array with loaded wires.

@@ -226,6 +226,7 @@ impl Window {
             Command::OpenDrive(path) => self.read_drive(path, ctx),
             Command::Waveform(path) => self.read_waveform(path, ctx),
             Command::Thresholds(path) => self.read_thresholds(path, ctx),
+            Command::Path(target, path) => self.read_routes(target, path, ctx),
             Command::OpenScan(path) => self.open_scan(path),
             Command::OpenScanDrive(path) => self.editor.parts.measuring.take_drive(Some(path)),
             Command::Export(export, path) => self.export(export, &path, ctx),

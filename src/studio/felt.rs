@@ -481,6 +481,7 @@ impl Speeds {
             let own = played.targets.iter_mut().filter_map(|target| target.motion.as_mut());
             for motion in own.chain([&mut played.motion]) {
                 motion.tempo = match motion.tempo {
+                    Tempo::Own => motion.rate(0.0).map_or(Tempo::Own, |rate| Tempo::Rate(rate * factor)),
                     Tempo::Rate(rate) => Tempo::Rate(rate * factor),
                     Tempo::Speed(speed) => Tempo::Speed(speed * factor),
                 };

@@ -6,7 +6,7 @@ use crate::drive;
 use crate::picture::figure::Format;
 use crate::source;
 use crate::studio::animate::Kind;
-use crate::studio::opening;
+use crate::studio::{opening, routes};
 use crate::table::Table;
 use crate::ui::board::BoardCommand;
 
@@ -49,6 +49,8 @@ pub enum Command {
     Waveform(PathBuf),
     /// Takes a table of thresholds of feeling for the skin.
     Thresholds(PathBuf),
+    /// Reads the path of a target's own motion, or of the scene's.
+    Path(Option<usize>, PathBuf),
     /// Copies the scene as a link to the clipboard.
     CopyLink,
     /// Opens the scene of a link.
@@ -145,6 +147,8 @@ pub enum Purpose {
     Waveform,
     /// Thresholds of the skin.
     Thresholds,
+    /// Path of a target's own motion, or of the scene's.
+    Path(Option<usize>),
     Export(Export),
 }
 
@@ -173,6 +177,7 @@ impl Purpose {
             Self::Import => "Import a drawing (SVG) or a picture of strokes (PNG, JPEG, BMP)",
             Self::Waveform => "Open a waveform of the modulation (WAV)",
             Self::Thresholds => "Open thresholds (CSV with frequency in Hz and displacement in m, peak)",
+            Self::Path(_) => "Open a path (CSV with x, y, z in m and perhaps t in s, or G-code)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the view as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
@@ -195,6 +200,7 @@ impl Purpose {
             Self::Drive | Self::Scan | Self::ScanDrive => DRIVES,
             Self::Waveform => &["wav"],
             Self::Thresholds => &["csv"],
+            Self::Path(_) => routes::ENDINGS,
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
@@ -220,6 +226,7 @@ impl Purpose {
                 | Self::ScanDrive
                 | Self::Waveform
                 | Self::Thresholds
+                | Self::Path(_)
         )
     }
 
@@ -227,7 +234,12 @@ impl Purpose {
         match self {
             Self::Open | Self::Drive | Self::Scan | Self::ScanDrive => "Open",
             Self::SaveAs | Self::Export(Export::Calibration { .. } | Export::Report) => "Save",
-            Self::Import | Self::Elements | Self::Wiring | Self::Waveform | Self::Thresholds => "Read",
+            Self::Import
+            | Self::Elements
+            | Self::Wiring
+            | Self::Waveform
+            | Self::Thresholds
+            | Self::Path(_) => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -244,6 +256,7 @@ impl Purpose {
             Self::ScanDrive => Command::OpenScanDrive(path),
             Self::Waveform => Command::Waveform(path),
             Self::Thresholds => Command::Thresholds(path),
+            Self::Path(target) => Command::Path(target, path),
             Self::Export(export) => Command::Export(export, path),
         }
     }

@@ -12,10 +12,10 @@ use crate::studio::routes::line::{LineError, Traced};
 
 /// Bytes of a file, at most.
 const MOST_BYTES: u64 = 64 << 20;
-/// Extensions of programs; other files are told by their content.
-pub const PROGRAMS: &[&str] = &["gcode", "nc", "ngc", "gco", "g", "tap"];
-/// Extensions of tables.
-pub const TABLES: &[&str] = &["csv", "txt", "tsv"];
+/// Extensions of tables and programs.
+pub const ENDINGS: &[&str] = &["csv", "txt", "tsv", "gcode", "nc", "ngc", "gco", "g", "tap"];
+/// Number of those of tables; files with other extensions are told by their content.
+const TABLES: usize = 3;
 
 /// The routes of a file.
 ///
@@ -39,7 +39,7 @@ pub fn decode(bytes: &[u8], is_called_program: bool) -> Result<Traced, LineError
 
 fn is_program(path: &Path) -> bool {
     let ending = path.extension().unwrap_or_default().to_string_lossy();
-    PROGRAMS.iter().any(|program| ending.eq_ignore_ascii_case(program))
+    ENDINGS[TABLES..].iter().any(|program| ending.eq_ignore_ascii_case(program))
 }
 
 /// The text of a file; comments of old programs are in Latin-1.

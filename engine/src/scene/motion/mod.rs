@@ -30,7 +30,7 @@ pub use frames::{check, count, frames};
 pub use keyframes::{Easing, Keyframe, insert};
 pub(crate) use mover::governing;
 #[doc(hidden)]
-pub use mover::pose;
+pub use mover::{pose, ways};
 use pose::Mover;
 #[doc(hidden)]
 pub use pose::Pose;
@@ -272,7 +272,8 @@ impl Motion {
     }
 
     /// Repetitions per second of a path of this length (m); `None` for a speed without length.
-    pub(crate) fn rate(&self, length: f64) -> Option<f64> {
+    #[doc(hidden)]
+    pub fn rate(&self, length: f64) -> Option<f64> {
         match self.tempo {
             Tempo::Own => Some(self.routes.period().map_or(USUAL_RATE, f64::recip)),
             Tempo::Rate(_) | Tempo::Speed(_) => self.tempo.rate(length),
@@ -381,7 +382,7 @@ impl Round<'_> {
         match self {
             Self::Track(track) => track.at(part * track.length()).into(),
             Self::Keyframes(keyframes) => keyframes::between(keyframes, part),
-            Self::File(routes) => routes.at(part, mover.target, mover.from),
+            Self::File(routes) => routes.at(part, mover),
         }
     }
 

@@ -1,5 +1,7 @@
 //! Targets and the motions that govern them.
 
+use glam::DVec3;
+
 use crate::scene::content::Scene;
 use crate::scene::motion::Motion;
 use crate::scene::motion::pose::{Mover, Pose};
@@ -15,6 +17,13 @@ pub(crate) fn governing<'a>(scene: &'a Scene, target: &'a Target) -> &'a Motion 
 pub fn pose(scene: &Scene, target: usize, part: f64) -> Pose {
     let Some(own) = scene.targets.get(target) else { return Pose::AT_REST };
     governing(scene, own).round().at(part, mover(scene, target, own))
+}
+
+/// The offsets (m) of a target in a repetition of a file's path, in pieces between jumps of at most `most` places.
+#[doc(hidden)]
+pub fn ways(scene: &Scene, target: usize, most: usize) -> Vec<Vec<DVec3>> {
+    let Some(own) = scene.targets.get(target) else { return Vec::new() };
+    governing(scene, own).routes.ways(mover(scene, target, own), most)
 }
 
 /// A target of a scene, by its index, with the place that a file's route brings to its places: its centre, or that of

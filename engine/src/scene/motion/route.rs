@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::scene::loaded::Loaded;
-use crate::scene::motion::pose::Pose;
+use crate::scene::motion::pose::{Mover, Pose};
 
 /// Limit of the frames that are chosen for a file.
 const MOST_FRAMES: u32 = 4096;
@@ -135,18 +135,40 @@ impl Routes {
         self.0.get().map_or(&[], |loaded| &loaded.routes)
     }
 
-    /// The offset of a target after a fraction of a repetition in [0, 1), from the place (m) that is brought onto the
-    /// route; at rest without a route.
-    pub(super) fn at(&self, part: f64, target: usize, from: DVec3) -> Pose {
-        let is_of = |route: &&Route| route.target.is_none_or(|own| own == target);
-        self.routes().iter().find(is_of).map_or(Pose::AT_REST, |route| {
-            let at = route.at(part) - from;
-            Pose { at: if route.has_height { at } else { at.with_z(0.0) }, ..Pose::AT_REST }
+    fn of(&self, target: usize) -> Option<&Route> {
+        self.routes().iter().find(|route| route.target.is_none_or(|own| own == target))
+    }
+
+    /// The pose of a target after a fraction of a repetition in [0, 1); at rest without a route.
+    pub(super) fn at(&self, part: f64, mover: Mover) -> Pose {
+        self.of(mover.target).map_or(Pose::AT_REST, |route| Pose {
+            at: route.offset(route.at(part), mover.from),
+            ..Pose::AT_REST
         })
+    }
+
+    /// The offsets (m) of a target in a repetition, in pieces between jumps of at most `most` places.
+    pub(super) fn ways(&self, mover: Mover, most: usize) -> Vec<Vec<DVec3>> {
+        let Some(route) = self.of(mover.target) else { return Vec::new() };
+        let places: Vec<_> = route.places.iter().map(|place| route.offset(*place, mover.from)).collect();
+        let is_jump = |i: usize| i > 0 && route.parts[i] == route.parts[i - 1] && places[i] != places[i - 1];
+        let starts: Vec<_> = (0..places.len()).filter(|&i| i == 0 || is_jump(i)).collect();
+        let ends = starts.iter().copied().skip(1).chain([places.len()]);
+        let step = places.len().div_ceil(most.max(1)).max(1);
+        let piece = |(&start, end): (&usize, usize)| {
+            let inner = (start..end - 1).step_by(step).chain([end - 1]);
+            inner.map(|i| places[i]).collect()
+        };
+        starts.iter().zip(ends).map(piece).collect()
     }
 }
 
 impl Route {
+    /// From the place (m) that is brought to this one; heights may be the target's own.
+    fn offset(&self, place: DVec3, from: DVec3) -> DVec3 {
+        if self.has_height { place - from } else { (place - from).with_z(0.0) }
+    }
+
     fn at(&self, part: f64) -> DVec3 {
         let next = self.parts.partition_point(|&end| end <= part);
         match (self.places.get(next.wrapping_sub(1)), self.places.get(next)) {
@@ -288,8 +310,12 @@ mod tests {
         Trace { target: None, places: places.iter().map(place).collect(), has_height: true }
     }
 
+    fn mover(target: usize, from: DVec3) -> Mover {
+        Mover { target, from }
+    }
+
     fn at(routes: &Routes, part: f64) -> DVec3 {
-        routes.at(part, 0, DVec3::ZERO).at
+        routes.at(part, mover(0, DVec3::ZERO)).at
     }
 
     /// A corner: 30 mm along x, 40 mm along y, and 50 mm back.
@@ -340,10 +366,10 @@ mod tests {
         let routes = Routes::new(PathBuf::new(), vec![own(1, CORNERS), own(0, slow)], Vec::new());
         for i in 0..24 {
             let part = f64::from(i) / 24.0;
-            let [fast, slow] = [1, 0].map(|target| routes.at(part, target, DVec3::ZERO).at);
+            let [fast, slow] = [1, 0].map(|target| routes.at(part, mover(target, DVec3::ZERO)).at);
             assert!(slow.distance(fast * 0.1) < 1e-12, "{part}: {fast}, {slow}");
         }
-        assert_eq!(routes.at(0.3, 2, DVec3::ZERO), Pose::AT_REST, "a target without a route");
+        assert_eq!(routes.at(0.3, mover(2, DVec3::ZERO)), Pose::AT_REST, "a target without a route");
     }
 
     #[test]
@@ -354,7 +380,7 @@ mod tests {
         assert!((routes.length() - 0.02).abs() < 1e-12);
         let from = DVec3::new(0.01, 0.02, 0.15);
         for (part, x) in [(0.0, 0.0), (0.499, 0.00998), (0.5, 0.05), (0.75, 0.055)] {
-            let offset = routes.at(part, 0, from).at;
+            let offset = routes.at(part, mover(0, from)).at;
             assert!(offset.distance(DVec3::new(x - 0.01, -0.02, 0.0)) < 1e-12, "{part}: {offset}");
         }
     }
