@@ -41,3 +41,51 @@ impl<'a> Posed<'a> {
         scene
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use glam::DVec3;
+
+    use super::*;
+    use crate::scene::motion::{self, Keyframe, MotionPath};
+    use crate::scene::{outline, shape::Shape, target::Target, trap::Trap};
+
+    #[test]
+    fn foci_turn_as_their_targets_do() {
+        let at = DVec3::new(0.01, -0.02, 0.12);
+        let shapes = [
+            Shape::Rectangle { at, width: 0.03, height: 0.01 },
+            Shape::Text { text: "F4".to_owned(), at, height: 0.03 },
+            Shape::Line { from: at, to: at + DVec3::new(0.03, 0.01, 0.01) },
+            Shape::Trap { at, trap: Trap::Vortex, charge: 2 },
+        ];
+        let keyframe = |time: f64, at: DVec3, angle: f64| Keyframe { angle, ..Keyframe::new(time, at) };
+        for shape in shapes {
+            let normal = if shape.is_flat() { DVec3::new(0.3, -0.2, 1.0) } else { DVec3::Z };
+            let mut scene = Scene { targets: vec![Target::new(shape)], ..Scene::default() };
+            (scene.targets[0].normal, scene.targets[0].angle) = (normal, 0.4);
+            (scene.motion.path, scene.motion.frames) = (MotionPath::Keyframes, 8);
+            scene.motion.keyframes =
+                vec![keyframe(0.0, DVec3::ZERO, 0.0), keyframe(0.5, DVec3::X * 0.02, TAU / 2.0)];
+            let frames = motion::frames(&scene).unwrap();
+            let posed = Posed::of(&scene).unwrap().unwrap();
+            for (frame, foci) in frames.iter().enumerate() {
+                let turned = posed.scene(frame);
+                let wanted = outline::foci(&turned).unwrap();
+                assert_eq!(foci.len(), wanted.len());
+                let angle = 0.4 + TAU * frame as f64 / 8.0;
+                assert!((turned.targets[0].angle - angle).abs() < 1e-12, "the second half goes on");
+                for (own, wanted) in foci.iter().zip(&wanted) {
+                    assert!(
+                        own.position.distance(wanted.position) < 1e-12,
+                        "frame {frame} of {:?}",
+                        scene.targets[0]
+                    );
+                }
+            }
+        }
+        assert!(Posed::of(&Scene::default()).unwrap().is_none());
+    }
+}

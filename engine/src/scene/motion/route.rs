@@ -379,7 +379,7 @@ mod tests {
         let routes = Routes::new(PathBuf::new(), vec![path], Vec::new());
         assert!((routes.length() - 0.02).abs() < 1e-12);
         let from = DVec3::new(0.01, 0.02, 0.15);
-        for (part, x) in [(0.0, 0.0), (0.499, 0.00998), (0.5, 0.05), (0.75, 0.055)] {
+        for (part, x) in [(0.0, 0.0), (0.499, 0.00998), (0.501, 0.05002), (0.75, 0.055)] {
             let offset = routes.at(part, mover(0, from)).at;
             assert!(offset.distance(DVec3::new(x - 0.01, -0.02, 0.0)) < 1e-12, "{part}: {offset}");
         }
