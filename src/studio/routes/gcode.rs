@@ -28,6 +28,10 @@ const MILLIMETRE: f64 = 1e-3;
 const INCH: f64 = 0.0254;
 /// Largest distance of an arc from its chords, m.
 const TOLERANCE: f64 = 1e-6;
+/// Limit of the numbers of words.
+const LARGEST: f64 = 1e9;
+/// Limit of the codes that a remark lists.
+const MOST_LISTED: usize = 12;
 /// Difference of an arc's radii at its ends that is refused, m, and in parts of the radius: those of Grbl.
 const ECCENTRIC: (f64, f64, f64) = (5e-4, 5e-6, 1e-3);
 /// m: heights closer than this are the same.
@@ -95,7 +99,8 @@ fn words(line: &str) -> Result<Vec<(char, f64)>, String> {
         let value = &rest[letter.len_utf8()..];
         let end = value.find(|part: char| !(part.is_ascii_digit() || "+-.".contains(part)));
         let (number, next) = value.split_at(end.unwrap_or(value.len()));
-        let Some(number) = number.parse::<f64>().ok().filter(|_| letter.is_ascii_alphabetic()) else {
+        let is_word = |number: &f64| letter.is_ascii_alphabetic() && number.abs() <= LARGEST;
+        let Some(number) = number.parse::<f64>().ok().filter(is_word) else {
             return Err(format!("`{}`: not a word of G-code", echo::value(rest)));
         };
         words.push((letter, number));
@@ -265,7 +270,7 @@ impl Machine {
             let Some(given) = given else { continue };
             to[axis] = if self.is_relative { self.at[axis] + given } else { given + self.shift[axis] };
         }
-        if to.abs().max_element() > FARTHEST {
+        if to.abs().to_array().iter().any(|part| *part > FARTHEST) {
             let [x, y, z] = (to / MILLIMETRE).to_array();
             return Err(format!("({x}, {y}, {z}) mm is farther than {FARTHEST} m"));
         }
@@ -314,6 +319,7 @@ impl Machine {
         let (from, to) = (from.truncate(), to.truncate());
         let offset = ['I', 'J'].map(|axis| value(axis).map(|value| value * self.unit));
         if let Some(radius) = value('R').map(|radius| radius * self.unit) {
+            within_reach(radius.abs())?;
             let half = (to - from) / 2.0;
             let height = radius * radius - half.length_squared();
             if half == DVec2::ZERO {
@@ -344,6 +350,7 @@ impl Machine {
             false => from + DVec2::new(i, j),
         };
         let radii = [from, to].map(|end| end.distance(centre));
+        within_reach(radii[0])?;
         let off = (radii[0] - radii[1]).abs();
         let (most, least, part) = ECCENTRIC;
         if radii[0] == 0.0 || off > most || (off > least && off > part * radii[0]) {
@@ -358,8 +365,9 @@ impl Machine {
         if self.left_out.is_empty() {
             return Vec::new();
         }
-        let codes: Vec<_> = self.left_out.iter().map(String::as_str).collect();
-        vec![format!("left out, as they draw nothing here: {}", codes.join(", "))]
+        let codes: Vec<_> = self.left_out.iter().map(String::as_str).take(MOST_LISTED).collect();
+        let others = if self.left_out.len() > MOST_LISTED { " and others" } else { "" };
+        vec![format!("left out, as they draw nothing here: {}{others}", codes.join(", "))]
     }
 
     fn trace(&self) -> Trace {
@@ -424,6 +432,15 @@ impl Machine {
     }
 }
 
+/// Refuses an arc of a larger radius (m) than places are apart.
+fn within_reach(radius: f64) -> Result<(), String> {
+    if radius <= FARTHEST {
+        return Ok(());
+    }
+    Err(format!("an arc of {} mm is larger than {FARTHEST} m", radius / MILLIMETRE))
+}
+
+/// What tells drawn moves from others.
 #[derive(Clone, Copy, Debug)]
 enum Pen {
     Switched,

@@ -8,6 +8,7 @@ mod drawing;
 mod link;
 mod native;
 mod picture;
+mod route;
 mod scene;
 mod settings;
 mod stock;
@@ -31,6 +32,7 @@ pub const TARGETS: [(&str, Target); 16] = [
     ("link", link::run),
     ("batch", batch::run),
     ("settings", settings::run),
+    ("route", route::run),
     ("waveform", waveform::run),
     ("osc", control::osc),
     ("ultraino", control::ultraino),
