@@ -357,11 +357,15 @@ class Modulation(_Table):
 
 @dataclass(kw_only=True)
 class Keyframe(_Table):
-    """A keyframe of a motion: time (fraction of the cycle), offset (m), pressure, and interpolation to the next."""
+    """A keyframe of a motion: time (fraction of the cycle), offset (m), pressure, turn, phase, easing to the next."""
 
     time: float | None = None
     at: Vector | None = None
     pressure: float | None = None
+    angle: float | None = None
+    """rad, about the target's normal; 2π is a full turn"""
+    phase: float | None = None
+    """rad, added to the opposite part of a trap"""
     easing: str | None = None
 
 
@@ -377,6 +381,8 @@ class MotionPath(_Table):
     frames: int | None = None
     points: Sequence[Vector] | None = None
     keyframes: Sequence[Keyframe] | None = None
+    file: FileName | None = None
+    """CSV of places or G-code, for the path `file`"""
     foci: int | None = None
     lead: bool | None = None
     """ahead of the path by the response time of the elements"""

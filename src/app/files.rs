@@ -16,16 +16,21 @@ use crate::drive::Drive;
 use crate::field::{Colouring, Evaluator, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{Picture, export, numbers};
-use crate::scene::{Array, Curve, Directivity, ElementModel, Elements, Envelope, Scene, Wave, Wires, check};
+use crate::scene::motion::Routes;
+use crate::scene::{Array, Curve, Directivity, ElementModel, Elements, Envelope, Motion, MotionPath};
+use crate::scene::{Scene, Tempo, Wave, Wires, check};
 use crate::solver::frames;
 use crate::source;
 use crate::studio::animate::{self, Look};
 use crate::studio::opening::stem;
 use crate::studio::paintings::Placed;
-use crate::studio::{directivity, elements, figure, link, liquid, opening, output, thresholds, waveform};
+use crate::studio::{
+    directivity, elements, figure, link, liquid, opening, output, routes, thresholds, waveform,
+};
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
+use crate::ui::way;
 use crate::ui::{self, Command, Dialog, Export, Purpose};
 
 /// Opens the file dialog of the desktop or browser.
@@ -286,6 +291,21 @@ impl Window {
         (array.directivity, array.measured, array.element) = (name, measured, ElementModel::Measured);
     }
 
+    /// Reads the path of a target's own motion, or of the scene's, then applies it.
+    pub(super) fn read_routes(&mut self, target: Option<usize>, path: PathBuf, ctx: &egui::Context) {
+        self.send(ctx, move |_| Outcome::Routed(target, routes::read(&path)));
+    }
+
+    fn take_routes(&mut self, target: Option<usize>, routes: Routes) {
+        let Some(file) = routes.file() else { return };
+        let name = self.beside_document(file);
+        let Some(motion) = way::motion_mut(&mut self.editor.document.scene, target) else { return };
+        // Another file has its own tempo, and needs as many frames as it has places.
+        motion.tempo = Tempo::usual(MotionPath::File);
+        (motion.path, motion.frames) = (MotionPath::File, Motion::AUTOMATIC);
+        (motion.file, motion.routes) = (name, routes);
+    }
+
     /// The name of a file in the scene: relative to the scene's folder, if it lies there.
     fn beside_document(&self, file: &Path) -> String {
         let folder = self.editor.document.path().and_then(Path::parent);
@@ -348,6 +368,8 @@ impl Window {
             Outcome::Felt(Err(error)) => self.refuse("The thresholds cannot be read", &anyhow!(error)),
             Outcome::Directed(Ok(measured)) => self.take_directivity(measured),
             Outcome::Directed(Err(error)) => self.refuse("The directivity cannot be read", &anyhow!(error)),
+            Outcome::Routed(target, Ok(routes)) => self.take_routes(target, routes),
+            Outcome::Routed(_, Err(error)) => self.refuse("The path cannot be read", &anyhow!(error)),
             Outcome::Placed(Ok(array)) => self.editor.document.scene.array = *array,
             Outcome::Wired(Ok(array)) => {
                 let own = &mut self.editor.document.scene.array;

@@ -177,6 +177,7 @@ fn read(path: &Path) -> Option<(Scene, Origin, Paintings)> {
         let _ = opening::load_targets(std::slice::from_mut(target), folder);
     }
     let _ = opening::load_waves(&mut scene, folder);
+    let _ = opening::load_routes(&mut scene, folder);
     let _ = opening::load_thresholds(scene.skin.as_mut(), folder);
     let _ = opening::load_directivity(&mut scene.array, folder);
     let mut paintings = Paintings::default();

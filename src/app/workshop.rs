@@ -558,6 +558,7 @@ fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
     if let Some(beyond) = radiation.and_then(|radiation| radiation.beyond.clone()) {
         warnings.insert(0, beyond);
     }
+    warnings.extend(crate::studio::motion::remarks(editor.scene()));
     warnings.extend(shown.board.steadied.clone());
     let map = shown.map.as_ref();
     let tolerance = editor.view.quantity.declaration().tolerance(editor.scene().plane.tolerance);

@@ -139,8 +139,10 @@ fn target(targets: &mut [Target], number: Number) -> Result<&mut Target, EditErr
 
 /// Refuses a target that names a file of this machine.
 fn refuse_file_of(target: &Target) -> Result<(), EditError> {
-    let wave = target.modulation.as_ref().map(|modulation| &modulation.file).filter(|name| !name.is_empty());
-    match target.shape.picture().map(|(file, ..)| file).or(wave.map(|name| &**name)) {
+    let picture = target.shape.picture().map(|(file, ..)| file);
+    let wave = target.modulation.as_ref().map(|modulation| &*modulation.file);
+    let path = target.motion.as_ref().map(|motion| &*motion.file);
+    match [picture, wave, path].into_iter().flatten().find(|file| !file.is_empty()) {
         Some(file) => Err(EditError::NamesFile(echo::value(file))),
         None => Ok(()),
     }
@@ -155,10 +157,12 @@ pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     let tables = scene.array.file.iter().chain(&scene.array.wiring);
     let table = tables.filter(|name| !name.starts_with(arrays::PRESET));
     let wave = scene.modulations().map(|(_, modulation)| &modulation.file).find(|name| !name.is_empty());
+    let path = Some(&scene.motion.file).filter(|name| !name.is_empty());
     let drive = Some(&scene.drive.name).filter(|name| !name.is_empty());
     let thresholds = scene.skin.as_ref().filter(|skin| skin.known().is_none()).map(|skin| &skin.threshold);
     let directivity = scene.array.directivity.as_ref();
-    if let Some(name) = table.chain(wave).chain(drive).chain(thresholds).chain(directivity).next() {
+    let named = table.chain(wave).chain(path).chain(drive).chain(thresholds).chain(directivity);
+    if let Some(name) = named.into_iter().next() {
         return Err(EditError::NamesFile(echo::value(name)));
     }
     opening::load(&mut scene, Path::new(""))?;

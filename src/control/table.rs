@@ -53,6 +53,10 @@ pub fn patch(scene: &mut Scene, table: Table, keys: &Map<String, Value>) -> Resu
             scene.modulation.wave = wave;
         }
         Table::Motion => {
+            if let Some(file) = keys.get("file") {
+                return Err(EditError::NamesFile(echo::value(&file.to_string())));
+            }
+            let routes = scene.motion.routes.clone();
             let mut now = as_keys(&scene.motion);
             // The other of the two is derived.
             if keys.contains_key("speed") || keys.contains_key("rate") {
@@ -61,6 +65,7 @@ pub fn patch(scene: &mut Scene, table: Table, keys: &Map<String, Value>) -> Resu
             }
             let motion: MotionTable = read(table.into_str(), merged(now, keys))?;
             scene.motion = motion.into_motion().map_err(|error| error.under(&[table.into_str().into()]))?;
+            scene.motion.routes = routes;
         }
     }
     Ok(())

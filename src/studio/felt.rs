@@ -383,7 +383,7 @@ fn strokes(scene: &Scene) -> Vec<(usize, Vec<DVec3>)> {
             (true, false) => outline::strokes(target).unwrap_or_default(),
             (false, true) => {
                 let part = |n: u32| f64::from(n % VERTICES) / f64::from(VERTICES);
-                let at = |n: u32| outline::centre(shape) + motion.offset(part(n));
+                let at = |n: u32| outline::centre(shape) + motion::pose(scene, index, part(n)).at;
                 vec![(0..=VERTICES).map(at).collect()]
             }
         };
@@ -482,6 +482,7 @@ impl Speeds {
             let own = played.targets.iter_mut().filter_map(|target| target.motion.as_mut());
             for motion in own.chain([&mut played.motion]) {
                 motion.tempo = match motion.tempo {
+                    Tempo::Own => motion.rate(0.0).map_or(Tempo::Own, |rate| Tempo::Rate(rate * factor)),
                     Tempo::Rate(rate) => Tempo::Rate(rate * factor),
                     Tempo::Speed(speed) => Tempo::Speed(speed * factor),
                 };

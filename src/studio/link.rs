@@ -36,6 +36,8 @@ pub enum LinkError {
     Picture(String),
     #[error("a link holds no waveforms: the modulation has “{}”", echo::value(.0))]
     Wave(String),
+    #[error("a link holds no paths: the motion has “{}”", echo::value(.0))]
+    Path(String),
     #[error("a link holds no tables: the array has “{}”", echo::value(.0))]
     Table(String),
     #[error("a link holds no drives: the scene plays “{}”", echo::value(.0))]
@@ -61,7 +63,7 @@ pub fn of_page(link: &str, page: &str) -> String {
 /// The link of a scene.
 ///
 /// # Errors
-/// A scene with pictures, drives, a waveform or tables, which are separate files.
+/// A scene with pictures, drives, a waveform, paths or tables, which are separate files.
 pub fn write(scene: &Scene) -> Result<String, LinkError> {
     for target in &scene.targets {
         if let Some((file, ..)) = target.shape.picture() {
@@ -73,6 +75,10 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
     }
     if let Some((_, named)) = scene.modulations().find(|(_, modulation)| !modulation.file.is_empty()) {
         return Err(LinkError::Wave(named.file.clone()));
+    }
+    let own = scene.targets.iter().filter_map(|target| target.motion.as_ref());
+    if let Some(motion) = own.chain([&scene.motion]).find(|motion| !motion.file.is_empty()) {
+        return Err(LinkError::Path(motion.file.clone()));
     }
     let tables = [&scene.array.file, &scene.array.wiring, &scene.array.directivity];
     if let Some(name) = tables.into_iter().flatten().find(|name| !name.starts_with(arrays::PRESET)) {

@@ -35,6 +35,7 @@ pub mod primaries;
 pub mod probe;
 pub mod reach;
 pub mod response;
+pub mod routes;
 pub mod scattered;
 pub mod sheet;
 pub mod solving;

@@ -3,7 +3,7 @@
 use crate::acoustics::Aperture;
 use crate::gauge::Gauge;
 use crate::rounding::pascals;
-use crate::scene::{Pressures, Scene, motion};
+use crate::scene::{Motion, Pressures, Scene, motion};
 use crate::solver::frames::{self, Frame, Sequence};
 use crate::solver::{warning_of_drive, warnings_of_foci};
 use crate::studio::output::{note, warn};
@@ -21,6 +21,7 @@ pub fn follow(scene: &Scene, name: &str, progress: &Gauge) -> anyhow::Result<Seq
     if !motion::moves(scene) && sequence.frames.len() == 1 {
         note(&format!("nothing moves: {}, so there is one frame", at_rest(scene)));
     }
+    remarks(scene).iter().for_each(|remark| warn(remark));
     warning_of_drive(scene).iter().for_each(|warning| warn(&warning.to_string()));
     for warning in warnings_of_foci(&Aperture::new(scene), &sequence.frames[0].foci) {
         warn(&format!("in the first frame, {warning}"));
@@ -38,6 +39,13 @@ pub fn at_rest(scene: &Scene) -> &'static str {
         true => "the file of the drive has a single one, or drives without times",
         false => "`path` in [motion] is \"none\"",
     }
+}
+
+/// Remarks on the files of paths.
+pub fn remarks(scene: &Scene) -> Vec<String> {
+    let shown = scene.targets.iter().filter(|target| target.visible);
+    let own = shown.filter_map(|target| target.motion.as_ref());
+    own.chain([&scene.motion]).flat_map(Motion::remarks).collect()
 }
 
 /// Warns of targets with a rate other than requested.

@@ -1,5 +1,5 @@
-//! Opens scenes: the file, and the pictures, waveform, thresholds, directivity, drives, elements and wires that it
-//! names.
+//! Opens scenes: the file, and the pictures, waveforms, thresholds, paths, directivity, drives, elements and wires that
+//! it names.
 //!
 //! A scene file names a picture; opening loads the pixels, which the scene then shares and the file never contains.
 
@@ -12,9 +12,11 @@ use crate::drive;
 use crate::picture::grey;
 use crate::scene::check::check;
 use crate::scene::file::{self, FileError};
-use crate::scene::{Array, DriveFile, Elements, Grey, Key, KeyError, Pixels, Scene, Skin, Target, Wires};
+use crate::scene::{
+    Array, DriveFile, Elements, Grey, Key, KeyError, Motion, Pixels, Scene, Skin, Target, Wires,
+};
 use crate::source;
-use crate::studio::{arrays, directivity, elements, thresholds, waveform};
+use crate::studio::{arrays, directivity, elements, routes, thresholds, waveform};
 
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
@@ -30,10 +32,11 @@ pub fn stem(path: &Path) -> String {
     stem.strip_suffix(".sonoglyph").filter(|name| !name.is_empty()).unwrap_or(&stem).to_owned()
 }
 
-/// The scene of a file, with its pictures, waveform, thresholds, directivity, drives, and tables of elements and wires.
+/// The scene of a file, with its pictures, waveforms, thresholds, paths, directivity, drives, and tables of elements
+/// and wires.
 ///
 /// # Errors
-/// The errors of [`file::read`], and a picture, a waveform, thresholds, drives or a table that cannot be read.
+/// The errors of [`file::read`], and a picture, a waveform, thresholds, a path, drives or a table that cannot be read.
 pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
@@ -49,19 +52,21 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures, waveform, thresholds, directivity, drives, elements and wires named by a scene, relative to a folder, and
-/// checks the scene again if there are pictures, drives or a table.
+/// Loads the pictures, waveforms, thresholds, paths, directivity, drives, elements and wires named by a scene, relative
+/// to a folder, and checks the scene again if there are pictures, paths, drives or a table.
 ///
 /// # Errors
-/// A missing, unreadable or black picture, errors of [`waveform::read`] and [`thresholds::read`], a missing or invalid
-/// table, and errors of [`check()`] and [`file::targets_in_motion`].
+/// A missing, unreadable or black picture, errors of [`waveform::read`], [`thresholds::read`] and [`routes::read`], a
+/// missing or invalid table, and errors of [`check()`] and [`file::targets_in_motion`].
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     load_waves(scene, folder)?;
     load_thresholds(scene.skin.as_mut(), folder)?;
     load_directivity(&mut scene.array, folder)?;
+    let has_routes = load_routes(scene, folder)?;
     let lacks_table = scene.array.lacks_elements() || scene.array.lacks_wires() || scene.drive.is_missing();
     if !scene.targets.iter().any(Target::lacks_pixels) && !lacks_table {
-        return Ok(());
+        let is_whole = has_routes && !scene.lacks_pixels();
+        return if is_whole { file::targets_in_motion(scene) } else { Ok(()) };
     }
     load_targets(&mut scene.targets, folder)?;
     load_elements(&mut scene.array, folder)?;
@@ -162,6 +167,28 @@ pub fn load_waves(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
         })?;
     }
     Ok(())
+}
+
+/// Loads the paths of motions that are named and not loaded; returns whether there were any.
+///
+/// # Errors
+/// The errors of [`routes::read`].
+pub fn load_routes(scene: &mut Scene, folder: &Path) -> Result<bool, KeyError> {
+    let mut has_loaded = false;
+    let mut load = |motion: &mut Motion, key: Vec<Key>| {
+        if motion.lacks_routes() {
+            let read = routes::read(&folder.join(&motion.file));
+            motion.routes = read.map_err(|message| KeyError::new(key, message))?;
+            has_loaded = true;
+        }
+        Ok(())
+    };
+    load(&mut scene.motion, vec![Key::from("motion"), Key::from("file")])?;
+    for (index, target) in scene.targets.iter_mut().enumerate() {
+        let key = vec![Key::from("target"), Key::from(index), Key::from("motion"), Key::from("file")];
+        target.motion.as_mut().map_or(Ok(()), |motion| load(motion, key))?;
+    }
+    Ok(has_loaded)
 }
 
 /// Loads the thresholds of a skin, if a file has them and they are not loaded.

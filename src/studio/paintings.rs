@@ -79,6 +79,14 @@ impl Paintings {
                 modulation.file = name_from(&path, &absolute(&samples.file), before);
             }
         }
+        let Scene { motion, targets, .. } = &mut placed.scene;
+        let own = targets.iter_mut().filter_map(|target| target.motion.as_mut());
+        for motion in own.chain([motion]) {
+            if let Some(place) = motion.routes.file() {
+                let before = if Path::new(&motion.file).is_absolute() { "" } else { &*motion.file };
+                motion.file = name_from(&path, &absolute(place), before);
+            }
+        }
         if let Some(skin) = placed.scene.skin.as_mut().filter(|skin| skin.known().is_none())
             && let Some(place) = &skin.curve.from
         {

@@ -69,6 +69,7 @@ impl Stimulus {
                 let (path, Motion { frames, .. }) = (motion.path.into_str(), motion);
                 let tempo = match tempo {
                     Tempo::Rate(rate) => format!("size = {:?}, rate = {rate:?}", motion.size),
+                    Tempo::Own => format!("file = {:?}", motion.file),
                     Tempo::Speed(speed) => format!("foci = {}, speed = {speed:.2}", motion.foci),
                 };
                 format!("[motion] path = \"{path}\", {tempo}, frames = {frames}")

@@ -6,7 +6,7 @@ use crate::drive;
 use crate::picture::figure::Format;
 use crate::source;
 use crate::studio::animate::Kind;
-use crate::studio::opening;
+use crate::studio::{opening, routes};
 use crate::table::Table;
 use crate::ui::board::BoardCommand;
 
@@ -51,6 +51,8 @@ pub enum Command {
     Thresholds(PathBuf),
     /// Takes a table as the directivity of the elements.
     Directivity(PathBuf),
+    /// Reads the path of a target's own motion, or of the scene's.
+    Path(Option<usize>, PathBuf),
     /// Copies the scene as a link to the clipboard.
     CopyLink,
     /// Opens the scene of a link.
@@ -149,6 +151,8 @@ pub enum Purpose {
     Thresholds,
     /// Directivity of an element.
     Directivity,
+    /// Path of a target's own motion, or of the scene's.
+    Path(Option<usize>),
     Export(Export),
 }
 
@@ -180,6 +184,7 @@ impl Purpose {
                 "Open a directivity (CSV with angle in degrees, amplitude or level in dB, and phase)"
             }
             Self::Thresholds => "Open thresholds (CSV with frequency in Hz and displacement in m, peak)",
+            Self::Path(_) => "Open a path (CSV with x, y, z in m and perhaps t in s, or G-code)",
             Self::Export(Export::Figure(_)) => "Export the figure",
             Self::Export(Export::Map) => "Export the view as PNG",
             Self::Export(Export::Sheet) => "Export the sheet as PNG",
@@ -202,6 +207,7 @@ impl Purpose {
             Self::Drive | Self::Scan | Self::ScanDrive => DRIVES,
             Self::Waveform(_) => &["wav"],
             Self::Thresholds | Self::Directivity => &["csv"],
+            Self::Path(_) => routes::ENDINGS,
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
@@ -228,6 +234,7 @@ impl Purpose {
                 | Self::Waveform(_)
                 | Self::Thresholds
                 | Self::Directivity
+                | Self::Path(_)
         )
     }
 
@@ -240,7 +247,8 @@ impl Purpose {
             | Self::Wiring
             | Self::Waveform(_)
             | Self::Thresholds
-            | Self::Directivity => "Read",
+            | Self::Directivity
+            | Self::Path(_) => "Read",
             Self::Export(_) => "Export",
         }
     }
@@ -258,6 +266,7 @@ impl Purpose {
             Self::Waveform(target) => Command::Waveform(target, path),
             Self::Thresholds => Command::Thresholds(path),
             Self::Directivity => Command::Directivity(path),
+            Self::Path(target) => Command::Path(target, path),
             Self::Export(export) => Command::Export(export, path),
         }
     }

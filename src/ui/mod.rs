@@ -63,7 +63,7 @@ mod transform;
 mod typing;
 pub mod view;
 mod view_bar;
-mod way;
+pub(crate) mod way;
 
 pub use command::{Command, ELEMENTS, Export, IMPORTED, Purpose};
 pub use dialog::{Asking, Dialog, Entry, FigureForm, FilmForm, Folder, Import, Piece, Preview};

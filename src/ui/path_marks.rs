@@ -28,6 +28,10 @@ pub fn paint(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens) {
                 let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
                 painter.extend(Shape::dotted_line(&stroke, theme::line(editor.view.is_light, 150), 6.0, 2.0));
             }
+        } else if motion.path == MotionPath::File {
+            for line in way::route(scene, index, &axes, lens) {
+                painter.extend(Shape::dotted_line(&line, theme::line(editor.view.is_light, 150), 6.0, 1.2));
+            }
         } else if way::arm(motion.path).is_some() || !way::handles(motion).is_empty() {
             let line = way::way(motion, centre, &axes, lens);
             if held == Some((own, centre)) {
@@ -53,9 +57,10 @@ fn moved(editor: &Editor, painter: &Painter, axes: &Axes, lens: &Lens) {
     for (index, target) in editor.scene().targets.iter().enumerate().filter(|(_, target)| target.visible) {
         let own = target.motion.is_some().then_some(index);
         let Some(group) = cycle.groups.iter().find(|group| group.target == own) else { continue };
-        let offset = group.motion.offset(way::part_of(&cycle, group, frame));
+        let pose = motion::pose(editor.scene(), index, way::part_of(&cycle, group, frame));
         let mut there = target.clone();
-        there.shape.translate(offset);
+        there.shape.translate(pose.at);
+        there.angle += pose.angle;
         for stroke in edit::outline_on(&there, axes).into_iter().filter(|stroke| stroke.len() > 1) {
             let stroke: Vec<_> = stroke.into_iter().map(|uv| lens.screen(uv)).collect();
             painter.add(Shape::line(stroke, Stroke::new(1.6, theme::line(editor.view.is_light, 200))));

@@ -471,7 +471,7 @@ fn show_keyframe(
     let vertex = Vertex { target: lane.target, index };
     let is_chosen = editor.vertex == Some(vertex);
     path_marks::diamond(ui.painter(), at, HALF, if is_chosen { theme::CHOSEN } else { theme::MARK });
-    let Keyframe { time, pressure, easing, .. } = lane.keyframes[index];
+    let Keyframe { time, pressure, angle, easing, .. } = lane.keyframes[index];
     if response.is_pointer_button_down_on() || response.clicked() {
         editor.vertex = Some(vertex);
     }
@@ -487,8 +487,9 @@ fn show_keyframe(
         motion.into_iter().for_each(|motion| retime(&mut motion.keyframes, index, part, clock.frames as f64));
     }
     response.on_hover_text(format!(
-        "{} ms, pressure x {pressure:.2}, {} to the next. Drag to change its time; right click deletes.",
+        "{} ms, pressure x {pressure:.2}, turned by {:.0}°, {} to the next. Drag to change its time; right click deletes.",
         clock.time(time / lane.rounds as f64),
+        angle.to_degrees(),
         easing.into_str()
     ));
 }

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use egui::Pos2;
 use glam::{DVec2, DVec3};
 
-use crate::scene::motion::{self, Cycle, Group};
+use crate::scene::motion::{self, Cycle, Group, Pose};
 use crate::scene::{Keyframe, Motion, MotionPath, Scene, Target, outline};
 use crate::ui::gesture::{Pull, Vertex};
 use crate::ui::view::{Axes, Lens};
@@ -64,6 +64,7 @@ pub fn arm(path: MotionPath) -> Option<DVec2> {
         MotionPath::None
         | MotionPath::Points
         | MotionPath::Keyframes
+        | MotionPath::File
         | MotionPath::Steps
         | MotionPath::Outline => None,
     }
@@ -190,6 +191,7 @@ pub fn can_delete(editor: &Editor) -> bool {
         | MotionPath::Square
         | MotionPath::Triangle
         | MotionPath::FigureEight
+        | MotionPath::File
         | MotionPath::Steps
         | MotionPath::Outline => 0,
     });
@@ -231,8 +233,8 @@ pub fn add_keyframe(editor: &mut Editor, target: Option<usize>) -> Option<usize>
     }
     let before = motion.keyframes.iter().rev().find(|keyframe| keyframe.time < time);
     let easing = before.or(motion.keyframes.last()).map(|keyframe| keyframe.easing).unwrap_or_default();
-    let keyframe =
-        Keyframe { pressure: motion.pressure(time), easing, ..Keyframe::new(time, motion.offset(time)) };
+    let Pose { at, pressure, angle, phase } = motion.pose(time);
+    let keyframe = Keyframe { pressure, angle, phase, easing, ..Keyframe::new(time, at) };
     let index = motion::insert(&mut motion.keyframes, keyframe);
     editor.vertex = Some(Vertex { target, index });
     Some(index)
@@ -244,6 +246,15 @@ pub fn marker(editor: &Editor, target: Option<usize>) -> Option<DVec3> {
     let motion = motion_of(editor.scene(), target)?;
     let is_keyed = motion.path == MotionPath::Keyframes;
     is_keyed.then(|| part(editor, target).map(|part| motion.offset(part)))?
+}
+
+/// A repetition of a file's path on the screen, in pieces between jumps.
+pub fn route(scene: &Scene, target: usize, axes: &Axes, lens: &Lens) -> Vec<Vec<Pos2>> {
+    let Some(own) = scene.targets.get(target) else { return Vec::new() };
+    let (motion, centre) = (own.motion.as_ref().unwrap_or(&scene.motion), own.shape.centre());
+    let screen = |at: DVec3| lens.screen(axes.flat(centre + at));
+    let ways = motion::ways(scene, target, motion.frame_count().max(PIECES) as usize);
+    ways.into_iter().map(|way| way.into_iter().map(screen).collect()).collect()
 }
 
 /// A repetition on the screen.

@@ -366,3 +366,63 @@ fn a_map_of_a_motion_keeps_what_its_foci_keep() {
     });
     assert!(sums[0] < 0.99 * sums[1], "{sums:?}");
 }
+
+/// A focus that follows a file.
+fn following(file: &str) -> String {
+    format!(
+        "format = 1\n[[target]]\nat = [0, 0, 0.12]\n[solver]\nmethod = \"focus\"\n[motion]\npath = \"file\"\nfile = \"{file}\"\n"
+    )
+}
+
+/// Places (m) of the focus in every frame, and cycles per second.
+fn followed(file: &str, content: &str) -> (Vec<Vec<f64>>, f64) {
+    let folder = folder_with(&[("a.toml", &following(file)), (file, content)]);
+    let text = succeed(folder.path(), &["solve", "a.toml", "--motion", "--json"]);
+    let value: Value = serde_json::from_str(&text).unwrap();
+    let frames = value["frames"].as_array().unwrap();
+    let places = frames.iter().map(|frame| numbers(&frame["foci"][0])).collect();
+    (places, value["rate"].as_f64().unwrap())
+}
+
+#[test]
+fn paths_of_files_are_followed() {
+    let row = |i: u32| format!("{},{},0,0.1\n", f64::from(i) * 0.02, f64::from(i) * 1e-3 - 0.02);
+    let rows: String = (0..=40).map(row).collect();
+    let (places, rate) = followed("there.csv", &rows);
+    assert!(places.len() == 80 && (rate - 1.0 / 1.6).abs() < 1e-9, "{} frames, {rate} Hz", places.len());
+    for (i, place) in places.iter().enumerate() {
+        let x = if i <= 40 { i as f64 * 1e-3 - 0.02 } else { (80 - i) as f64 * 1e-3 - 0.02 };
+        assert!((place[0] - x).abs() < 1e-9 && place[2] == 0.1, "{i}: {place:?}");
+    }
+    // A circle at 100 mm/s, at the target's height.
+    let (places, rate) = followed("round.nc", "G0 X20 Y0\nG3 X20 Y0 I-20 J0 F6000\n");
+    assert!((rate - 0.1 / (std::f64::consts::TAU * 0.02)).abs() < 1e-5, "{rate} Hz");
+    for (i, place) in places.iter().enumerate() {
+        let (sin, cos) = (std::f64::consts::TAU * i as f64 / places.len() as f64).sin_cos();
+        let off = f64::hypot(place[0] - 0.02 * cos, place[1] - 0.02 * sin);
+        assert!(off < 5e-6 && place[2] == 0.12, "{i}: {place:?}");
+    }
+    for (file, content, message) in [
+        (
+            "a.csv",
+            "x,y,z\n0,0,0.1\n0,0,wide\n",
+            "a.toml:8: motion.file = \"a.csv\": a.csv:3: z = `wide`: not a finite number",
+        ),
+        ("a.nc", "G1 X1\nG5 X2 I1\n", "a.toml:8: motion.file = \"a.nc\": a.nc:2: G5 is not read"),
+        ("a.csv", "x,y,z\n0,0,0.1\n0.01,0,-0.1\n", "a.toml:8: motion.file = \"a.csv\": in frame"),
+        (
+            "a.csv",
+            "x1,y1,x2,y2\n0,0,0,0.01\n0.01,0,0,0.02\n",
+            "it has a path of target 2, and the scene has 1",
+        ),
+    ] {
+        let folder = folder_with(&[("a.toml", &following(file)), (file, content)]);
+        let said = refuse(folder.path(), &["solve", "a.toml", "--motion"]);
+        assert!(said.contains(message), "{said}");
+    }
+    let folder = folder_with(&[("a.toml", &following("gone.csv"))]);
+    assert!(
+        refuse(folder.path(), &["solve", "a.toml"])
+            .contains("a.toml:8: motion.file = \"gone.csv\": gone.csv: ")
+    );
+}

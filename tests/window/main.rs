@@ -431,7 +431,8 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
         | Purpose::Import
         | Purpose::Waveform(_)
         | Purpose::Thresholds
-        | Purpose::Directivity => "Read",
+        | Purpose::Directivity
+        | Purpose::Path(_) => "Read",
         Purpose::SaveAs | Purpose::Export(_) => "Save",
     };
     screen.get_by_label(verb).click();

@@ -3,7 +3,7 @@
 use egui::accesskit::Role;
 use egui::{PointerButton, Pos2};
 use glam::DVec2;
-use sonoglyph::scene::{Easing, Keyframe, Motion, MotionPath, Target, motion};
+use sonoglyph::scene::{Easing, Keyframe, Motion, MotionPath, Target, Tempo, motion};
 use sonoglyph::ui::{Moment, Panel};
 
 use super::*;
@@ -341,4 +341,33 @@ fn waves_of_a_liquid_play_from_the_onset() {
     press(&mut screen, Modifiers::COMMAND, Key::P);
     letters(&mut screen, "wave");
     assert!(screen.query_by_label_contains("Waves of the liquid").is_some());
+}
+
+#[test]
+fn a_path_is_chosen_from_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = open_on(Motion::default());
+    pick(&mut screen, "Path", "file");
+    let editor = screen.state().editor();
+    assert!(matches!(editor.dialog, Some(Dialog::Path { purpose: Purpose::Path(None), .. })));
+    assert_eq!(scene(&screen).motion.path, MotionPath::None, "unchanged until a file is chosen");
+    let path = folder.path().join("way.csv");
+    std::fs::write(&path, "x,y\n0,0\n0.03,0\n0.03,0.04\n").unwrap();
+    answer(&mut screen, Purpose::Path(None), &path);
+    rest(&mut screen);
+    let moving = scene(&screen);
+    assert_eq!((moving.motion.path, moving.motion.file.as_str()), (MotionPath::File, path.to_str().unwrap()));
+    let frames = motion::frames(moving).unwrap();
+    assert_eq!(frames.len(), 120);
+    assert!(frames[70][0].position.distance(DVec3::new(0.03, 0.04, AT.z)) < 1e-9);
+    // The window can give what the file left open.
+    screen.get_by_label("As in the file").click();
+    rest(&mut screen);
+    assert_eq!(scene(&screen).motion.tempo, Tempo::Rate(5.0));
+    let saved = folder.path().join("a.toml");
+    let placed = screen.state().editor().document.placed(&saved);
+    let text = screen.state().editor().document.text_of(&placed.scene);
+    assert!(text.contains("file = \"way.csv\""), "{text}");
+    std::fs::write(&saved, text).unwrap();
+    assert_eq!(sonoglyph::studio::opening::open(&saved).unwrap().motion, placed.scene.motion);
 }

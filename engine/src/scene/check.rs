@@ -38,6 +38,8 @@ const MOST_PRESSURE: f64 = 1e9;
 pub(crate) const RATES: std::ops::RangeInclusive<f64> = 1e-6..=1e5;
 /// Factors of keyframes on target pressures.
 pub const FACTORS: std::ops::RangeInclusive<f64> = 1e-3..=1e3;
+/// Limit of a keyframe's angle and phase, rad.
+const MOST_TURN: f64 = 1e4;
 /// Limit of keyframes of one motion.
 const MOST_KEYFRAMES: usize = 1024;
 /// Limit of iterations: a thousand times the need of any method.
@@ -458,17 +460,22 @@ fn modulation(modulation: &Modulation, carrier: f64) -> Result<(), KeyError> {
 fn motion(motion: &Motion) -> Result<(), KeyError> {
     length("size", motion.size)?;
     match motion.tempo {
+        Tempo::Own => {}
         Tempo::Rate(rate) => within("rate", rate, *RATES.start(), *RATES.end(), "cycles per second")?,
         Tempo::Speed(speed) => within("speed", speed, 1e-6, 1e5, "m/s")?,
     }
     count("foci", motion.foci.into(), 1, MOST_FOCI as u64)?;
     // The upper limit depends on the array: see `motion::check`.
-    count("frames", u64::from(motion.frames), 1, u64::from(u32::MAX))?;
+    let fewest = u64::from(motion.path != MotionPath::File);
+    count("frames", u64::from(motion.frames), fewest, u64::from(u32::MAX))?;
     points("points", &motion.points)?;
     finite("angle", motion.angle)?;
     keyframes(&motion.keyframes)?;
     if motion.path == MotionPath::Keyframes && motion.keyframes.is_empty() {
         return refuse("keyframes", "`path = \"keyframes\"` needs one at least");
+    }
+    if motion.path == MotionPath::File && motion.file.is_empty() {
+        return refuse("file", "`path = \"file\"` needs the name of a CSV or G-code file");
     }
     if motion.path == MotionPath::Points && motion.points.is_empty() {
         return refuse("points", "`path = \"points\"` needs the offsets to visit");
@@ -487,7 +494,7 @@ fn keyframes(keyframes: &[Keyframe]) -> Result<(), KeyError> {
     let mut before = None;
     for (index, keyframe) in keyframes.iter().enumerate() {
         let check = || {
-            let Keyframe { time, at, pressure, easing: _ } = *keyframe;
+            let Keyframe { time, at, pressure, angle, phase, easing: _ } = *keyframe;
             if !(0.0..1.0).contains(&time) {
                 return refuse("time", "must be a part of the cycle, from 0 to less than 1");
             }
@@ -495,7 +502,9 @@ fn keyframes(keyframes: &[Keyframe]) -> Result<(), KeyError> {
                 return refuse("time", "must be later than the previous keyframe");
             }
             point("at", at)?;
-            within("pressure", pressure, *FACTORS.start(), *FACTORS.end(), "times the target's own")
+            within("pressure", pressure, *FACTORS.start(), *FACTORS.end(), "times the target's own")?;
+            within("angle", angle, -MOST_TURN, MOST_TURN, "rad")?;
+            within("phase", phase, -MOST_TURN, MOST_TURN, "rad")
         };
         check().map_err(|e: KeyError| e.under(&["keyframes".into(), index.into()]))?;
         before = Some(keyframe.time);

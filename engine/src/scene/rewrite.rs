@@ -5,6 +5,7 @@ use std::path::Path;
 
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
+use crate::scene::motion::Routes;
 use crate::scene::{
     board::Elements, content::Scene, drive::DriveFile, file, pixels::Pixels, skin::Curve, wave::Wave,
     wires::Wires,
@@ -38,6 +39,8 @@ fn as_written(scene: &Scene) -> Scene {
         }
     }
     scene.modulations_mut().for_each(|(_, modulation)| modulation.wave = Wave::default());
+    let own = scene.targets.iter_mut().filter_map(|target| target.motion.as_mut());
+    own.chain([&mut scene.motion]).for_each(|motion| motion.routes = Routes::default());
     if let Some(skin) = &mut scene.skin {
         skin.curve = Curve::default();
     }

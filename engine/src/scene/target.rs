@@ -43,6 +43,10 @@ pub struct Target {
     /// Targets with the same group are selected together; empty: in no group.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub group: String,
+    /// Phase (rad) that a keyframe adds to a trap's signature.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub phase: f64,
     /// Its own motion, instead of the scene's.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motion: Option<Motion>,
@@ -66,6 +70,7 @@ impl Target {
             visible: true,
             name: String::new(),
             group: String::new(),
+            phase: 0.0,
             motion: None,
             modulation: None,
         }

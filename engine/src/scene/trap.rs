@@ -68,15 +68,45 @@ impl Trap {
     }
 
     /// The phase (rad) added to the focusing phase of an element at a position (m) relative to the trap, in its axes;
-    /// half of the elements are within `radius` (m) of the axis.
-    pub fn signature(self, charge: i32, place: DVec3, radius: f64) -> f64 {
+    /// half of the elements are within `radius` (m) of the axis, and `shift` (rad) is that of [`Self::shifted`].
+    pub fn signature(self, charge: i32, shift: f64, place: DVec3, radius: f64) -> f64 {
         let opposite = |is_opposite: bool| if is_opposite { PI } else { 0.0 };
+        self.shifted(
+            shift,
+            match self {
+                Self::Focus => 0.0,
+                Self::Twin => opposite(place.x < 0.0),
+                Self::Vortex => f64::from(charge) * place.y.atan2(place.x),
+                Self::Bottle => opposite(place.truncate().length() > radius),
+                Self::Standing => opposite(place.z > 0.0),
+            },
+        )
+    }
+
+    /// The same of a trap that turns: elements of a twin trap pass from one half to the other gradually.
+    pub fn gradual_signature(self, charge: i32, shift: f64, place: DVec3, radius: f64) -> f64 {
+        /// Half the width of the passage in radii.
+        const WIDTH: f64 = 0.1;
         match self {
-            Self::Focus => 0.0,
-            Self::Twin => opposite(place.x < 0.0),
-            Self::Vortex => f64::from(charge) * place.y.atan2(place.x),
-            Self::Bottle => opposite(place.truncate().length() > radius),
-            Self::Standing => opposite(place.z > 0.0),
+            Self::Twin => (PI + shift) / PI * (WIDTH * radius).atan2(place.x),
+            Self::Focus | Self::Vortex | Self::Bottle | Self::Standing => {
+                self.signature(charge, shift, place, radius)
+            }
+        }
+    }
+
+    /// A phase (rad) of the signature or of a lobe, shifted: in the opposite part of the trap, or everywhere in a vortex,
+    /// whose pattern then turns.
+    pub(crate) fn shifted(self, shift: f64, phase: f64) -> f64 {
+        match self {
+            Self::Vortex => phase + shift,
+            Self::Focus | Self::Twin | Self::Bottle | Self::Standing => {
+                if phase == PI {
+                    phase + shift
+                } else {
+                    phase
+                }
+            }
         }
     }
 

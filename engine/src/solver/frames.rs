@@ -21,6 +21,7 @@ use rayon::prelude::*;
 use crate::acoustics::Aperture;
 use crate::drive::Drive;
 use crate::gauge::{Counter, Gauge};
+use crate::scene::motion::Posed;
 use crate::scene::{Focus, Method, Pressures, Scene, Solver, motion};
 use crate::solver::felt::Levelling;
 use crate::solver::parts::Parts;
@@ -111,9 +112,10 @@ pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveErr
     }
     let aperture = Aperture::new(scene);
     let mut frames = motion::frames(scene)?;
+    let posed = Posed::of(scene)?;
     let mut levelling = Levelling::of(scene);
     loop {
-        let solved = of_frames(scene, &aperture, &frames, progress)?;
+        let solved = of_frames((scene, posed.as_ref()), &aperture, &frames, progress)?;
         let drives = || solved.iter().map(|frame| frame.drive.clone()).collect();
         match levelling.next(&frames, drives).map_err(SolveError::Skin)? {
             Some(levelled) => frames = levelled,
@@ -127,30 +129,44 @@ pub fn follow_with(scene: &Scene, progress: &Gauge) -> Result<Sequence, SolveErr
 
 /// All frames, given their foci.
 fn of_frames(
-    scene: &Scene,
+    (scene, posed): (&Scene, Option<&Posed<'_>>),
     aperture: &Aperture,
     frames: &[Vec<Focus>],
     progress: &Gauge,
 ) -> Result<Vec<Frame>, SolveError> {
     // Identical frames are solved once.
-    let stands: Vec<_> = frames.chunk_by(|a, b| a == b).collect();
+    let is_new = |frame: &usize| {
+        let before = *frame - 1;
+        frames[before] != frames[*frame]
+            || posed.is_some_and(|posed| posed.poses(before) != posed.poses(*frame))
+    };
+    let starts: Vec<_> = std::iter::once(0).chain((1..frames.len()).filter(is_new)).collect();
+    let ends = starts.iter().copied().skip(1).chain([frames.len()]);
+    let stands: Vec<_> = starts.iter().zip(ends).map(|(&start, end)| &frames[start..end]).collect();
+    let problem = |stand: usize| {
+        let foci = stands[stand][0].clone();
+        match posed {
+            Some(posed) => Problem::of_scene(&posed.scene(starts[stand]), aperture, foci),
+            None => Problem::of_scene(scene, aperture, foci),
+        }
+    };
     let settings = &scene.solver;
     let found = progress.count(stands.len());
     let most = stands.iter().map(|stand| stand[0].len()).max().unwrap_or(0);
     let _room = room::of_methods(scene, most, rayon::current_num_threads())?;
     let solved = if settings.method == Method::Best {
         let foci: Vec<_> = stands.iter().map(|stand| &stand[0][..]).collect();
-        chained(scene, aperture, &foci, progress, &found)?
+        chained(settings, aperture, (&foci, &problem), progress, &found)?
     } else {
-        let alone = |stand: &&[Vec<Focus>]| {
+        let alone = |stand: usize| {
             limited(progress, stands.len(), || {
-                let problem = Problem::of_scene(scene, aperture, stand[0].clone());
+                let problem = problem(stand);
                 let excitation = excite(&problem, settings)?;
                 found.add();
                 Ok(Found::new(&problem, settings, excitation, true))
             })
         };
-        stands.par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
+        (0..stands.len()).into_par_iter().map(alone).collect::<Result<Vec<_>, SolveError>>()?
     };
     let turns: Vec<_> = turns(&solved)
         .into_iter()
@@ -348,15 +364,13 @@ fn excite(problem: &Problem<'_>, settings: &Solver) -> Result<Excitation, SolveE
     solver::excite(problem, settings.method, settings.iterations)
 }
 
-fn chained(
-    scene: &Scene,
+fn chained<'a>(
+    settings: &Solver,
     aperture: &Aperture,
-    foci: &[&[Focus]],
+    (foci, problem): (&[&[Focus]], &(dyn Fn(usize) -> Problem<'a> + Sync)),
     progress: &Gauge,
     done: &Counter,
 ) -> Result<Vec<Found>, SolveError> {
-    let settings = &scene.solver;
-    let problem = |frame: usize| Problem::of_scene(scene, aperture, foci[frame].to_vec());
     let keys = keyframes(foci, STRIDE * aperture.wavelength());
     let next = |frame: usize, before: Option<&Link>| {
         let link = limited(progress, foci.len(), || {

@@ -86,13 +86,17 @@ impl Files {
         Ok(())
     }
 
-    /// Notes the pictures, the waveform, the thresholds and the tables that a scene has been read with.
+    /// Notes the pictures, the waveform, the thresholds, the paths and the tables that a scene has been read with.
     ///
     /// # Errors
     /// The errors of [`Self::reads`].
     pub fn reads_files_of(&mut self, scene: &Scene) -> anyhow::Result<()> {
         for samples in scene.modulations().filter_map(|(_, modulation)| modulation.wave.get()) {
             self.reads(&samples.file)?;
+        }
+        let own = scene.targets.iter().filter_map(|target| target.motion.as_ref());
+        for path in own.chain([&scene.motion]).filter_map(|motion| motion.routes.file()) {
+            self.reads(path)?;
         }
         if let Some(path) = scene.skin.as_ref().and_then(|skin| skin.curve.from.as_ref()) {
             self.reads(path)?;

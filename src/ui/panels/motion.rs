@@ -5,6 +5,8 @@ use egui::Ui;
 use crate::rounding::{at_most, milliseconds};
 use crate::scene::{MotionPath, Scene, motion};
 use crate::solver::frames::Frame;
+use crate::ui::command::Purpose;
+use crate::ui::dialog::state::Dialog;
 use crate::ui::panels::form::heading;
 use crate::ui::panels::path::{self, Figures};
 use crate::ui::panels::{fact, form, modulation};
@@ -64,9 +66,12 @@ fn settings(editor: &mut Editor, ui: &mut Ui) {
     let scene = &mut editor.document.scene;
     let figures = Figures::of(scene, None).map(|figures| figures.with(moving));
     let before = scene.motion.path;
-    path::settings(&mut scene.motion, figures, false, ui);
+    let asks_for_file = path::settings(&mut scene.motion, figures, false, ui);
     if scene.motion.path != before {
         take_turns(scene);
+    }
+    if asks_for_file {
+        editor.dialog = Some(Dialog::path(Purpose::Path(None), &editor.document));
     }
 }
 

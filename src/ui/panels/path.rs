@@ -6,6 +6,7 @@ use egui::{ComboBox, Ui};
 use glam::DVec3;
 use strum::VariantArray;
 
+use crate::echo;
 use crate::rounding::percent;
 use crate::scene::check::FACTORS;
 use crate::scene::{Easing, Keyframe, Motion, MotionPath, Scene, Tempo, motion};
@@ -19,6 +20,8 @@ const APART: f64 = 1e-4;
 const FIRST_POINTS: [DVec3; 3] = [DVec3::ZERO, DVec3::new(0.02, 0.0, 0.0), DVec3::new(0.02, 0.02, 0.0)];
 /// Initial keyframes: times in a cycle and offsets.
 const FIRST_KEYFRAMES: [(f64, DVec3); 2] = [(0.0, DVec3::ZERO), (0.5, DVec3::new(0.02, 0.0, 0.0))];
+/// Turns and phases of a keyframe, rad.
+const TURNS: std::ops::RangeInclusive<f64> = -100.0 * TAU..=100.0 * TAU;
 const HERTZ: Unit = Unit { per: 1.0, suffix: " Hz", decimals: 2, speed: 0.1 };
 const SPEED: Unit = Unit { per: 1.0, suffix: " m/s", decimals: 2, speed: 0.05 };
 
@@ -69,7 +72,9 @@ impl Figures {
 }
 
 /// Path, size and tempo of a target's own motion, or of the scene's, which alone can have steps.
-pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui: &mut Ui) {
+/// Returns whether a file is to be chosen.
+pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui: &mut Ui) -> bool {
+    let mut asks_for_file = false;
     form(ui, "motion", |ui| {
         let tip =
             "Of the targets. Outline: foci run along the drawn strokes. Steps: targets are played in turn";
@@ -77,9 +82,11 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
         paths.retain(|(path, _)| !is_own || *path != MotionPath::Steps);
         let mut path = motion.path;
         choice(ui, ("Path", tip), &mut path, &paths);
-        choose(motion, path);
+        asks_for_file = choose(motion, path);
+        let path = motion.path;
         match path {
             MotionPath::None | MotionPath::Points | MotionPath::Keyframes | MotionPath::Steps => {}
+            MotionPath::File => asks_for_file |= file(motion, ui),
             MotionPath::Outline => {
                 let tip = "Foci along the strokes, equally spaced";
                 count(ui, ("Running foci", tip), &mut motion.foci, 1..=64);
@@ -107,6 +114,26 @@ pub fn settings(motion: &mut Motion, figures: Option<Figures>, is_own: bool, ui:
     if motion.path == MotionPath::Points {
         points(&mut motion.points, ui);
     }
+    asks_for_file
+}
+
+/// The file of a path; returns whether another is to be chosen.
+fn file(motion: &mut Motion, ui: &mut Ui) -> bool {
+    fact(ui, ("Path file", "CSV or G-code; places in m"), echo::value(&motion.file).to_string());
+    fact(ui, ("Places", "Of the target with most"), motion.routes.places().to_string());
+    caption(ui, "");
+    let button = value(ui, |ui| ui.button("Choose…")).on_hover_text("Another CSV or G-code file");
+    ui.end_row();
+    caption(ui, "Tempo");
+    let mut is_own = motion.tempo == Tempo::Own;
+    let tip = "At the times or feeds of the file, if it has any; otherwise at the rate or the speed below";
+    let is_changed = value(ui, |ui| ui.checkbox(&mut is_own, "As in the file").on_hover_text(tip)).changed();
+    ui.end_row();
+    if is_changed {
+        let asked = motion.rate(motion.length()).map_or(Tempo::Own, Tempo::Rate);
+        motion.tempo = if is_own { Tempo::Own } else { asked };
+    }
+    button.clicked()
 }
 
 /// Rate and speed: the given one is kept, the other follows.
@@ -145,7 +172,10 @@ fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
         }
     }
     if leads {
-        count(ui, ("Frames", "Drives per cycle"), &mut motion.frames, 1..=4096);
+        let mut frames = motion.frame_count();
+        if count(ui, ("Frames", "Drives per cycle"), &mut frames, 1..=4096).changed() {
+            motion.frames = frames;
+        }
         let shown = format!("{frames_per_second:.0} per second");
         fact(ui, ("Frame rate", "The board has to keep up with it"), shown);
     } else {
@@ -155,10 +185,16 @@ fn tempo(motion: &mut Motion, figures: Figures, ui: &mut Ui) {
     }
 }
 
-/// Selects a path, with its required points and a sensible tempo.
-fn choose(motion: &mut Motion, path: MotionPath) {
+/// Selects a path, with its required points and a sensible tempo; returns whether a file is required first.
+fn choose(motion: &mut Motion, path: MotionPath) -> bool {
     if path == motion.path {
-        return;
+        return false;
+    }
+    if path == MotionPath::File && motion.routes.file().is_none() {
+        return true;
+    }
+    if motion.path == MotionPath::File {
+        motion.frames = motion.frame_count();
     }
     motion.path = path;
     if path == MotionPath::Points && motion.points.is_empty() {
@@ -168,15 +204,19 @@ fn choose(motion: &mut Motion, path: MotionPath) {
         motion.keyframes = FIRST_KEYFRAMES.map(|(time, at)| Keyframe::new(time, at)).to_vec();
     }
     let has_no_speed = path == MotionPath::Steps && matches!(motion.tempo, Tempo::Speed(_));
-    if path == MotionPath::Outline || has_no_speed {
+    let has_no_own = path != MotionPath::File && motion.tempo == Tempo::Own;
+    if path == MotionPath::Outline || has_no_speed || has_no_own {
         motion.tempo = Tempo::usual(path);
     }
+    false
 }
 
 /// Times, offsets in mm, pressures and easings.
 fn keyframes(keyframes: &mut Vec<Keyframe>, ui: &mut Ui) {
     heading(ui, "Keyframes");
-    ui.label("Time in the cycle; offset from the target in mm; factor of its pressure:");
+    ui.label(
+        "Time in the cycle; offset from the target in mm; factor of its pressure; turn, and phase of a trap:",
+    );
     let (only, mut removed) = (keyframes.len() == 1, None);
     let times: Vec<_> = keyframes.iter().map(|keyframe| keyframe.time).collect();
     for (index, keyframe) in keyframes.iter_mut().enumerate() {
@@ -193,6 +233,13 @@ fn keyframes(keyframes: &mut Vec<Keyframe>, ui: &mut Ui) {
             ui.add_space(18.0);
             let pressure = bare_number(ui, &mut keyframe.pressure, PLAIN, FACTORS);
             pressure.on_hover_text("Factor of the target's pressure").accessible_name(name("pressure"));
+            let angle = bare_number(ui, &mut keyframe.angle, DEGREES, TURNS);
+            angle
+                .on_hover_text("Turn about the target's normal; 360° is a full turn")
+                .accessible_name(name("angle"));
+            let phase = bare_number(ui, &mut keyframe.phase, DEGREES, TURNS);
+            let tip = "Added to the opposite part of a trap, or to the phase of a vortex";
+            phase.on_hover_text(tip).accessible_name(name("phase"));
             let combo =
                 ComboBox::from_id_salt(name("easing")).width(76.0).selected_text(keyframe.easing.into_str());
             let response = combo.show_ui(ui, |ui| {

@@ -14,8 +14,8 @@ use crate::studio::probe;
 use crate::ui::panels::form::{caption, choice, count, given, heading, remark, value};
 use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, modulation, number, target};
 use crate::ui::parts::levitation;
-use crate::ui::{clipboard, edit, editor::Editor, element_map, group, shown::Shown, theme, ticks};
-use crate::ui::{command::Purpose, dialog::state::Dialog};
+use crate::ui::{clipboard, command::Purpose, dialog::state::Dialog, edit, editor::Editor};
+use crate::ui::{element_map, group, shown::Shown, theme, ticks};
 
 /// Time constant (s) of a resonance of 10 mm transducers.
 const TYPICAL_TAU: f64 = 1.9e-4;
@@ -96,10 +96,15 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
         }
         1 => {
             let index = editor.selection.first().copied().unwrap_or(0);
-            ui.push_id(("target", index), |ui| {
-                target::show(&mut editor.document.scene, index, ui);
+            let id = ("target", index);
+            let wants_file = ui.push_id(id, |ui| {
+                let wants_file = target::show(&mut editor.document.scene, index, ui);
                 modulation::of_target(editor, index, ui);
+                wants_file
             });
+            if wants_file.inner {
+                editor.dialog = Some(Dialog::path(Purpose::Path(Some(index)), &editor.document));
+            }
         }
         count => together(editor, count, ui),
     }

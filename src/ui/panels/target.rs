@@ -20,11 +20,12 @@ pub const GROUP: (&str, &str) = ("Group", "Targets with the same group are selec
 /// m
 const LENGTH: std::ops::RangeInclusive<f64> = 1e-4..=10.0;
 
-pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
+/// Returns whether a file for its path is to be chosen.
+pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) -> bool {
     let pressures = scene.solver.pressures;
     let takes_turns = scene.motion.path == MotionPath::Steps;
     let figures = Figures::of(scene, Some(index));
-    let Some(target) = scene.targets.get_mut(index) else { return };
+    let Some(target) = scene.targets.get_mut(index) else { return false };
     form(ui, "target", |ui| {
         let kind = target.shape.title();
         label(ui, ("Name", "What the target is called in lists and warnings"), &kind, &mut target.name);
@@ -45,7 +46,7 @@ pub fn show(scene: &mut Scene, index: usize, ui: &mut Ui) {
         step(target, takes_turns, ui);
         label(ui, GROUP, "in no group", &mut target.group);
     });
-    own_motion(target, figures, ui);
+    own_motion(target, figures, ui)
 }
 
 /// A possibly empty name with a placeholder `hint`.
@@ -58,16 +59,16 @@ pub fn label(ui: &mut Ui, (name, tip): (&str, &str), hint: &str, text: &mut Stri
     changed
 }
 
-/// The target's own motion, if any.
-fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) {
+/// The target's own motion, if any; returns whether a file for its path is to be chosen.
+fn own_motion(target: &mut Target, figures: Option<Figures>, ui: &mut Ui) -> bool {
     let mut has_own = target.motion.is_some();
     ui.checkbox(&mut has_own, "Own motion")
         .on_hover_text("Instead of the scene's motion; with the path \"none\" the target is at rest");
     if !has_own {
         target.motion = None;
-        return;
+        return false;
     }
-    path::settings(target.motion.get_or_insert_default(), figures, true, ui);
+    path::settings(target.motion.get_or_insert_default(), figures, true, ui)
 }
 
 fn shape(target: &mut Target, ui: &mut Ui) {

@@ -111,6 +111,11 @@ fn stock_boards() {
 }
 
 #[test]
+fn routes() {
+    fuzz("route", 5000);
+}
+
+#[test]
 fn waveforms() {
     fuzz("waveform", 20000);
 }

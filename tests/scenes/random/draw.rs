@@ -355,6 +355,7 @@ fn motion(dice: &mut Dice, size: f64, outline: Option<f64>) -> Motion {
         keyframes,
         foci,
         lead: beside.of(0.3),
+        ..Motion::default()
     }
 }
 
@@ -362,10 +363,13 @@ fn motion(dice: &mut Dice, size: f64, outline: Option<f64>) -> Motion {
 fn keyframes(dice: &mut Dice, size: f64) -> Vec<Keyframe> {
     let size = size.max(1e-9);
     let count = dice.whole(2, 5);
+    let (turns, shifts) = (dice.of(0.3), dice.of(0.1));
     let keyframe = |i: u32| Keyframe {
         time: (f64::from(i) + dice.between(0.0, 0.9)) / f64::from(count),
         at: DVec3::new(if i == 0 { size } else { -size * dice.unit() }, size * dice.unit(), 0.0),
         pressure: dice.magnitude(0.3, 1.0),
+        angle: if turns { dice.between(-TAU, TAU) } else { 0.0 },
+        phase: if shifts { dice.between(-PI, PI) } else { 0.0 },
         easing: if i == 0 { Easing::Linear } else { dice.one_of(Easing::VARIANTS) },
     };
     (0..count).map(keyframe).collect()
@@ -378,7 +382,7 @@ fn own_motion(dice: &mut Dice, scene: &Motion, size: f64, target: &mut Target) {
     let path = dice.one_of(&[None, Circle, Line, if is_point { None } else { Outline }]);
     let rate = match scene.tempo {
         Tempo::Rate(rate) if scene.path != None => rate * dice.between(0.3, 1.4),
-        Tempo::Rate(_) | Tempo::Speed(_) => 3.0,
+        Tempo::Rate(_) | Tempo::Speed(_) | Tempo::Own => 3.0,
     };
     let tempo = Tempo::Rate(rate.clamp(1e-6, 1e5));
     let frames = dice.whole(3, 9);

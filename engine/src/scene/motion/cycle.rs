@@ -57,7 +57,7 @@ impl Group<'_> {
     /// Requested repetitions per second.
     pub fn asked(&self) -> f64 {
         const OTHERWISE: f64 = 1.0;
-        self.motion.tempo.rate(self.length).unwrap_or(OTHERWISE)
+        self.motion.rate(self.length).unwrap_or(OTHERWISE)
     }
 }
 
@@ -116,7 +116,8 @@ pub(super) fn of_motions(scene: &Scene) -> Option<Cycle<'_>> {
         Some(_) => (0..groups.len()).min_by(slower)?,
     };
     // Without motions only the times of drives make a cycle.
-    let (asked, frames) = groups.get(leader).map_or((1.0, 1), |group| (group.asked(), group.motion.frames));
+    let (asked, frames) =
+        groups.get(leader).map_or((1.0, 1), |group| (group.asked(), group.motion.frame_count()));
     for group in &mut groups {
         group.rounds = (group.asked() / asked).round().max(1.0) as u64;
     }

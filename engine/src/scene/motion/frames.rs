@@ -8,11 +8,12 @@ use crate::scene::motion::course::Course;
 use crate::scene::motion::cycle::{self, Cycle, Group, cycle};
 use crate::scene::motion::envelopes::{self, Envelopes};
 use crate::scene::motion::limits::{
-    behind, check_group, check_memory, check_steps, check_turns, key, refuse, steps,
+    behind, check_group, check_memory, check_routes, check_steps, check_turns, key, refuse, steps,
 };
+use crate::scene::motion::mover::mover;
+use crate::scene::motion::pose::{Mover, Pose};
 use crate::scene::range::KeyError;
 use crate::scene::response::Response;
-use crate::scene::run::Vertex;
 use crate::scene::space::Front;
 use crate::scene::{content::Scene, focus::Focus, motion::MotionPath, outline, target::Target};
 
@@ -51,10 +52,8 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     Score::new(scene).map(drop)
 }
 
-const AT_REST: Vertex = Vertex { at: DVec3::ZERO, pressure: 1.0 };
-
 /// Positions of all foci per frame.
-struct Score<'a> {
+pub(super) struct Score<'a> {
     scene: &'a Scene,
     frames: u64,
     /// The groups, each with the kind of its motion and its repetitions per cycle.
@@ -75,11 +74,16 @@ enum Way<'a> {
 struct Part {
     foci: Vec<Focus>,
     way: Option<usize>,
+    mover: Mover,
+    /// Centre (m) and axis of turns.
+    centre: DVec3,
+    normal: DVec3,
 }
 
 impl<'a> Score<'a> {
-    fn new(scene: &'a Scene) -> Result<Self, KeyError> {
+    pub fn new(scene: &'a Scene) -> Result<Self, KeyError> {
         check_steps(scene)?;
+        check_routes(scene)?;
         let at_rest = |step: u32| outline::foci_of_step(scene, step).map(drop);
         (0..steps(scene)).try_for_each(at_rest)?;
         let cycle = cycle(scene);
@@ -124,11 +128,11 @@ impl<'a> Score<'a> {
         let mut foci = outline::foci_of_targets(self.scene, &whole)?.into_iter();
         let part = |(index, target): (usize, &Target)| {
             let way = self.way_of(index, target);
-            let Some(course) = course(way) else {
-                return Part { foci: foci.next().unwrap_or_default(), way };
-            };
+            let (mover, centre) = (mover(self.scene, index, target), target.shape.centre());
+            let part = |foci, way| Part { foci, way, mover, centre, normal: target.normal };
+            let Some(course) = course(way) else { return part(foci.next().unwrap_or_default(), way) };
             let still = course.still.iter().filter(|(of, _)| *of == index).map(|(_, focus)| *focus);
-            Part { foci: still.collect(), way: None }
+            part(still.collect(), None)
         };
         Ok(targets.into_iter().map(part).collect())
     }
@@ -143,19 +147,31 @@ impl<'a> Score<'a> {
         (!stands).then_some(way)
     }
 
-    fn foci(&self, frame: u64) -> Vec<Focus> {
-        let moved = |(group, way): &(Group<'_>, Way<'_>)| match way {
-            Way::Offset(round) => round.at(self.part(group, frame, 0)),
-            Way::Run(_) => AT_REST,
+    /// The pose in a frame of what follows a way.
+    fn pose(&self, way: Option<usize>, frame: u64, mover: Mover) -> Pose {
+        match way.map(|way| &self.ways[way]) {
+            Some((group, Way::Offset(round))) => round.at(self.part(group, frame, 0), mover),
+            Some((_, Way::Run(_))) | None => Pose::AT_REST,
+        }
+    }
+
+    /// The poses of all targets in a frame.
+    pub fn poses(&self, frame: u64) -> Vec<Pose> {
+        let targets = self.scene.targets.iter().enumerate();
+        let of = |(index, target): (usize, &Target)| {
+            self.pose(self.way_of(index, target), frame, mover(self.scene, index, target))
         };
-        let moved: Vec<_> = self.ways.iter().map(moved).collect();
+        targets.map(of).collect()
+    }
+
+    fn foci(&self, frame: u64) -> Vec<Focus> {
         let step = self.step(frame);
         let mut foci = Vec::new();
         for part in &self.steps[step as usize] {
-            let Vertex { at, pressure } = part.way.map_or(AT_REST, |way| moved[way]);
+            let pose = self.pose(part.way, frame, part.mover);
             foci.extend(part.foci.iter().map(|focus| Focus {
-                position: focus.position + at,
-                target: focus.target * pressure,
+                position: pose.moved(focus.position, part.centre, part.normal),
+                target: focus.target * pose.pressure,
                 ..*focus
             }));
         }
@@ -237,6 +253,31 @@ impl<'a> Score<'a> {
         Ok(())
     }
 
+    /// The first frame that takes targets with a common pose behind the boards, and a place (m) there.
+    fn behind(
+        &self,
+        front: &Front,
+        (group, round): (&Group<'_>, &Round<'_>),
+        parts: &[&Part],
+    ) -> Option<(u64, DVec3)> {
+        let first = parts.first()?;
+        let placed = parts.iter().flat_map(|part| &part.foci).filter(|focus| !focus.is_direction());
+        let foci: Vec<_> = placed.map(|focus| focus.position).collect();
+        let lowest = |foci: &[DVec3]| {
+            front.lowest(|up| foci.iter().copied().min_by(|a, b| a.dot(up).total_cmp(&b.dot(up))))
+        };
+        let at_rest = lowest(&foci);
+        let outside = |frame: u64| {
+            let pose = round.at(self.part(group, frame, 0), first.mover);
+            if pose.angle == 0.0 {
+                return front.outside_moved(&at_rest, pose.at);
+            }
+            let turned: Vec<_> = foci.iter().map(|at| pose.moved(*at, first.centre, first.normal)).collect();
+            front.outside_moved(&lowest(&turned), DVec3::ZERO)
+        };
+        (0..self.frames).find_map(|frame| Some((frame, outside(frame)?)))
+    }
+
     fn check_heights(&self, front: &Front) -> Result<(), KeyError> {
         for (index, (group, way)) in self.ways.iter().enumerate() {
             let round = match way {
@@ -250,17 +291,22 @@ impl<'a> Score<'a> {
                 }
             };
             let moved = self.steps.iter().flatten().filter(|part| part.way == Some(index));
-            let placed = moved.flat_map(|part| &part.foci).filter(|focus| !focus.is_direction());
-            let foci: Vec<_> = placed.map(|focus| focus.position).collect();
-            let lowest =
-                front.lowest(|up| foci.iter().copied().min_by(|a, b| a.dot(up).total_cmp(&b.dot(up))));
-            let outside = |frame: u64| front.outside_moved(&lowest, round.at(self.part(group, frame, 0)).at);
-            if let Some((frame, place)) = (0..self.frames).find_map(|frame| Some((frame, outside(frame)?))) {
-                let (number, count, place) = (frame + 1, self.frames, behind(place, front));
-                let message =
-                    format!("in frame {number} of {count} the motion takes a focal point to {place}");
-                let is_keyed = group.motion.path == MotionPath::Keyframes;
-                return refuse(group.target, if is_keyed { "keyframes" } else { "points" }, message);
+            // Only places of a file and turns differ from target to target.
+            let is_common = !matches!(round, Round::File(_)) && !group.motion.turns();
+            let moved: Vec<_> = moved.collect();
+            let together = if is_common { moved.len().max(1) } else { 1 };
+            for parts in moved.chunks(together) {
+                if let Some((frame, place)) = self.behind(front, (group, round), parts) {
+                    let (number, count, place) = (frame + 1, self.frames, behind(place, front));
+                    let message =
+                        format!("in frame {number} of {count} the motion takes a focal point to {place}");
+                    let key = match round {
+                        Round::Track(_) => "points",
+                        Round::Keyframes(_) => "keyframes",
+                        Round::File(_) => "file",
+                    };
+                    return refuse(group.target, key, message);
+                }
             }
         }
         Ok(())

@@ -1,14 +1,16 @@
-//! Keyframes: offsets and pressures at times within a cycle, and the interpolation between them.
+//! Keyframes: offsets, pressures, turns and phases at times within a cycle, and the interpolation between them.
 
 use std::cmp::Ordering;
+use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
-use crate::scene::run::Vertex;
+use crate::scene::motion::pose::Pose;
+use crate::scene::solver::is_zero;
 
-/// Position and pressure of a target at a time within a repetition.
+/// Position, pressure, turn and phase of a target at a time within a repetition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Keyframe {
@@ -20,6 +22,12 @@ pub struct Keyframe {
     /// Factor on the target pressure.
     #[serde(default = "unchanged", skip_serializing_if = "is_unchanged")]
     pub pressure: f64,
+    /// Turn (rad) about the target's normal, beside the target's own angle; 2π is a full turn.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub angle: f64,
+    /// Phase (rad) added to the signature of a trap: to its opposite part, of a vortex to its phase.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub phase: f64,
     /// On the way to the next.
     #[serde(default, skip_serializing_if = "Easing::is_linear")]
     pub easing: Easing,
@@ -65,19 +73,19 @@ impl Easing {
 
 impl Keyframe {
     pub fn new(time: f64, at: DVec3) -> Self {
-        Self { time, at, pressure: 1.0, easing: Easing::Linear }
+        Self { time, at, pressure: 1.0, angle: 0.0, phase: 0.0, easing: Easing::Linear }
     }
 
-    fn vertex(&self) -> Vertex {
-        Vertex { at: self.at, pressure: self.pressure }
+    fn pose(&self) -> Pose {
+        Pose { at: self.at, pressure: self.pressure, angle: self.angle, phase: self.phase }
     }
 }
 
-/// The offset and the pressure after a part of a repetition, in [0, 1), from keyframes in the order of their times. The last is followed by
-/// the first, a repetition later.
-pub(super) fn between(keyframes: &[Keyframe], part: f64) -> Vertex {
+/// The pose after a part of a repetition, in [0, 1), from keyframes in the order of their times. The last is followed by
+/// the first, a repetition later; the turn that closes the cycle is the shorter one, so that a full turn goes on.
+pub(super) fn between(keyframes: &[Keyframe], part: f64) -> Pose {
     let (Some(first), Some(last)) = (keyframes.first(), keyframes.last()) else {
-        return Vertex { at: DVec3::ZERO, pressure: 1.0 };
+        return Pose::AT_REST;
     };
     let next = keyframes.partition_point(|keyframe| keyframe.time <= part);
     let (from, passed) = match next.checked_sub(1) {
@@ -89,7 +97,26 @@ pub(super) fn between(keyframes: &[Keyframe], part: f64) -> Vertex {
         Some(to) => (to, to.time + 1.0 - from.time),
         None => (first, first.time + 1.0 - from.time),
     };
-    from.vertex().lerp(to.vertex(), from.easing.ease(passed / taken))
+    let is_closing = next == 0 || next == keyframes.len();
+    let to = if is_closing { closing(keyframes, last) } else { to.pose() };
+    from.pose().lerp(to, from.easing.ease(passed / taken))
+}
+
+/// The first pose as it follows the last: turn and phase by the shorter way, or on in the same direction after half a
+/// turn.
+fn closing(keyframes: &[Keyframe], last: &Keyframe) -> Pose {
+    /// rad: typed half turns.
+    const ROUNDED: f64 = 0.01;
+    let first = keyframes.first().unwrap_or(last).pose();
+    let before = keyframes.len().checked_sub(2).map_or(first, |before| keyframes[before].pose());
+    let close = |from: f64, to: f64, before: f64| {
+        let short = to - from - TAU * ((to - from) / TAU).round();
+        let is_half = short.abs() > PI - ROUNDED;
+        let is_back = (from - before) * short < 0.0;
+        from + if is_half && is_back { short + TAU.copysign(from - before) } else { short }
+    };
+    let angle = close(last.angle, first.angle, before.angle);
+    Pose { angle, phase: close(last.phase, first.phase, before.phase), ..first }
 }
 
 /// Length of a repetition (m), without jumps.
@@ -152,7 +179,7 @@ mod tests {
             (0.0, [0.0, 0.01, 0.0], 1.25),
             (0.05, [0.0, 0.005, 0.0], 1.625),
         ] {
-            let Vertex { at: found, pressure: loud } = between(&keyframes, part);
+            let Pose { at: found, pressure: loud, .. } = between(&keyframes, part);
             assert!(found.distance(DVec3::from(at)) < 1e-9, "{part}: {found}");
             assert!((loud - pressure).abs() < 1e-7, "{part}: {loud}");
         }
@@ -160,6 +187,27 @@ mod tests {
         assert_eq!(between(&[], 0.2).at, DVec3::ZERO);
         let ways = 0.04 + f64::hypot(0.02, 0.01) + 0.02;
         assert!((length(&keyframes) - ways).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_turn_is_not_wrapped_and_closes_by_the_shorter_way() {
+        let turning = |angles: &[(f64, f64)]| -> Vec<_> {
+            let of = |&(time, angle): &(f64, f64)| Keyframe { angle, ..Keyframe::new(time, DVec3::ZERO) };
+            angles.iter().map(of).collect()
+        };
+        for (angles, part, wanted) in [
+            (&[(0.0, 0.0), (0.5, TAU)][..], 0.25, PI),
+            (&[(0.0, 0.0), (0.5, TAU)], 0.75, TAU),
+            // On through the second half, also if the half turn is rounded.
+            (&[(0.0, 0.0), (0.5, PI)], 0.75, 1.5 * PI),
+            (&[(0.0, 0.0), (0.5, 3.14)], 0.75, (3.14 + TAU) / 2.0),
+            (&[(0.0, 0.0), (0.5, -3.14)], 0.75, -(3.14 + TAU) / 2.0),
+            (&[(0.0, 0.0), (0.5, 1.0)], 0.75, 0.5),
+            (&[(0.25, 0.5), (0.75, 4.0 * PI)], 0.0, 4.0 * PI + 0.25),
+        ] {
+            let angle = between(&turning(angles), part).angle;
+            assert!((angle - wanted).abs() < 1e-12, "{angles:?} at {part}: {angle}");
+        }
     }
 
     #[test]

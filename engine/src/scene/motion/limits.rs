@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::scene::check::RATES;
 use crate::scene::motion::cycle::Group;
-use crate::scene::motion::{MotionPath, Tempo};
+use crate::scene::motion::{Motion, MotionPath, Tempo};
 use crate::scene::range::{Key, KeyError};
 use crate::scene::space::Front;
 use crate::scene::{content::Scene, focus::Focus};
@@ -76,6 +76,12 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
         };
         return refuse(target, "path", message);
     }
+    if motion.lacks_routes() {
+        return Ok(());
+    }
+    if motion.path == MotionPath::File {
+        check_file(target, motion, length)?;
+    }
     if let Tempo::Speed(speed) = motion.tempo {
         match motion.tempo.rate(length) {
             None => return refuse(target, "speed", "the path has no length: give `rate`"),
@@ -92,7 +98,7 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
     }
     if rounds > 1 && rounds.saturating_mul(FEWEST) > frames {
         let tempo = match motion.tempo {
-            Tempo::Rate(_) => "rate",
+            Tempo::Rate(_) | Tempo::Own => "rate",
             Tempo::Speed(_) => "speed",
         };
         let message = format!(
@@ -102,6 +108,44 @@ pub fn check_group(group: &Group<'_>, runs: bool, frames: u64) -> Result<(), Key
         return refuse(target, tempo, message);
     }
     Ok(())
+}
+
+/// A file's routes belong to targets that exist and follow it, and its own tempo is within the limits.
+fn check_file(target: Option<usize>, motion: &Motion, length: f64) -> Result<(), KeyError> {
+    if let (Tempo::Own, Some(rate)) = (motion.tempo, motion.rate(length))
+        && !RATES.contains(&rate)
+    {
+        let (least, most) = (RATES.start(), RATES.end());
+        let message = format!("its times make {rate} cycles per second: must be {least} to {most}");
+        return refuse(target, "file", message);
+    }
+    if let Some(own) = target
+        && !motion.routes.are_shared()
+        && !motion.routes.targets().any(|target| target == own)
+    {
+        let message = format!("it has no path of target {}, whose motion names it", own + 1);
+        return refuse(target, "file", message);
+    }
+    Ok(())
+}
+
+/// Every route of the scene's file leads a target.
+pub fn check_routes(scene: &Scene) -> Result<(), KeyError> {
+    if scene.motion.path != MotionPath::File {
+        return Ok(());
+    }
+    let follows = |target: usize| scene.targets.get(target).is_some_and(|target| target.motion.is_none());
+    match scene.motion.routes.targets().find(|target| !follows(*target)) {
+        None => Ok(()),
+        Some(target) => {
+            let (number, count) = (target + 1, scene.targets.len());
+            let message = match scene.targets.get(target) {
+                None => format!("it has a path of target {number}, and the scene has {count}"),
+                Some(_) => format!("it has a path of target {number}, which has a motion of its own"),
+            };
+            refuse(None, "file", message)
+        }
+    }
 }
 
 /// Drives and foci of all frames fit into [`MOST_BYTES`].

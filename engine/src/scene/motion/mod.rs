@@ -1,4 +1,4 @@
-//! Motion: targets along closed paths or keyframes, foci along drawn strokes, or targets in turn.
+//! Motion: targets along closed paths, keyframes or routes of a file, foci along drawn strokes, or targets in turn.
 //!
 //! [`cycle()`] is the common cycle of a scene's motions, and [`frames()`] are the focal points of its frames.
 
@@ -8,12 +8,17 @@ mod envelopes;
 mod frames;
 mod keyframes;
 mod limits;
+mod mover;
+mod pose;
+mod posed;
+mod route;
 mod track;
 
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Serialize, Serializer};
 use strum::{EnumString, IntoStaticStr, VariantArray, VariantNames};
 
 use crate::scene::range::{Key, KeyError};
@@ -26,10 +31,21 @@ pub(crate) use envelopes::{Envelopes, shares};
 pub(crate) use frames::envelopes;
 pub use frames::{check, count, frames};
 pub use keyframes::{Easing, Keyframe, insert};
+pub(crate) use mover::governing;
+#[doc(hidden)]
+pub use mover::{pose, ways};
+use pose::Mover;
+#[doc(hidden)]
+pub use pose::Pose;
+pub(crate) use posed::Posed;
+#[doc(hidden)]
+pub use route::{Routes, Trace, TracePlace};
 use track::Track;
 
 /// Pieces of a figure-eight, which has no closed form for its arc length; their chords are 1e-5 too short.
 const PIECES: usize = 512;
+/// Repetitions per second by default.
+const USUAL_RATE: f64 = 5.0;
 
 /// The motion of targets. A repetition ends where it begins.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,7 +58,8 @@ pub struct Motion {
     pub angle: f64,
     #[serde(flatten)]
     pub tempo: Tempo,
-    /// Frames per cycle.
+    /// Frames per cycle; 0, with `path = "file"` alone: as many as the file's places need.
+    #[serde(skip_serializing_if = "is_automatic")]
     pub frames: u32,
     /// The offsets (m) that `path = "points"` visits.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -50,12 +67,23 @@ pub struct Motion {
     /// The keyframes of `path = "keyframes"`, in temporal order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub keyframes: Vec<Keyframe>,
+    /// The CSV or G-code file of `path = "file"`, relative to the scene's file.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub file: String,
+    /// The routes of the file, once loaded.
+    #[serde(skip)]
+    #[doc(hidden)]
+    pub routes: Routes,
     /// Focal points that run along an outline, at equal distances.
     #[serde(skip_serializing_if = "is_one")]
     pub foci: u32,
     /// Foci are ahead of their places by the time that the elements need to follow.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub lead: bool,
+}
+
+fn is_automatic(frames: &u32) -> bool {
+    *frames == 0
 }
 
 fn is_one(foci: &u32) -> bool {
@@ -73,6 +101,8 @@ impl Default for Motion {
             frames: 64,
             points: Vec::new(),
             keyframes: Vec::new(),
+            file: String::new(),
+            routes: Routes::default(),
             foci: 1,
             lead: false,
         }
@@ -80,9 +110,10 @@ impl Default for Motion {
 }
 
 /// Speed or rate of a motion; the other follows from its length.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tempo {
+    /// The tempo of the file, with `path = "file"`; without times in it, the usual rate.
+    Own,
     /// Repetitions per second.
     Rate(f64),
     /// m/s
@@ -92,15 +123,40 @@ pub enum Tempo {
 impl Tempo {
     /// The default tempo of a path: along outlines, the speed of best tactile perception.
     pub fn usual(path: MotionPath) -> Self {
-        if path == MotionPath::Outline { Self::Speed(6.0) } else { Self::Rate(5.0) }
+        match path {
+            MotionPath::Outline => Self::Speed(6.0),
+            MotionPath::File => Self::Own,
+            MotionPath::None
+            | MotionPath::Line
+            | MotionPath::Circle
+            | MotionPath::Square
+            | MotionPath::Triangle
+            | MotionPath::FigureEight
+            | MotionPath::Points
+            | MotionPath::Keyframes
+            | MotionPath::Steps => Self::Rate(USUAL_RATE),
+        }
     }
 
-    /// Repetitions per second of a path of this length (m); `None` for a speed without length.
+    /// Repetitions per second of a path of this length (m); `None` for a speed without length, and for a file's own.
     pub fn rate(self, length: f64) -> Option<f64> {
         match self {
+            Self::Own => None,
             Self::Rate(rate) => Some(rate),
             Self::Speed(speed) => (length > 0.0).then(|| speed / length),
         }
+    }
+}
+
+impl Serialize for Tempo {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut keys = serializer.serialize_map(None)?;
+        match self {
+            Self::Own => {}
+            Self::Rate(rate) => keys.serialize_entry("rate", rate)?,
+            Self::Speed(speed) => keys.serialize_entry("speed", speed)?,
+        }
+        keys.end()
     }
 }
 
@@ -117,6 +173,7 @@ pub struct MotionTable {
     frames: Option<u32>,
     points: Vec<DVec3>,
     keyframes: Vec<Keyframe>,
+    file: String,
     foci: Option<u32>,
     lead: bool,
 }
@@ -127,7 +184,7 @@ impl MotionTable {
     /// # Errors
     /// Both a rate and a speed.
     pub fn into_motion(self) -> Result<Motion, KeyError> {
-        let Self { path, size, angle, rate, speed, frames, points, keyframes, foci, lead } = self;
+        let Self { path, size, angle, rate, speed, frames, points, keyframes, file, foci, lead } = self;
         let tempo = match (rate, speed) {
             (Some(_), Some(_)) => {
                 let message =
@@ -139,13 +196,16 @@ impl MotionTable {
             (None, None) => Tempo::usual(path),
         };
         let Motion { size: usual_size, frames: usual_frames, .. } = Motion::default();
-        let (size, frames) = (size.unwrap_or(usual_size), frames.unwrap_or(usual_frames));
-        Ok(Motion { path, size, angle, tempo, frames, points, keyframes, foci: foci.unwrap_or(1), lead })
+        let usual_frames = if path == MotionPath::File { Motion::AUTOMATIC } else { usual_frames };
+        let (size, frames, foci) =
+            (size.unwrap_or(usual_size), frames.unwrap_or(usual_frames), foci.unwrap_or(1));
+        let routes = Routes::default();
+        Ok(Motion { path, size, angle, tempo, frames, points, keyframes, file, routes, foci, lead })
     }
 }
 
-/// Paths are parallel to the array and traversed at constant speed, counter-clockwise. All except `points` and
-/// `keyframes` are centred on the targets' positions.
+/// Paths are parallel to the array and traversed at constant speed, counter-clockwise. All except `points`,
+/// `keyframes` and `file` are centred on the targets' positions.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, EnumString, IntoStaticStr, VariantArray, VariantNames,
 )]
@@ -169,19 +229,92 @@ pub enum MotionPath {
     Points,
     /// From keyframe to keyframe, at their times.
     Keyframes,
+    /// To the places of a file, at its times or at constant speed.
+    File,
     /// Targets take turns at rest: first those with `step = 0`, then those with `step = 1`, and so on.
     Steps,
 }
 
 impl Motion {
-    /// Offset of the targets (m) after a fraction of a repetition, in [0, 1).
+    /// [`Self::frames`] of a file: as many as its places need.
+    pub const AUTOMATIC: u32 = 0;
+
+    /// Offset of the targets (m) after a fraction of a repetition, in [0, 1); along a file the place of its first target,
+    /// of others see [`pose`].
     pub fn offset(&self, part: f64) -> DVec3 {
-        self.round().at(part).at
+        self.pose(part).at
     }
 
     /// Factor on target pressures at this time.
     pub fn pressure(&self, part: f64) -> f64 {
-        self.round().at(part).pressure
+        self.pose(part).pressure
+    }
+
+    /// The pose at this time; along a file of its first target, with a place for the offset.
+    #[doc(hidden)]
+    pub fn pose(&self, part: f64) -> Pose {
+        self.round().at(part, Mover { target: self.routes.targets().next().unwrap_or(0), from: DVec3::ZERO })
+    }
+
+    /// Frames per cycle, of a file as many as its places need unless they are given.
+    pub fn frame_count(&self) -> u32 {
+        match self.path {
+            MotionPath::File if self.frames == Self::AUTOMATIC => self.routes.frames(),
+            MotionPath::None
+            | MotionPath::Outline
+            | MotionPath::Line
+            | MotionPath::Circle
+            | MotionPath::Square
+            | MotionPath::Triangle
+            | MotionPath::FigureEight
+            | MotionPath::Points
+            | MotionPath::Keyframes
+            | MotionPath::File
+            | MotionPath::Steps => self.frames.max(1),
+        }
+    }
+
+    /// Repetitions per second of a path of this length (m); `None` for a speed without length.
+    #[doc(hidden)]
+    pub fn rate(&self, length: f64) -> Option<f64> {
+        match self.tempo {
+            Tempo::Own => Some(self.routes.period().map_or(USUAL_RATE, f64::recip)),
+            Tempo::Rate(_) | Tempo::Speed(_) => self.tempo.rate(length),
+        }
+    }
+
+    /// Whether targets turn, or traps have their phases shifted.
+    pub(crate) fn turns(&self) -> bool {
+        let turns = |keyframe: &Keyframe| keyframe.angle != 0.0 || keyframe.phase != 0.0;
+        self.path == MotionPath::Keyframes && self.keyframes.iter().any(turns)
+    }
+
+    /// Whether the phases of traps are shifted.
+    pub(crate) fn shifts(&self) -> bool {
+        self.path == MotionPath::Keyframes && self.keyframes.iter().any(|keyframe| keyframe.phase != 0.0)
+    }
+
+    /// Whether a named file is not yet loaded.
+    #[doc(hidden)]
+    pub fn lacks_routes(&self) -> bool {
+        self.path == MotionPath::File && self.routes.is_missing()
+    }
+
+    /// Remarks on the file of the path: what was left aside in it, and places that no frame shows.
+    #[doc(hidden)]
+    pub fn remarks(&self) -> Vec<String> {
+        if self.path != MotionPath::File {
+            return Vec::new();
+        }
+        let (places, frames) = (self.routes.places(), self.frame_count());
+        let skipped = (self.frames == Self::AUTOMATIC && places > frames as usize).then(|| {
+            format!(
+                "{}: its {places} places are resampled to {frames} frames: `frames` gives more",
+                self.file
+            )
+        });
+        let own = self.routes.remarks().iter().map(|remark| format!("{}: {remark}", self.file));
+        own.chain(skipped).collect()
     }
 
     /// Length of a repetition (m); 0 for steps, and for outlines, whose length is that of the targets:
@@ -193,6 +326,7 @@ impl Motion {
     fn round(&self) -> Round<'_> {
         match self.path {
             MotionPath::Keyframes => Round::Keyframes(&self.keyframes),
+            MotionPath::File => Round::File(&self.routes),
             MotionPath::None
             | MotionPath::Line
             | MotionPath::Circle
@@ -211,9 +345,11 @@ impl Motion {
         let turned = |v: DVec2| (turn.rotate(v) * size).extend(0.0);
         let flat = |vertices: &[DVec2]| Track::round(vertices.iter().map(|&v| turned(v)));
         match self.path {
-            MotionPath::None | MotionPath::Steps | MotionPath::Outline | MotionPath::Keyframes => {
-                Track::round([DVec3::ZERO])
-            }
+            MotionPath::None
+            | MotionPath::Steps
+            | MotionPath::Outline
+            | MotionPath::Keyframes
+            | MotionPath::File => Track::round([DVec3::ZERO]),
             MotionPath::Circle => {
                 let centre = Vertex { at: DVec3::ZERO, pressure: 1.0 };
                 Track::Circle { centre, x: turned(DVec2::X / 2.0), y: turned(DVec2::Y / 2.0) }
@@ -240,14 +376,16 @@ enum Round<'a> {
     /// At constant speed.
     Track(Track),
     Keyframes(&'a [Keyframe]),
+    File(&'a Routes),
 }
 
 impl Round<'_> {
-    /// Offset (m) and pressure factor after a fraction in [0, 1).
-    fn at(&self, part: f64) -> Vertex {
+    /// The pose of a target after a fraction in [0, 1).
+    fn at(&self, part: f64, mover: Mover) -> Pose {
         match self {
-            Self::Track(track) => track.at(part * track.length()),
+            Self::Track(track) => track.at(part * track.length()).into(),
             Self::Keyframes(keyframes) => keyframes::between(keyframes, part),
+            Self::File(routes) => routes.at(part, mover),
         }
     }
 
@@ -256,6 +394,7 @@ impl Round<'_> {
         match self {
             Self::Track(track) => track.length(),
             Self::Keyframes(keyframes) => keyframes::length(keyframes),
+            Self::File(routes) => routes.length(),
         }
     }
 }

@@ -6,7 +6,9 @@ use std::sync::{Arc, Mutex};
 use glam::DVec3;
 
 use super::*;
-use crate::scene::{Motion, MotionPath, Shape, Target};
+use crate::drive::Drive;
+use crate::force::Levitation;
+use crate::scene::{Keyframe, Motion, MotionPath, Shape, Target, Trap};
 
 fn scene(points: &[DVec3], frames: u32) -> Scene {
     let target = |&at: &DVec3| Target::new(Shape::Point { at });
@@ -137,6 +139,63 @@ fn a_stroke_that_stands_is_even_while_a_focus_runs_beside_it() {
         let (mean, min) = (frame.mean_pressure(), frame.min_pressure());
         assert!(min > 0.7 * mean, "{min} of {mean} Pa");
     }
+}
+
+/// rad, from -π/2 to π/2: the direction in the plane in which a bead is held most, and the stiffnesses (N/m) along it
+/// and across.
+fn stiff_axis(scene: &Scene, aperture: &Aperture, drive: &Drive, at: DVec3) -> (f64, [f64; 2]) {
+    let levitation = Levitation::new(scene, aperture, std::slice::from_ref(drive));
+    let stiffness = levitation.forces(at).symmetric();
+    let (a, b, c) = (stiffness.x_axis.x, stiffness.x_axis.y, stiffness.y_axis.y);
+    let (middle, half) = ((a + c) / 2.0, f64::hypot((a - c) / 2.0, b));
+    (0.5 * f64::atan2(2.0 * b, a - c), [middle + half, middle - half])
+}
+
+#[test]
+fn a_trap_turns_with_its_angle_and_without_jumps() {
+    const FRAMES: u32 = 64;
+    let at = DVec3::new(0.0, 0.0, 0.08);
+    let mut scene = scene(&[], FRAMES);
+    scene.array.strength = 6.0;
+    scene.targets = vec![Target::new(Shape::Trap { at, trap: Trap::Twin, charge: 1 })];
+    scene.motion.path = MotionPath::Keyframes;
+    let keyframe = |time: f64, angle: f64| Keyframe { angle, ..Keyframe::new(time, DVec3::ZERO) };
+    scene.motion.keyframes = vec![keyframe(0.0, 0.0), keyframe(0.5, TAU / 2.0)];
+    let sequence = follow(&scene).unwrap();
+    let aperture = Aperture::new(&scene);
+    let mut farthest: f64 = 0.0;
+    for (i, frame) in sequence.frames.iter().enumerate() {
+        let (axis, [most, least]) = stiff_axis(&scene, &aperture, &frame.drive, at);
+        let off = (axis - TAU * i as f64 / f64::from(FRAMES)).rem_euclid(TAU / 2.0);
+        farthest = farthest.max(off.min(TAU / 2.0 - off));
+        assert!(most > 2.0 * least, "frame {i}: {most} and {least} N/m");
+        let levitation = Levitation::new(&scene, &aperture, std::slice::from_ref(&frame.drive));
+        let net = levitation.net(at).length() / levitation.load;
+        assert!(net < 1e-4 && least > 0.0, "frame {i}: {net} weights, {least} N/m");
+    }
+    assert!(farthest < 0.05, "{farthest} rad from the angle");
+    assert!(sequence.steps.largest < 1.6, "{:?}", sequence.steps);
+}
+
+#[test]
+fn a_phase_moves_the_node_of_a_twin_trap() {
+    let at = DVec3::new(0.0, 0.0, 0.08);
+    let mut scene = scene(&[], 4);
+    scene.targets = vec![Target::new(Shape::Trap { at, trap: Trap::Twin, charge: 1 })];
+    scene.motion.path = MotionPath::Keyframes;
+    let keyframe = |time: f64, phase: f64| Keyframe { phase, ..Keyframe::new(time, DVec3::ZERO) };
+    scene.motion.keyframes = vec![keyframe(0.0, 0.0), keyframe(0.5, 1.0)];
+    let aperture = Aperture::new(&scene);
+    let place = |frame: &Frame| {
+        let points: Vec<_> = (-400..=400).map(|i| at + DVec3::X * 1e-5 * f64::from(i)).collect();
+        let heard = aperture.pressures(&points, &frame.drive.excitation(&aperture.driven));
+        let quietest = (0..heard.len()).min_by(|&a, &b| heard[a].norm().total_cmp(&heard[b].norm()));
+        points[quietest.unwrap()].x
+    };
+    let places: Vec<_> = follow(&scene).unwrap().frames.iter().map(place).collect();
+    assert!(places[0].abs() < 2e-4, "{places:?}");
+    assert!(places[1].abs() > 1e-4 && places[2].abs() > 1.5 * places[1].abs(), "{places:?}");
+    assert!((places[1] - places[3]).abs() < 1e-5, "there and back: {places:?}");
 }
 
 /// Few of them, so that only the last is told.

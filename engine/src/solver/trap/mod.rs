@@ -16,6 +16,7 @@ use stiffness::{Places, Stiffness, phasors};
 use web_time::{Duration, Instant};
 
 pub use starts::signature;
+use traps::Kinds;
 pub use traps::Traps;
 
 /// Steps of a descent between corrections of the multipliers.
@@ -53,6 +54,9 @@ fn places<'a>(traps: &Traps, problem: &'a Problem<'_>, first: &[Complex64]) -> P
 /// The drive of traps with the largest smallest stiffness in balance of force and weight at every trap, from several
 /// starts; where no start leads to balance, the stiffest out of it.
 pub fn best(problem: &Problem<'_>, traps: &Traps, time: Duration) -> Excitation {
+    if traps.kinds != Kinds::First {
+        return of_kind(problem, traps, &[]);
+    }
     let (begun, gauge) = (Instant::now(), Gauge::current());
     let named = signature(problem, traps);
     let places = places(traps, problem, &named);
@@ -95,11 +99,26 @@ pub fn best(problem: &Problem<'_>, traps: &Traps, time: Duration) -> Excitation 
 
 /// The same from another drive, of a frame before: the phases change as little as balance and stiffness allow.
 pub fn best_from(problem: &Problem<'_>, traps: &Traps, before: &[Complex64]) -> Excitation {
+    if traps.kinds != Kinds::First {
+        return of_kind(problem, traps, before);
+    }
     let start: Vec<_> = before.iter().map(|u| iteration::phase(*u)).collect();
     let places = places(traps, problem, &start);
     let mut onward = Climb::new(&places, &start);
     onward.go(ONWARD);
     if onward.found.holds() { onward.into_excitation() } else { best(problem, traps, Duration::ZERO) }
+}
+
+/// The drive of the kinds that the scene names, with the nearest phases in balance if they hold the bead. It changes
+/// continuously with the angles of the traps.
+fn of_kind(problem: &Problem<'_>, traps: &Traps, before: &[Complex64]) -> Excitation {
+    let named = starts::onward(problem, traps, before);
+    let places = places(traps, problem, &named);
+    let x: Vec<_> = named.iter().map(|u| u.arg()).collect();
+    let balanced = || Stiffness::new(&places, &named).balanced(&x).map(|x| Found::new(&places, x, true));
+    let balanced = if traps.kinds == Kinds::Balanced { balanced() } else { None };
+    let values = balanced.filter(Found::holds).map_or(named, |found| phasors(&found.x));
+    Excitation { values, iterations: 0, residual: None, weights: None }
 }
 
 /// The best of several starts: all for a short way, a few for a longer one, and one to the end.

@@ -30,7 +30,13 @@ const KINDS: [(Trap, i32, f64); 7] = [
 /// The first drive of the kinds that the scene names: for a single trap its signature on focusing phases, for several
 /// their lobes with prescribed phases.
 pub fn signature(problem: &Problem<'_>, traps: &Traps) -> Vec<Complex64> {
-    of(problem, &traps.traps)
+    of(problem, &traps.traps, None)
+}
+
+/// The drive of the kinds that the scene names, of traps that turn; it continues from another drive, if that is not
+/// empty.
+pub fn onward(problem: &Problem<'_>, traps: &Traps, before: &[Complex64]) -> Vec<Complex64> {
+    of(problem, &traps.traps, Some(before))
 }
 
 /// First drives of other kinds than the scene's.
@@ -46,7 +52,7 @@ pub fn others(problem: &Problem<'_>, traps: &Traps) -> impl Iterator<Item = Vec<
             ..own.clone()
         };
         let wanted: Vec<_> = traps.traps.iter().map(of).collect();
-        self::of(problem, &wanted)
+        self::of(problem, &wanted, None)
     };
     KINDS.into_iter().filter(move |kind| !is_named(kind)).map(all_of)
 }
@@ -56,7 +62,7 @@ pub fn standing(problem: &Problem<'_>, traps: &Traps) -> Option<Vec<Complex64>> 
     let is_named = traps.traps.iter().all(|trap| trap.trap == Trap::Standing);
     let wanted: Vec<_> =
         traps.traps.iter().map(|own| Wanted { trap: Trap::Standing, ..own.clone() }).collect();
-    (!is_named).then(|| of(problem, &wanted))
+    (!is_named).then(|| of(problem, &wanted, None))
 }
 
 /// Whether elements face the trap from both sides.
@@ -72,12 +78,12 @@ pub fn scattered(elements: usize, number: usize) -> Vec<Complex64> {
     (0..elements).map(|n| Complex64::cis(TAU * scatter((n + 1) * (n + 1) * (number + 1)))).collect()
 }
 
-fn of(problem: &Problem<'_>, traps: &[Wanted]) -> Vec<Complex64> {
+fn of(problem: &Problem<'_>, traps: &[Wanted], before: Option<&[Complex64]>) -> Vec<Complex64> {
     match traps {
         [alone] if alone.foci.len() == problem.foci.len() && !needs_lobes(problem.aperture, alone) => {
-            by_signature(problem.aperture, alone)
+            by_signature(problem.aperture, alone, before.is_some())
         }
-        _ => by_lobes(problem, traps),
+        _ => by_lobes(problem, traps, before.unwrap_or_default()),
     }
 }
 
@@ -86,7 +92,7 @@ fn needs_lobes(aperture: &Aperture, trap: &Wanted) -> bool {
     trap.trap == Trap::Standing && !is_between(aperture, trap)
 }
 
-fn by_signature(aperture: &Aperture, trap: &Wanted) -> Vec<Complex64> {
+fn by_signature(aperture: &Aperture, trap: &Wanted, is_gradual: bool) -> Vec<Complex64> {
     let place = |n: usize| trap.turn.inverse() * (aperture.positions[n] - trap.at);
     let mut radii: Vec<_> = aperture.driven.iter().map(|&n| place(n).truncate().length()).collect();
     radii.sort_by(f64::total_cmp);
@@ -94,13 +100,15 @@ fn by_signature(aperture: &Aperture, trap: &Wanted) -> Vec<Complex64> {
     let radius = radii[(radii.len() - 1) / 2] * (1.0 + 1e-9);
     let of = |&n: &usize| {
         let phase = aperture.element.wavenumber * place(n).length();
-        Complex64::cis(phase + trap.trap.signature(trap.charge, place(n), radius))
+        let signature = if is_gradual { Trap::gradual_signature } else { Trap::signature };
+        Complex64::cis(phase + signature(trap.trap, trap.charge, trap.phase, place(n), radius))
     };
     aperture.driven.iter().map(of).collect()
 }
 
-/// Weighted Gerchberg-Saxton with one free phase per trap, common to its lobes.
-fn by_lobes(problem: &Problem<'_>, traps: &[Wanted]) -> Vec<Complex64> {
+/// Weighted Gerchberg-Saxton with one free phase per trap, common to its lobes; at first that of a drive before, if
+/// there is one.
+fn by_lobes(problem: &Problem<'_>, traps: &[Wanted], before: &[Complex64]) -> Vec<Complex64> {
     let is_lobe = |i: &usize| traps.iter().any(|trap| trap.foci.contains(i));
     // Points with their targets and phases, trap by trap and then focus by focus.
     let (mut places, mut targets, mut fixed): (Vec<DVec3>, Vec<f64>, Vec<f64>) = Default::default();
@@ -110,7 +118,7 @@ fn by_lobes(problem: &Problem<'_>, traps: &[Wanted]) -> Vec<Complex64> {
         groups.push(places.len()..places.len() + lobes.len());
         places.extend(lobes.iter().map(|lobe| trap.at + trap.turn * lobe.at));
         targets.extend(lobes.iter().map(|_| problem.foci[trap.foci.start].target));
-        fixed.extend(lobes.iter().map(|lobe| lobe.phase));
+        fixed.extend(lobes.iter().map(|lobe| trap.trap.shifted(trap.phase, lobe.phase)));
     }
     for i in (0..problem.foci.len()).filter(|i| !is_lobe(i)) {
         groups.push(places.len()..places.len() + 1);
@@ -122,6 +130,16 @@ fn by_lobes(problem: &Problem<'_>, traps: &[Wanted]) -> Vec<Complex64> {
     let mut weights = targets.clone();
     // Neighbours that start a golden angle apart help each other more often than in phase.
     let mut free: Vec<f64> = (0..groups.len()).map(|i| 2.4 * i as f64).collect();
+    let align = |free: &mut Vec<f64>, heard: &[Complex64], weights: &[f64]| {
+        for (group, phase) in groups.iter().zip(free) {
+            let common: Complex64 =
+                group.clone().map(|i| heard[i] * Complex64::cis(-fixed[i]) * weights[i]).sum();
+            *phase = common.arg();
+        }
+    };
+    if !before.is_empty() {
+        align(&mut free, &transfer.pressure(before), &weights);
+    }
     let mut u = Vec::new();
     for _ in (0..ITERATIONS).take_while(|_| !gauge::is_cancelled()) {
         let mut wanted = vec![Complex64::ZERO; targets.len()];
@@ -132,11 +150,7 @@ fn by_lobes(problem: &Problem<'_>, traps: &[Wanted]) -> Vec<Complex64> {
         }
         u = transfer.back(&wanted).into_iter().map(iteration::phase).collect();
         let heard = transfer.pressure(&u);
-        for (group, phase) in groups.iter().zip(&mut free) {
-            let common: Complex64 =
-                group.clone().map(|i| heard[i] * Complex64::cis(-fixed[i]) * weights[i]).sum();
-            *phase = common.arg();
-        }
+        align(&mut free, &heard, &weights);
         let relative: Vec<_> = heard.iter().zip(&targets).map(|(p, target)| p.norm() / target).collect();
         let mean = relative.iter().sum::<f64>() / relative.len() as f64;
         for (weight, relative) in weights.iter_mut().zip(&relative) {

@@ -8,6 +8,7 @@ mod drawing;
 mod link;
 mod native;
 mod picture;
+mod route;
 mod scene;
 mod settings;
 mod stock;
@@ -18,7 +19,7 @@ mod waveform;
 type Target = fn(&[u8]);
 
 /// The targets by name; a corpus has the name of its target.
-pub const TARGETS: [(&str, Target); 16] = [
+pub const TARGETS: [(&str, Target); 17] = [
     ("scene", scene::run),
     ("points", tables::points),
     ("drive", tables::drive),
@@ -31,6 +32,7 @@ pub const TARGETS: [(&str, Target); 16] = [
     ("link", link::run),
     ("batch", batch::run),
     ("settings", settings::run),
+    ("route", route::run),
     ("waveform", waveform::run),
     ("osc", control::osc),
     ("ultraino", control::ultraino),
