@@ -93,7 +93,7 @@ impl Drawing {
         }
         let mut lines = sparse(&lines);
         lines.sort_by(|a, b| b.length().total_cmp(&a.length()));
-        let gaps = (0..lines.len()).map(|i| gaps(&lines, i)).collect();
+        let gaps = gaps(&lines);
         Ok(Self { lines, size: (high - low) / side, side: unit.map(|unit| side * unit), gaps, remarks })
     }
 }
@@ -110,11 +110,20 @@ pub fn sparse(lines: &[Line]) -> Vec<Line> {
     }
 }
 
-/// Distances of a line's ends from the nearest of the earlier lines.
-pub fn gaps(lines: &[Line], index: usize) -> [f64; 2] {
-    let points = &lines[index].points;
-    [points[0], points[points.len() - 1]].map(|end| {
-        let distances = lines[..index].iter().map(|line| line.distance(end));
-        distances.fold(f64::INFINITY, f64::min)
-    })
+/// Distances of every line's ends from the nearest of the earlier lines.
+pub fn gaps(lines: &[Line]) -> Vec<[f64; 2]> {
+    let low = |line: &Line| line.points.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+    let high = |line: &Line| line.points.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+    let boxes: Vec<_> = lines.iter().map(|line| (low(line), high(line))).collect();
+    let gap = |end: DVec2, earlier: usize| {
+        let mut nearest = f64::INFINITY;
+        for (line, &(low, high)) in lines[..earlier].iter().zip(&boxes) {
+            if end.distance(end.clamp(low, high)) < nearest {
+                nearest = nearest.min(line.distance(end));
+            }
+        }
+        nearest
+    };
+    let ends = |line: &Line| [line.points[0], line.points[line.points.len() - 1]];
+    lines.iter().enumerate().map(|(i, line)| ends(line).map(|end| gap(end, i))).collect()
 }

@@ -309,7 +309,10 @@ impl<'a> Walk<'a, '_> {
                 let mut pen = stroke.to_tiny_skia();
                 pen.dash = None;
                 let dashed = stroke.to_tiny_skia().dash.and_then(|dash| path.data().dash(&dash, 1.0));
-                let outline = dashed.as_ref().unwrap_or(path.data()).stroke(&pen, scale(transform) as f32);
+                // The outline is finer than a pixel at this magnification.
+                let finer = 0.2 / self.fineness.tolerance;
+                let magnification = (scale(transform) * finer.max(1.0)) as f32;
+                let outline = dashed.as_ref().unwrap_or(path.data()).stroke(&pen, magnification);
                 if let Some(outline) = outline {
                     area = place.clip.cut(Area::new(closed(self.lines(&outline, transform))));
                 }

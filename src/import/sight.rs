@@ -25,15 +25,17 @@ pub const BROAD: f64 = 3.0;
 const MARGIN: f64 = 4.0;
 /// Distance of the compared pixels from an outline.
 const ASIDE: f64 = 1.2;
-/// Pixels between the places that are looked at.
+/// Pixels between the places that are looked at where the sight changes, and how many times as many elsewhere.
 const STEP: f64 = 1.5;
-/// Limit of these places.
-const MOST_PLACES: f64 = 400_000.0;
+const FINER: usize = 3;
+/// Limit of places at the smaller distance.
+const MOST_PLACES: f64 = 600_000.0;
 /// Pixels: shorter remainders of a line are traces of a crossing, shorter gaps are crossings.
 const SHORTEST: f64 = 6.0;
 const SHORTEST_GAP: f64 = 3.0;
-/// Pixels between lines that are the same.
+/// Pixels between lines that are the same, and over how many they are.
 const SAME: f64 = 0.35;
+const SHORTEST_SAME: f64 = 24.0;
 /// Smallest difference between colours that is seen, of 255.
 const CONTRAST: f64 = 8.0;
 
@@ -101,10 +103,12 @@ struct View {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sight {
     Clear,
-    /// As its surroundings.
+    /// As its surroundings, or a stroke under another.
     Blank,
-    /// Under another shape, or the same as another line.
+    /// Under another shape.
     Covered,
+    /// On another line.
+    Same,
 }
 
 impl View {
@@ -231,23 +235,21 @@ impl View {
         let step = STEP.max(length / MOST_PLACES) * self.pixel;
         let widest = shapes.iter().filter(|shape| self.is_broad(shape)).filter_map(|shape| shape.stroke);
         let widest = widest.map(|stroke| stroke.width).fold(0.0, f64::max);
-        let mut taken = Taken::new(self, step);
+        let mut taken = Taken::new(self, FINER as f64 * step);
         let mut seen = Seen::default();
         // What is painted last comes first: coincident lines of shapes below are left to it.
         let mut number = 0;
         for (i, shape) in shapes.iter().enumerate().rev() {
             for line in &shape.lines {
                 number += 1;
-                let places = places(line, step);
-                let mut sights: Vec<_> =
-                    places.iter().map(|place| self.sight(place, i as u32 + 1, shape)).collect();
-                for (sight, place) in sights.iter_mut().zip(&places) {
-                    if *sight == Sight::Clear && taken.has(self, place.middle(), place.along, number) {
-                        *sight = Sight::Covered;
-                    }
-                }
+                let sight_of = |place: &Place| {
+                    let sight = self.sight(place, i as u32 + 1, shapes);
+                    let is_taken = sight == Sight::Clear && taken.has(self, place.middle(), place.along, number);
+                    if is_taken { Sight::Same } else { sight }
+                };
+                let (places, mut sights) = refined(places(line, FINER as f64 * step), line.closed, sight_of);
                 let longest_blank = match shape.stroke {
-                    // Strokes run on through others of their colour.
+                    // Strokes run on through others.
                     Some(_) => 2.0 * widest + SHORTEST_GAP * self.pixel,
                     None => SHORTEST_GAP * self.pixel,
                 };
@@ -273,11 +275,16 @@ impl View {
         seen
     }
 
-    fn sight(&self, place: &Place, order: u32, shape: &Shape<'_>) -> Sight {
+    /// The sight of a place of the shape whose index is one less than `order`.
+    fn sight(&self, place: &Place, order: u32, shapes: &[Shape<'_>]) -> Sight {
+        let shape = &shapes[order as usize - 1];
         let (at, aside) = (place.middle(), place.along.perp() * ASIDE * self.pixel);
         let around = [at - aside, at, at + aside];
         if around.iter().all(|&at| self.top(at) > order) {
-            return Sight::Covered;
+            // Where strokes cross, the lower one runs on.
+            let above = &shapes[self.top(at) as usize - 1];
+            let crosses = shape.stroke.is_some() && above.stroke.is_some();
+            return if crosses { Sight::Blank } else { Sight::Covered };
         }
         let is_seen = if shape.stroke.is_none() && self.is_broad(shape) {
             let [left, middle, right] = around.map(|at| self.colour(at));
@@ -309,6 +316,7 @@ impl View {
             }
         };
         change(Sight::Blank, longest_blank, Sight::Clear);
+        change(Sight::Same, SHORTEST_SAME * self.pixel, Sight::Clear);
         change(Sight::Covered, SHORTEST_GAP * self.pixel, Sight::Clear);
         change(Sight::Clear, SHORTEST * self.pixel, Sight::Covered);
     }
@@ -332,6 +340,7 @@ fn runs(sights: &[Sight], is_closed: bool) -> Vec<Vec<usize>> {
 }
 
 /// A short part of a piece of a line.
+#[derive(Clone, Copy, Debug)]
 struct Place {
     ends: [DVec2; 2],
     /// Unit vector.
@@ -364,6 +373,40 @@ fn places(line: &Line, step: f64) -> Vec<Place> {
         }
     }
     places
+}
+
+/// Places with their sights, those beside a change of sight divided.
+fn refined(
+    places: Vec<Place>,
+    is_closed: bool,
+    sight: impl Fn(&Place) -> Sight,
+) -> (Vec<Place>, Vec<Sight>) {
+    let sights: Vec<_> = places.iter().map(&sight).collect();
+    if sights.iter().all(|other| *other == sights[0]) {
+        return (places, sights);
+    }
+    let count = places.len();
+    let (mut finer, mut finer_sights) = (Vec::new(), Vec::new());
+    for (i, place) in places.into_iter().enumerate() {
+        let before = if i > 0 || is_closed { sights[(i + count - 1) % count] } else { sights[i] };
+        let after = if i + 1 < count || is_closed { sights[(i + 1) % count] } else { sights[i] };
+        if before == sights[i] && after == sights[i] {
+            finer_sights.push(sights[i]);
+            finer.push(place);
+            continue;
+        }
+        for k in 0..FINER {
+            let parts = [k as f64 / FINER as f64, (k + 1) as f64 / FINER as f64];
+            let ends = parts.map(|part| place.ends[0].lerp(place.ends[1], part));
+            let span = parts.map(|part| place.span[0] + (place.span[1] - place.span[0]) * part);
+            // The ends are exact, so that neighbours touch.
+            let span = [if k == 0 { place.span[0] } else { span[0] }, if k + 1 == FINER { place.span[1] } else { span[1] }];
+            let part = Place { ends, span, ..place };
+            finer_sights.push(sight(&part));
+            finer.push(part);
+        }
+    }
+    (finer, finer_sights)
 }
 
 /// The clear parts of a line.
@@ -428,7 +471,7 @@ impl Taken {
             let mut next = self.latest[cell];
             while next > 0 {
                 let (ends, owner, before) = self.entries[next as usize - 1];
-                let is_parallel = (ends[1] - ends[0]).normalize_or(along).perp_dot(along).abs() < 0.1;
+                let is_parallel = (ends[1] - ends[0]).normalize_or(along).perp_dot(along).abs() < 0.05;
                 if owner != line && is_parallel && distance_to(ends, at) < near {
                     return true;
                 }
