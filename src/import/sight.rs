@@ -244,7 +244,8 @@ impl View {
                 number += 1;
                 let sight_of = |place: &Place| {
                     let sight = self.sight(place, i as u32 + 1, shapes);
-                    let is_taken = sight == Sight::Clear && taken.has(self, place.middle(), place.along, number);
+                    let is_taken =
+                        sight == Sight::Clear && taken.has(self, place.middle(), place.along, number);
                     if is_taken { Sight::Same } else { sight }
                 };
                 let (places, mut sights) = refined(places(line, FINER as f64 * step), line.closed, sight_of);
@@ -376,11 +377,7 @@ fn places(line: &Line, step: f64) -> Vec<Place> {
 }
 
 /// Places with their sights, those beside a change of sight divided.
-fn refined(
-    places: Vec<Place>,
-    is_closed: bool,
-    sight: impl Fn(&Place) -> Sight,
-) -> (Vec<Place>, Vec<Sight>) {
+fn refined(places: Vec<Place>, is_closed: bool, sight: impl Fn(&Place) -> Sight) -> (Vec<Place>, Vec<Sight>) {
     let sights: Vec<_> = places.iter().map(&sight).collect();
     if sights.iter().all(|other| *other == sights[0]) {
         return (places, sights);
@@ -400,7 +397,10 @@ fn refined(
             let ends = parts.map(|part| place.ends[0].lerp(place.ends[1], part));
             let span = parts.map(|part| place.span[0] + (place.span[1] - place.span[0]) * part);
             // The ends are exact, so that neighbours touch.
-            let span = [if k == 0 { place.span[0] } else { span[0] }, if k + 1 == FINER { place.span[1] } else { span[1] }];
+            let span = [
+                if k == 0 { place.span[0] } else { span[0] },
+                if k + 1 == FINER { place.span[1] } else { span[1] },
+            ];
             let part = Place { ends, span, ..place };
             finer_sights.push(sight(&part));
             finer.push(part);
