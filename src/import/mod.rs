@@ -14,6 +14,8 @@ mod join;
 mod layers;
 mod line;
 mod placement;
+#[cfg(test)]
+mod samples;
 mod scan;
 mod sight;
 mod svg;

@@ -109,6 +109,8 @@ enum Sight {
     Covered,
     /// On another line.
     Same,
+    /// An outline within a stroke of its colour, which itself has none.
+    Merged,
 }
 
 impl View {
@@ -254,7 +256,7 @@ impl View {
                     Some(_) => 2.0 * widest + SHORTEST_GAP * self.pixel,
                     None => SHORTEST_GAP * self.pixel,
                 };
-                self.smooth(&mut sights, &places, line.closed, longest_blank);
+                self.smooth(&mut sights, &places, line.closed, [longest_blank, 4.0 * widest]);
                 for (sight, place) in sights.iter().zip(&places) {
                     if *sight == Sight::Clear {
                         taken.take(self, place.ends, number);
@@ -300,11 +302,25 @@ impl View {
             let differs = |at| f64::from(alpha) * difference(self.colour(at), own) > CONTRAST;
             differs(at - aside) || differs(at + aside)
         };
-        if is_seen { Sight::Clear } else { Sight::Blank }
+        let is_stroke = |at: DVec2| match self.top(at) {
+            0 => false,
+            top => shapes[top as usize - 1].stroke.is_some(),
+        };
+        match (is_seen, shape.stroke) {
+            (true, _) => Sight::Clear,
+            (false, None) if around.into_iter().any(is_stroke) => Sight::Merged,
+            (false, None | Some(_)) => Sight::Blank,
+        }
     }
 
     /// Fills short gaps and removes short remainders.
-    fn smooth(&self, sights: &mut [Sight], places: &[Place], is_closed: bool, longest_blank: f64) {
+    fn smooth(
+        &self,
+        sights: &mut [Sight],
+        places: &[Place],
+        is_closed: bool,
+        [longest_blank, longest_merged]: [f64; 2],
+    ) {
         if !sights.contains(&Sight::Clear) {
             return;
         }
@@ -317,6 +333,7 @@ impl View {
             }
         };
         change(Sight::Blank, longest_blank, Sight::Clear);
+        change(Sight::Merged, longest_merged, Sight::Clear);
         change(Sight::Same, SHORTEST_SAME * self.pixel, Sight::Clear);
         change(Sight::Covered, SHORTEST_GAP * self.pixel, Sight::Clear);
         change(Sight::Clear, SHORTEST * self.pixel, Sight::Covered);

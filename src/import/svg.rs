@@ -46,6 +46,15 @@ pub fn drawing(text: &str) -> Result<Drawing, ImportError> {
 }
 
 fn drawing_of(text: &str) -> Result<Drawing, ImportError> {
+    let (mut traces, remarks) = seen(text)?;
+    for trace in &mut traces {
+        trace.line.points.iter_mut().for_each(|point| point.y = -point.y);
+    }
+    Drawing::of_unit(traces.into_iter().map(|trace| trace.line).collect(), remarks, Some(PIXEL))
+}
+
+/// The seen lines in pixels, y downwards from the top of the page, and omissions.
+pub fn seen(text: &str) -> Result<(Vec<Trace>, Vec<String>), ImportError> {
     let options =
         roxmltree::ParsingOptions { allow_dtd: true, nodes_limit: MOST_NODES, ..Default::default() };
     let document = roxmltree::Document::parse_with_options(text, options)
@@ -63,14 +72,10 @@ fn drawing_of(text: &str) -> Result<Drawing, ImportError> {
         Tree::from_xmltree(&document, &options).map_err(|error| ImportError::Svg(error.to_string()))?;
     let mut remarks = ignored(&document);
     let has_text = document.descendants().any(|node| node.tag_name().name() == "text");
-    let mut traces = traces(&tree, &labels(&document), has_text, &mut remarks)?;
-    for trace in &mut traces {
-        trace.line.points.iter_mut().for_each(|point| point.y = -point.y);
-    }
-    Drawing::of_unit(traces.into_iter().map(|trace| trace.line).collect(), remarks, Some(PIXEL))
+    let traces = traces(&tree, &labels(&document), has_text, &mut remarks)?;
+    Ok((traces, remarks))
 }
 
-/// The seen lines in pixels, y downwards.
 fn traces(
     tree: &Tree,
     labels: &Labels,
@@ -224,18 +229,15 @@ mod tests {
     use std::f64::consts::TAU;
 
     use super::*;
+    use crate::import::Line;
 
-    /// The lines in the SVG's pixels about their middle, the longest first.
-    fn of(body: &str) -> Vec<Line> {
-        lines(&format!("<svg xmlns='http://www.w3.org/2000/svg' width='200' height='100'>{body}</svg>"))
+    fn lines(text: &str) -> Result<Vec<Line>, ImportError> {
+        Ok(seen(text)?.0.into_iter().map(|trace| trace.line).collect())
     }
 
-    fn lines(text: &str) -> Vec<Line> {
-        let drawing = drawing(text).unwrap();
-        let pixels = drawing.side.unwrap() / PIXEL;
-        let mut lines = drawing.lines;
-        lines.iter_mut().flat_map(|line| &mut line.points).for_each(|point| *point *= pixels);
-        lines
+    fn of(body: &str) -> Vec<Line> {
+        lines(&format!("<svg xmlns='http://www.w3.org/2000/svg' width='200' height='100'>{body}</svg>"))
+            .unwrap()
     }
 
     fn is_at(points: &[DVec2], wanted: &[(f64, f64)]) {
@@ -250,7 +252,7 @@ mod tests {
         let [circle] = &of("<circle cx='50' cy='40' r='30'/>")[..] else { panic!("one line") };
         assert!(circle.closed);
         for point in &circle.points {
-            assert!((point.distance(DVec2::new(50.0, -40.0)) - 30.0).abs() < 0.02, "{point}");
+            assert!((point.distance(DVec2::new(50.0, 40.0)) - 30.0).abs() < 0.02, "{point}");
         }
         assert!((circle.length() / (TAU * 30.0) - 1.0).abs() < 1e-3, "{}", circle.length());
     }
@@ -258,11 +260,11 @@ mod tests {
     #[test]
     fn transforms_and_the_view_box_hold_and_y_goes_upwards() {
         let body = "<g transform='translate(10 20) scale(2)'><path d='M1 2 L5 2 L5 8' fill='none' stroke='red'/></g>";
-        assert_eq!(of(body)[0].points, [(12.0, -24.0), (20.0, -24.0), (20.0, -36.0)].map(DVec2::from));
+        is_at(&of(body)[0].points, &[(12.0, 24.0), (20.0, 24.0), (20.0, 36.0)]);
         let boxed = "<svg xmlns='http://www.w3.org/2000/svg' width='100' height='100' viewBox='10 0 50 50'>\
             <path d='M10 0 H60 V50' fill='none' stroke='black'/></svg>";
-        let points = &lines(boxed).unwrap().0[0].points;
-        assert_eq!(*points, [(0.0, 0.0), (100.0, 0.0), (100.0, -100.0)].map(DVec2::from));
+        is_at(&lines(boxed).unwrap()[0].points, &[(0.0, 0.0), (100.0, 0.0), (100.0, 100.0)]);
+        is_at(&drawing(boxed).unwrap().lines[0].points, &[(-0.5, 0.5), (0.5, 0.5), (0.5, -0.5)]);
     }
 
     #[test]
@@ -284,11 +286,49 @@ mod tests {
     #[test]
     fn subpaths_are_lines_of_their_own_and_what_is_not_painted_is_none() {
         let lines = of("<path d='M0 0h10v10h-10z M20 0 q5 10 10 0 l3 0' stroke='black' fill='none'/>\
-            <path d='M0 0h99v99z' fill='none'/><rect width='200' height='100' fill='white'/>\
-            <rect width='10' height='10' display='none'/>");
+            <path d='M0 0h99v99z' fill='none'/><rect width='10' height='10' display='none'/>");
         assert_eq!(lines.iter().map(|line| line.closed).collect::<Vec<_>>(), [true, false]);
         assert_eq!(lines[0].points.len(), 4);
-        assert_eq!(lines[0].length(), 40.0);
-        assert!(lines[1].points.iter().any(|p| (p.x - 25.0).abs() < 1.0 && (p.y + 5.0).abs() < 0.1));
+        assert!((lines[0].length() - 40.0).abs() < 1e-3);
+        assert!(lines[1].points.iter().any(|p| (p.x - 25.0).abs() < 1.0 && (p.y - 5.0).abs() < 0.1));
+    }
+
+    #[test]
+    fn omissions_are_said_and_an_unseen_drawing_is_refused_with_its_reason() {
+        let svg = |body: &str| {
+            drawing(&format!("<svg xmlns='http://www.w3.org/2000/svg' width='90' height='90'>{body}</svg>"))
+        };
+        let remarks = svg(
+            "<circle cx='40' cy='40' r='9'/><text x='9'>Lid\n A</text><rect x='200' width='5' height='5'/>\
+            <rect width='9' height='9' opacity='0'/><circle cx='40' cy='40' r='5'/><image/><use href='a.svg#b'/>",
+        );
+        let remarks = remarks.unwrap().remarks.join("\n");
+        for part in ["(\"Lid A\")", "Pictures", "other files", "beside the page", "transparent", "covered"] {
+            assert!(remarks.contains(part), "{part}: {remarks}");
+        }
+        let refusals = [
+            ("<rect width='9' height='9' opacity='0'/>", "transparent or hidden"),
+            (
+                "<clipPath id='c'><rect width='1' height='1'/></clipPath><g clip-path='url(#c)'><path d='M5 5h9v9'/></g>",
+                "cut away",
+            ),
+            ("<text>A</text>", "convert its text"),
+        ];
+        for (body, reason) in refusals {
+            let error = svg(body).unwrap_err().to_string();
+            assert!(error.contains(reason), "{error}");
+        }
+        let beside = svg("<path d='M-50 -50h20v20z'/>").unwrap();
+        assert_eq!((beside.lines.len(), beside.remarks.len()), (1, 1), "{beside:?}");
+    }
+
+    #[test]
+    fn names_and_groups_are_those_of_the_drawing() {
+        let text = "<svg xmlns='http://www.w3.org/2000/svg' width='90' height='90' \
+            xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape'><g id='Teil_x0020_A'><rect width='9' height='9' \
+            x='5' y='5'/></g><g id='g1' inkscape:label='Lid'><g id='g2'><circle id='c' cx='50' cy='50' r='9'/></g></g></svg>";
+        let lines = lines(text).unwrap();
+        let names: Vec<_> = lines.iter().map(|line| (line.name.as_str(), line.group.as_str())).collect();
+        assert_eq!(names, [("Teil A", "Teil A"), ("c", "Lid")]);
     }
 }

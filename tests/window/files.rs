@@ -96,7 +96,7 @@ fn a_drawing_comes_in_the_size_that_it_is_drawn_in() {
     assert!((vertices[0].distance(vertices[2]) - 0.04_f64.hypot(0.02)).abs() < 1e-7, "{vertices:?}");
     std::fs::write(&path, drawing(300.0)).unwrap();
     drop_file(&mut screen, &path);
-    assert!(screen.query_by_label_contains("larger (600 mm) than the array (168 mm)").is_some());
+    assert!(screen.query_by_label_contains("larger (600 mm) than the array (157.5 mm)").is_some());
 }
 
 #[test]
