@@ -303,7 +303,7 @@ impl<'a> Walk<'a, '_> {
         }
         if let Some((stroke, ink)) = stroke {
             let (lines, width) = (self.centre_lines(path, stroke, transform, whole), stroke.width().get());
-            let width = f64::from(width) * scale(transform);
+            let width = f64::from(width) * largest_scale(transform);
             let mut area = Area::default();
             if width >= self.fineness.broad {
                 let mut pen = stroke.to_tiny_skia();
@@ -554,6 +554,13 @@ fn scale(transform: Transform) -> f64 {
     let Transform { sx, kx, ky, sy, .. } = transform;
     let [sx, kx, ky, sy] = [sx, kx, ky, sy].map(f64::from);
     (sx * sy - kx * ky).abs().sqrt()
+}
+
+/// Magnification in the direction where it is largest.
+fn largest_scale(transform: Transform) -> f64 {
+    let Transform { sx, kx, ky, sy, .. } = transform;
+    let [sx, kx, ky, sy] = [sx, kx, ky, sy].map(f64::from);
+    f64::midpoint((sx + sy).hypot(ky - kx), (sx - sy).hypot(ky + kx))
 }
 
 fn point(transform: Transform, at: tiny_skia_path::Point) -> DVec2 {
