@@ -331,16 +331,14 @@ impl<'a> Walk<'a, '_> {
         }
     }
 
-    /// Adds a fill with its outlines.
+    /// Adds a fill with its outlines: its sides, or the outline of its part within the clip.
     fn filled(&mut self, ink: Ink<'a>, area: &Area, sides: &[Line], like: &Line, place: &Place) {
         let visible = place.clip.cut(area.clone());
         let lines: Vec<_> = if visible == *area {
             sides.iter().map(|line| like.with(line.points.clone(), line.closed)).collect()
-        } else if sides.iter().all(|line| line.closed) {
-            visible.rings.iter().map(|ring| like.with(ring.clone(), true)).collect()
         } else {
-            let parts = sides.iter().flat_map(|line| place.clip.parts(line));
-            parts.map(|line| like.with(line.points, line.closed)).collect()
+            // Along the clip no stroke draws them, and elsewhere they are left to it.
+            visible.rings.iter().map(|ring| like.with(ring.clone(), true)).collect()
         };
         if !visible.rings.is_empty() {
             self.shapes.push(Shape { ink, area: visible, stroke: None, lines });

@@ -348,6 +348,13 @@ const SAMPLES: &[Sample] = &[
             clip-path="url(#c)"/></svg>"##,
     },
     Sample {
+        name: "a filled and stroked disc in a clip",
+        size: [12.0, 20.0],
+        svg: r##"<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm" viewBox="0 0 60 60"><clipPath
+            id="c"><rect width="32" height="60"/></clipPath><circle cx="30" cy="30" r="10" fill="#fc6" stroke="#000"
+            stroke-width=".2" clip-path="url(#c)"/></svg>"##,
+    },
+    Sample {
         name: "an open path that is filled",
         size: [30.0, 20.0],
         svg: r##"<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm" viewBox="0 0 60 60"><path
