@@ -22,6 +22,8 @@ pub struct Drawing {
     pub lines: Vec<Line>,
     /// Width and height.
     pub size: DVec2,
+    /// m, the longer side as the file states it; `None` for pictures, which state none.
+    pub side: Option<f64>,
     /// Distances of each line's ends from the nearest earlier line; infinite without one.
     pub(super) gaps: Vec<[f64; 2]>,
     /// Omissions, a sentence each.
@@ -35,12 +37,14 @@ pub enum ImportError {
     TooLarge(usize),
     #[error("this is neither an SVG nor a PNG, JPEG or BMP picture")]
     UnknownFormat,
-    #[error("the SVG is compressed: unpack it first")]
-    Compressed,
+    #[error("the file cannot be unpacked: {}", echo::line(.0))]
+    Compressed(String),
     #[error("the SVG cannot be read: {0}")]
     Svg(String),
     #[error("the SVG has no painted path{}", if *.has_text { "; convert its text to paths first" } else { "" })]
     NoPaths { has_text: bool },
+    #[error("nothing of the SVG is seen: {}", echo::line(.0))]
+    Unseen(String),
     #[error("the picture cannot be read: {}", echo::line(.0.trim_end()))]
     Picture(String),
     #[error("the picture is blank: it has no strokes")]
@@ -57,7 +61,16 @@ pub enum ImportError {
 
 impl Drawing {
     /// The drawing of lines of any size and position; non-finite points are left out.
-    pub(super) fn new(mut lines: Vec<Line>, remarks: Vec<String>) -> Result<Self, ImportError> {
+    pub(super) fn new(lines: Vec<Line>, remarks: Vec<String>) -> Result<Self, ImportError> {
+        Self::of_unit(lines, remarks, None)
+    }
+
+    /// As [`Self::new`], with the lines' unit in metres if it is known.
+    pub(super) fn of_unit(
+        mut lines: Vec<Line>,
+        remarks: Vec<String>,
+        unit: Option<f64>,
+    ) -> Result<Self, ImportError> {
         lines.retain(|line| !line.points.is_empty() && line.points.iter().all(|point| point.is_finite()));
         let points = || lines.iter().flat_map(|line| &line.points).copied();
         let (Some(low), Some(high)) = (points().reduce(DVec2::min), points().reduce(DVec2::max)) else {
@@ -80,8 +93,8 @@ impl Drawing {
         }
         let mut lines = sparse(&lines);
         lines.sort_by(|a, b| b.length().total_cmp(&a.length()));
-        let gaps = (0..lines.len()).map(|i| gaps(&lines, i)).collect();
-        Ok(Self { lines, size: (high - low) / side, gaps, remarks })
+        let gaps = gaps(&lines);
+        Ok(Self { lines, size: (high - low) / side, side: unit.map(|unit| side * unit), gaps, remarks })
     }
 }
 
@@ -97,11 +110,20 @@ pub fn sparse(lines: &[Line]) -> Vec<Line> {
     }
 }
 
-/// Distances of a line's ends from the nearest of the earlier lines.
-pub fn gaps(lines: &[Line], index: usize) -> [f64; 2] {
-    let points = &lines[index].points;
-    [points[0], points[points.len() - 1]].map(|end| {
-        let distances = lines[..index].iter().map(|line| line.distance(end));
-        distances.fold(f64::INFINITY, f64::min)
-    })
+/// Distances of every line's ends from the nearest of the earlier lines.
+pub fn gaps(lines: &[Line]) -> Vec<[f64; 2]> {
+    let low = |line: &Line| line.points.iter().copied().fold(DVec2::INFINITY, DVec2::min);
+    let high = |line: &Line| line.points.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
+    let boxes: Vec<_> = lines.iter().map(|line| (low(line), high(line))).collect();
+    let gap = |end: DVec2, earlier: usize| {
+        let mut nearest = f64::INFINITY;
+        for (line, &(low, high)) in lines[..earlier].iter().zip(&boxes) {
+            if end.distance(end.clamp(low, high)) < nearest {
+                nearest = nearest.min(line.distance(end));
+            }
+        }
+        nearest
+    };
+    let ends = |line: &Line| [line.points[0], line.points[line.points.len() - 1]];
+    lines.iter().enumerate().map(|(i, line)| ends(line).map(|end| gap(end, i))).collect()
 }

@@ -10,12 +10,19 @@ pub struct Line {
     pub closed: bool,
     /// Its label or identifier in the drawing, or nothing.
     pub name: String,
+    /// The label or identifier of the group or layer around it, or nothing.
+    pub group: String,
 }
 
 impl Line {
     /// A line without a name.
     pub fn new(points: Vec<DVec2>, closed: bool) -> Self {
-        Self { points, closed, name: String::new() }
+        Self { points, closed, name: String::new(), group: String::new() }
+    }
+
+    /// Other points with the same name and group.
+    pub fn with(&self, points: Vec<DVec2>, closed: bool) -> Self {
+        Self { points, closed, name: self.name.clone(), group: self.group.clone() }
     }
 
     pub fn length(&self) -> f64 {
@@ -58,7 +65,7 @@ impl Line {
         if self.closed {
             kept.pop();
         }
-        Self { points: kept, closed: self.closed, name: self.name.clone() }
+        self.with(kept, self.closed)
     }
 
     /// The same line with at most `most` points, two at least.
@@ -80,11 +87,53 @@ impl Line {
             if left < piece {
                 let mut points = vec![pair[0].lerp(pair[1], left / piece)];
                 points.extend(&self.points[i + 1..]);
-                return Some(Self { points, closed: false, name: self.name.clone() });
+                return Some(self.with(points, false));
             }
             left -= piece;
         }
         None
+    }
+
+    /// The parts that remain if `kept` of each piece remains: ascending spans from 0 at its beginning to 1 at its end.
+    pub fn parts(&self, mut kept: impl FnMut([DVec2; 2]) -> Vec<[f64; 2]>) -> Vec<Self> {
+        if let [dot] = self.points[..] {
+            return if kept([dot; 2]).is_empty() { Vec::new() } else { vec![self.clone()] };
+        }
+        let mut parts: Vec<Vec<DVec2>> = Vec::new();
+        // Whether the first part begins with the line, and whether the last one ends where the next piece begins.
+        let (mut begins, mut continues) = (false, false);
+        for (i, [a, b]) in self.pieces().enumerate() {
+            let mut end_in_piece = None;
+            for [from, to] in kept([a, b]) {
+                begins |= i == 0 && from == 0.0;
+                match parts.last_mut() {
+                    Some(part) if end_in_piece == Some(from) => {
+                        part.pop();
+                        part.push(a.lerp(b, to));
+                    }
+                    Some(part) if from == 0.0 && continues => part.push(a.lerp(b, to)),
+                    Some(_) | None => parts.push(vec![a.lerp(b, from), a.lerp(b, to)]),
+                }
+                end_in_piece = Some(to);
+            }
+            continues = end_in_piece == Some(1.0);
+        }
+        let mut closed = false;
+        if self.closed && begins && continues {
+            closed = parts.len() == 1;
+            match parts.pop() {
+                Some(mut last) if closed => {
+                    last.pop();
+                    parts.push(last);
+                }
+                Some(mut last) => {
+                    last.extend(&parts[0][1..]);
+                    parts[0] = last;
+                }
+                None => {}
+            }
+        }
+        parts.into_iter().map(|points| self.with(points, closed)).collect()
     }
 
     pub fn reversed(mut self) -> Self {
@@ -93,7 +142,7 @@ impl Line {
     }
 }
 
-fn distance_to([a, b]: [DVec2; 2], at: DVec2) -> f64 {
+pub fn distance_to([a, b]: [DVec2; 2], at: DVec2) -> f64 {
     let along = b - a;
     let part = ((at - a).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
     at.distance(a + along * part)
@@ -119,6 +168,23 @@ mod tests {
         let bent = Line::new(corners.map(DVec2::from).into(), false);
         assert_eq!(bent.simplified(1e-6).points, [(0.0, 0.0), (2.0, 0.0), (2.0, 3.0)].map(DVec2::from));
         assert!(ring.with_at_most(12, 1e-9).points.len() <= 12);
+    }
+
+    #[test]
+    fn parts_of_a_closed_line_meet_over_its_beginning() {
+        let square =
+            Line::new([(0.0, 0.0), (4.0, 0.0), (4.0, 4.0), (0.0, 4.0)].map(DVec2::from).into(), true);
+        assert_eq!(square.parts(|_| vec![[0.0, 1.0]]), [square.clone()]);
+        assert_eq!(square.parts(|_| Vec::new()), []);
+        let left_half = |[a, b]: [DVec2; 2]| match (a.x < 2.0, b.x < 2.0) {
+            (true, true) => vec![[0.0, 0.25], [0.25, 1.0]],
+            (true, false) => vec![[0.0, 0.5]],
+            (false, true) => vec![[0.5, 1.0]],
+            (false, false) => Vec::new(),
+        };
+        let [half] = &square.parts(left_half)[..] else { panic!("one part") };
+        assert_eq!(half.points, [(2.0, 4.0), (0.0, 4.0), (0.0, 0.0), (2.0, 0.0)].map(DVec2::from));
+        assert!(!half.closed);
     }
 
     #[test]

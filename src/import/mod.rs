@@ -1,16 +1,23 @@
-//! Import of drawings: the paths of an SVG or the dark strokes of a picture, as polylines and as targets.
+//! Import of drawings: the seen paths of an SVG or the dark strokes of a picture, as polylines and as targets.
 //!
 //! A drawing becomes targets in independent steps: bytes, polylines in any unit, a [`Drawing`] (polylines centred
 //! on the origin with a longer side of 1), targets ([`Placement::targets`]). Photographs are distinguished from
 //! drawings by the part of their grey variance between paper and ink. This module accesses neither files nor the
 //! window.
 
+mod area;
 pub mod curve;
 mod drawing;
+mod encoding;
 mod ink;
+mod join;
+mod layers;
 mod line;
 mod placement;
+#[cfg(test)]
+mod samples;
 mod scan;
+mod sight;
 mod svg;
 mod trace;
 
@@ -30,14 +37,13 @@ pub fn read(bytes: &[u8]) -> Result<Drawing, ImportError> {
         Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg | image::ImageFormat::Bmp)) => {
             Drawing::new(scan::lines(bytes, format)?, Vec::new())
         }
-        _ if bytes.starts_with(&[0x1f, 0x8b]) => Err(ImportError::Compressed),
         _ => {
-            let text = std::str::from_utf8(bytes).map_err(|_| ImportError::UnknownFormat)?;
+            let bytes = encoding::unpacked(bytes)?;
+            let text = encoding::text(&bytes)?;
             if !text.contains("<svg") && !text.contains(":svg") {
                 return Err(ImportError::UnknownFormat);
             }
-            let (lines, remarks) = svg::lines(text)?;
-            Drawing::new(lines, remarks)
+            svg::drawing(&text)
         }
     }
 }

@@ -78,11 +78,12 @@ impl Placement {
         let world = |point: DVec2| self.at + (self.x * point.x + self.y * point.y) * self.side;
         if line.length() * self.side < shortest {
             let middle = line.points.iter().sum::<DVec2>() / line.points.len().max(1) as f64;
-            return Target { name: line.name.clone(), ..Target::new(Shape::Point { at: world(middle) }) };
+            let dot = Target::new(Shape::Point { at: world(middle) });
+            return Target { name: line.name.clone(), group: line.group.clone(), ..dot };
         }
         let vertices = line.points.iter().map(|&point| world(point)).collect();
         let path = Target::new(Shape::Path { vertices, closed: line.closed });
-        Target { sampling, name: line.name.clone(), ..path }
+        Target { sampling, name: line.name.clone(), group: line.group.clone(), ..path }
     }
 }
 

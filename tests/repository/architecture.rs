@@ -44,7 +44,10 @@ const LAYERS: &[(&str, &[&str])] = &[
             "ttf_parser",
         ],
     ),
-    ("import", &["glam", "image", "kurbo", "thiserror", "usvg"]),
+    (
+        "import",
+        &["encoding_rs", "flate2", "glam", "i_overlay", "image", "kurbo", "thiserror", "tiny_skia", "usvg"],
+    ),
     (
         "device",
         &[

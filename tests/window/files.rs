@@ -69,6 +69,37 @@ fn a_dropped_drawing_becomes_targets_where_it_is_placed() {
 }
 
 #[test]
+fn a_drawing_comes_in_the_size_that_it_is_drawn_in() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut screen = open();
+    clear(&mut screen);
+    let drawing = |side: f64| {
+        format!(
+            "<svg xmlns='http://www.w3.org/2000/svg' width='{}mm' height='{side}mm' viewBox='0 0 20 10'>\
+             <rect width='20' height='10' fill='none' stroke='#000'/></svg>",
+            2.0 * side
+        )
+    };
+    let path = folder.path().join("plate.svg");
+    std::fs::write(&path, drawing(20.0)).unwrap();
+    drop_file(&mut screen, &path);
+    assert!((question(&screen).placement.side - 0.04).abs() < 1e-8, "{}", question(&screen).placement.side);
+    assert!(screen.query_by_label_contains("larger").is_none());
+    screen.get_by_label("Fit to 60 mm").click();
+    rest(&mut screen);
+    assert_eq!(question(&screen).placement.side, 0.06);
+    screen.get_by_label("40 mm, as drawn").click();
+    rest(&mut screen);
+    screen.get_by_label("Import").click();
+    rest(&mut screen);
+    let Shape::Path { vertices, .. } = &scene(&screen).targets[0].shape else { panic!("a path") };
+    assert!((vertices[0].distance(vertices[2]) - 0.04_f64.hypot(0.02)).abs() < 1e-7, "{vertices:?}");
+    std::fs::write(&path, drawing(300.0)).unwrap();
+    drop_file(&mut screen, &path);
+    assert!(screen.query_by_label_contains("larger (600 mm) than the array (157.5 mm)").is_some());
+}
+
+#[test]
 fn an_invalid_drawing_leaves_the_scene_and_gives_a_reason() {
     let folder = tempfile::tempdir().unwrap();
     let mut screen = open();
@@ -339,13 +370,13 @@ fn an_own_drive_is_played_until_solve_instead() {
 }
 
 #[test]
-fn imported_paths_keep_their_labels() {
+fn imported_paths_keep_their_labels_and_groups() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("two.svg");
     let text = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 10 10' \
                 xmlns:inkscape='http://www.inkscape.org/namespaces/inkscape'>\
                 <circle id='circle7' inkscape:label='Ring' cx='3' cy='3' r='2'/>\
-                <path id='stem' stroke='#000' d='M 6 1 L 9 1'/><path stroke='#000' d='M 6 5 L 7 5'/></svg>";
+                <g inkscape:label='Stand' id='g5'><g id='g6'><path id='stem' stroke='#000' d='M 6 1 L 9 1'/></g></g><path stroke='#000' d='M 6 5 L 7 5'/></svg>";
     std::fs::write(&path, text).unwrap();
     let mut screen = open();
     clear(&mut screen);
@@ -354,4 +385,6 @@ fn imported_paths_keep_their_labels() {
     rest(&mut screen);
     let names: Vec<_> = scene(&screen).targets.iter().map(|target| target.name.as_str()).collect();
     assert_eq!(names, ["Ring", "stem", ""]);
+    let groups: Vec<_> = scene(&screen).targets.iter().map(|target| target.group.as_str()).collect();
+    assert_eq!(groups, ["", "Stand", ""]);
 }

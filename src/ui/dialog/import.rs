@@ -7,12 +7,12 @@ use crate::import::{Drawing, Placement};
 use crate::scene::{Focus, Sampling, Scene, Target, outline};
 use crate::solver::{Warning, warnings_of_foci};
 use crate::ui::dialog::answer::answer;
-use crate::ui::panels::form::{MM, form, number};
+use crate::ui::panels::form::{MM, caption, form, number, value};
 use crate::ui::panels::target::{point, sampling};
 use crate::ui::theme;
 use crate::ui::view::View;
 
-/// Default of the longer side, m.
+/// The longer side of a drawing that is fitted, m.
 const SIDE: f64 = 0.06;
 /// Limits of the longer side, m.
 const SIDES: std::ops::RangeInclusive<f64> = 1e-3..=2.0;
@@ -39,7 +39,7 @@ struct Made {
 }
 
 impl Import {
-    /// Suggests the centre of the view.
+    /// Suggests the centre of the view, and the file's own size if it states one that a scene may have.
     pub fn new(name: String, drawing: Drawing, view: &View, scene: &Scene) -> Self {
         let axes = view.axes(scene);
         let middle = view.window.map_or(axes.flat(scene.plane.centre), |window| window.centre);
@@ -47,7 +47,7 @@ impl Import {
             at: axes.world(middle),
             x: axes.x,
             y: axes.y,
-            side: SIDE,
+            side: drawing.side.filter(|side| SIDES.contains(side)).unwrap_or(SIDE),
             sampling: Sampling::Continuous,
         };
         Self { name, drawing, placement, made: None }
@@ -69,7 +69,8 @@ impl Import {
             }
         }
         let warnings = made.warnings.iter().map(ToString::to_string);
-        for warning in warnings.chain(self.drawing.remarks.iter().cloned()) {
+        let warnings = warnings.chain(self.size_problem(scene)).chain(self.drawing.remarks.iter().cloned());
+        for warning in warnings {
             ui.label(RichText::new(warning).color(theme::warning(ui.visuals())));
         }
         ui.add_space(8.0);
@@ -103,10 +104,32 @@ impl Import {
         self.made = Some(Made { of, targets, foci, warnings });
     }
 
+    /// A drawing as large as it is drawn, where that does not fit.
+    fn size_problem(&self, scene: &Scene) -> Option<String> {
+        let side = self.drawing.side?;
+        if !SIDES.contains(&side) {
+            let [from, to] = [SIDES.start(), SIDES.end()].map(|side| length(*side));
+            return Some(format!("As drawn it is {} long: it may be {from} to {to}.", length(side)));
+        }
+        let array = 2.0 * Aperture::new(scene).reach().max_element();
+        (self.placement.side == side && side > array)
+            .then(|| format!("As drawn, it is larger ({}) than the array ({}).", length(side), length(array)))
+    }
+
     fn settings(&mut self, ui: &mut Ui) {
         let size = self.drawing.size;
+        let drawn = self.drawing.side.filter(|side| SIDES.contains(side));
         let placement = &mut self.placement;
         form(ui, "placement", |ui| {
+            if let Some(drawn) = drawn {
+                caption(ui, "Size").on_hover_text("Of the longer side");
+                value(ui, |ui| {
+                    // From the right.
+                    ui.selectable_value(&mut placement.side, SIDE, format!("Fit to {}", length(SIDE)));
+                    ui.selectable_value(&mut placement.side, drawn, format!("{}, as drawn", length(drawn)));
+                });
+                ui.end_row();
+            }
             for (name, part) in [("Width", size.x), ("Height", size.y)] {
                 if part > 1e-6 {
                     let mut length = placement.side * part;
@@ -151,6 +174,12 @@ impl Import {
             );
         }
     }
+}
+
+/// A length for reading, in mm.
+fn length(metres: f64) -> String {
+    let rounded = (1e5 * metres).round() / 100.0;
+    format!("{rounded} mm")
 }
 
 /// Summary of the imported targets.
