@@ -11,7 +11,7 @@
 use crate::import::ImportError;
 use crate::import::ink::Ink;
 use crate::import::split::Split;
-use crate::import::windows::{closed, extremes};
+use crate::import::windows::{closed, extremes, opened};
 
 /// Smallest difference between paper and ink, of 1.
 const LEAST_CONTRAST: f64 = 0.094;
@@ -101,8 +101,10 @@ impl Side {
 
     /// Depths of ink from 0 to 1.
     fn depths(&self, reach: usize) -> Vec<f32> {
-        let depth = |(paper, tone): (f32, &f32)| 1.0 - (tone - paper).exp();
-        closed(&self.tones, self.width, reach).into_iter().zip(&self.tones).map(depth).collect()
+        let depth = |(paper, tone): (f32, &f32)| (1.0 - (tone - paper).exp()).max(0.0);
+        // Single light pixels are no paper.
+        let paper = closed(&opened(&self.tones, self.width, 1), self.width, reach);
+        paper.into_iter().zip(&self.tones).map(depth).collect()
     }
 }
 

@@ -228,7 +228,8 @@ mod tests {
     fn l_in_light(light: impl Fn(f64, f64) -> f64, [paper, ink]: [f64; 2]) -> Result<Vec<Line>, ImportError> {
         let bytes = png(210, 160, |x, y| {
             let at = DVec2::new(f64::from(x), f64::from(y));
-            let legs = Line::new([(40.0, 30.0), (40.0, 130.0), (170.0, 130.0)].map(DVec2::from).into(), false);
+            let legs =
+                Line::new([(40.0, 30.0), (40.0, 130.0), (170.0, 130.0)].map(DVec2::from).into(), false);
             let grain = f64::from((x * 7919 + y * 104_729) % 13) / 13.0 - 0.5;
             let shade = if legs.distance(at) <= 4.5 { ink } else { paper };
             (shade * light(at.x / 210.0, at.y / 160.0) + 8.0 * grain).clamp(0.0, 255.0) as u8
@@ -328,7 +329,8 @@ mod tests {
             };
             let lines = read(&stored, note);
             assert!(size(&lines).distance(size(&plain)) < 1e-9, "{note}: {lines:?}");
-            let corner = |lines: &[Line]| lines[0].points.iter().map(|at| at.x + at.y).fold(f64::INFINITY, f64::min);
+            let corner =
+                |lines: &[Line]| lines[0].points.iter().map(|at| at.x + at.y).fold(f64::INFINITY, f64::min);
             assert!((corner(&lines) - corner(&plain)).abs() < 1e-9, "{note}");
         }
     }

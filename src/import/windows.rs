@@ -52,3 +52,11 @@ pub fn closed(values: &[f32], width: usize, radius: usize) -> Vec<f32> {
     let closed = squares(squares(plane, stride, side, f32::max), stride, side, f32::min);
     cropped(&closed, stride, width, values.len() / width)
 }
+
+/// The opening by a square of 2 `radius` + 1, which levels peaks narrower than the square.
+pub fn opened(values: &[f32], width: usize, radius: usize) -> Vec<f32> {
+    let (plane, stride) = padded(values, width, 2 * radius);
+    let side = 2 * radius + 1;
+    let opened = squares(squares(plane, stride, side, f32::min), stride, side, f32::max);
+    cropped(&opened, stride, width, values.len() / width)
+}

@@ -70,7 +70,7 @@ pub fn png(grey: &Grey) -> Result<Vec<u8>, image::ImageError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use image::ImageFormat;
+    use image::{GrayImage, ImageFormat};
 
     /// Including transparency, which the program's own pictures lack.
     fn coloured(width: u32, height: u32, colour: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
@@ -89,6 +89,20 @@ mod tests {
         for (grey, expected) in grey.brightness.into_iter().zip([1.0, 0.0, 0.0, 0.2, 0.7152]) {
             assert!((grey - expected).abs() < 1e-6, "{grey}, not {expected}");
         }
+    }
+
+    #[test]
+    fn a_picture_of_a_camera_is_upright() {
+        let upright = GrayImage::from_fn(3, 2, |x, y| image::Luma([(x * 51 + y * 17) as u8]));
+        let stored = upright::tests::stored(&upright, 6);
+        let mut bytes = Vec::new();
+        let mut encoder = PngEncoder::new(&mut bytes);
+        encoder.set_exif_metadata(upright::tests::note(6)).unwrap();
+        encoder.write_image(&stored, 2, 3, ExtendedColorType::L8).unwrap();
+        let grey = read(&bytes).unwrap();
+        assert_eq!((grey.width, grey.height), (3, 2));
+        let levels: Vec<u8> = grey.brightness.iter().map(|level| (level * 255.0).round() as u8).collect();
+        assert_eq!(levels, upright.into_raw());
     }
 
     #[test]

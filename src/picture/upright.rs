@@ -32,3 +32,58 @@ pub fn decode(bytes: &[u8], format: ImageFormat) -> ImageResult<(DynamicImage, O
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     Ok((DynamicImage::from_decoder(decoder)?, orientation))
 }
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use image::GrayImage;
+    use image::codecs::png::PngEncoder;
+    use image::{ExtendedColorType, ImageEncoder};
+
+    /// An EXIF note of an orientation from 1 to 8.
+    pub fn note(orientation: u8) -> Vec<u8> {
+        // Little-endian; one directory at byte 8 with one entry: tag 0x112, of one 16-bit number.
+        let mut note = b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0".to_vec();
+        note.extend([orientation, 0, 0, 0, 0, 0, 0, 0]);
+        note
+    }
+
+    /// The pixels of which an orientation makes an upright picture.
+    pub fn stored(upright: &GrayImage, orientation: u8) -> GrayImage {
+        // Turns by 90° undo each other, mirrors themselves.
+        let inverse = [0, 1, 2, 3, 4, 5, 8, 7, 6][usize::from(orientation)];
+        let mut picture = DynamicImage::ImageLuma8(upright.clone());
+        picture.apply_orientation(Orientation::from_exif(inverse).unwrap());
+        picture.into_luma8()
+    }
+
+    #[test]
+    fn an_orientation_of_a_camera_is_found() {
+        let upright = GrayImage::from_fn(3, 2, |x, y| image::Luma([(x * 50 + y * 20) as u8]));
+        for orientation in 1..=8 {
+            let stored = stored(&upright, orientation);
+            // Of the rows of Exif 2.3, table 6: the corner of the upright picture's first pixel.
+            let corner = [[0, 0], [2, 0], [2, 1], [0, 1], [0, 0], [0, 2], [1, 2], [1, 0]];
+            let [x, y] = corner[usize::from(orientation) - 1];
+            assert_eq!(stored.get_pixel(x, y).0, [0], "{orientation}");
+            let mut bytes = Vec::new();
+            let mut encoder = PngEncoder::new(&mut bytes);
+            encoder.set_exif_metadata(note(orientation)).unwrap();
+            let (width, height) = stored.dimensions();
+            encoder.write_image(&stored, width, height, ExtendedColorType::L8).unwrap();
+            let (mut picture, found) = decode(&bytes, format(&bytes).unwrap()).unwrap();
+            picture.apply_orientation(found);
+            assert_eq!(picture.into_luma8(), upright, "{orientation}");
+        }
+    }
+
+    #[test]
+    fn a_broken_note_is_ignored() {
+        let mut bytes = Vec::new();
+        let mut encoder = PngEncoder::new(&mut bytes);
+        encoder.set_exif_metadata(b"II*\0\xff\xff".to_vec()).unwrap();
+        encoder.write_image(&[7, 8], 2, 1, ExtendedColorType::L8).unwrap();
+        let (picture, found) = decode(&bytes, ImageFormat::Png).unwrap();
+        assert_eq!((picture.into_luma8().into_raw(), found), (vec![7, 8], Orientation::NoTransforms));
+    }
+}
