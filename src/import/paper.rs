@@ -21,7 +21,7 @@ const FLAT: f64 = 0.93;
 /// Largest depth of three quarters of the paper, of the contrast.
 const EVEN_PAPER: f64 = 0.3;
 /// Largest [`Ink::unevenness`] of strokes that are not flat.
-const EVEN_STROKES: f64 = 1.45;
+const EVEN_STROKES: f64 = 1.35;
 /// Added to lightness: noise in black is no contrast.
 const BLACK: f32 = 0.1;
 /// Halves of the sides of squares, of the picture's longer side.
