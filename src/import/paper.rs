@@ -2,8 +2,8 @@
 //!
 //! Light multiplies the lightness of ink and paper alike. So the logarithm of lightness is compared with that of the
 //! paper, its [`closed`] plane, and the depth of ink 1 - lightness / paper is split in two. Chalk is ink after a change
-//! of sign. Squares narrower than a stroke miss it, and squares broader than a shadow include it; the largest ones
-//! with a result like a drawing are right: paper and ink have two distinct depths, and strokes about one width.
+//! of sign. Squares narrower than a stroke miss it, and squares broader than a shadow include it; those are right that
+//! separate two depths best. In a drawing these are distinct, and strokes have about one width.
 //!
 //! Closing takes strokes along the border, and surfaces broader than all squares, for paper. In pictures of two flat
 //! shades one threshold for lightness finds both.
@@ -25,7 +25,9 @@ const EVEN_STROKES: f64 = 1.35;
 /// Added to lightness: noise in black is no contrast.
 const BLACK: f32 = 0.1;
 /// Halves of the sides of squares, of the picture's longer side.
-const REACHES: [f64; 3] = [0.1, 0.05, 0.025];
+const REACHES: [f64; 4] = [0.1, 0.05, 0.025, 0.0125];
+/// Smaller squares must separate better by this.
+const BETTER: f64 = 0.003;
 /// Half the side of windows that tell paper from ink by its area.
 const SURROUNDINGS: f64 = 0.05;
 /// Widths of strokes along the border, and the least area, of the mean width and its square.
@@ -82,21 +84,30 @@ impl Side {
 
     /// Strokes, if the picture is a drawing. Some contrast means that it is not blank.
     fn strokes(&self, is_blank: &mut bool) -> Option<Ink> {
-        REACHES.iter().find_map(|part| {
-            let depths = self.depths(reach(self.width, self.tones.len(), *part));
+        let mut best: Option<(f64, Ink)> = None;
+        for part in REACHES {
+            let depths = self.depths(reach(self.width, self.tones.len(), part));
             let split = Split::new(&depths);
-            let has_contrast = split.contrast >= LEAST_CONTRAST;
-            *is_blank &= !has_contrast;
-            let is_drawing = has_contrast
-                && split.separation >= LEAST_SEPARATION
-                && split.quartile <= EVEN_PAPER * split.contrast;
-            let mut ink = is_drawing.then(|| above(&depths, self.width, split.threshold))?;
-            if split.separation < FLAT && ink.unevenness() > EVEN_STROKES {
-                return None;
+            *is_blank &= split.contrast < LEAST_CONTRAST;
+            let least = best.as_ref().map_or(LEAST_SEPARATION, |(separation, _)| separation + BETTER);
+            if split.contrast < LEAST_CONTRAST
+                || split.separation < least
+                || split.quartile > EVEN_PAPER * split.contrast
+            {
+                continue;
             }
-            self.surface.iter().for_each(|surface| add_border(&mut ink, surface));
-            Some(ink)
-        })
+            let ink = above(&depths, self.width, split.threshold);
+            let is_flat = split.separation >= FLAT;
+            if is_flat || ink.unevenness() <= EVEN_STROKES {
+                best = Some((split.separation, ink));
+            }
+            if is_flat {
+                break;
+            }
+        }
+        let (_, mut ink) = best?;
+        self.surface.iter().for_each(|surface| add_border(&mut ink, surface));
+        Some(ink)
     }
 
     /// Depths of ink from 0 to 1.
