@@ -311,18 +311,18 @@ mod tests {
     #[test]
     fn a_drawing_is_upright() {
         let l = |x: u32, y: u32| if (20..=25).contains(&x) || (y >= 90 && x > 20) { 10 } else { 240 };
-        let upright = GrayImage::from_fn(140, 96, |x, y| image::Luma([l(x, y)]));
-        let read = |picture: &GrayImage, note: u8| {
+        let picture = GrayImage::from_fn(140, 96, |x, y| image::Luma([l(x, y)]));
+        let read = |stored: &GrayImage, note: u8| {
             let mut bytes = Vec::new();
             let mut encoder = PngEncoder::new(&mut bytes);
-            encoder.set_exif_metadata(upright::tests::note(note)).unwrap();
-            let (width, height) = picture.dimensions();
-            encoder.write_image(picture, width, height, ExtendedColorType::L8).unwrap();
+            encoder.set_exif_metadata(upright::note(note)).unwrap();
+            let (width, height) = stored.dimensions();
+            encoder.write_image(stored, width, height, ExtendedColorType::L8).unwrap();
             lines(&bytes, ImageFormat::Png).unwrap()
         };
-        let plain = read(&upright, 1);
+        let plain = read(&picture, 1);
         for note in 2..=8 {
-            let stored = upright::tests::stored(&upright, note);
+            let stored = upright::stored(&picture, note);
             let size = |lines: &[Line]| {
                 let points = || lines.iter().flat_map(|line| line.points.iter().copied());
                 points().reduce(DVec2::max).unwrap() - points().reduce(DVec2::min).unwrap()

@@ -93,16 +93,16 @@ mod tests {
 
     #[test]
     fn a_picture_of_a_camera_is_upright() {
-        let upright = GrayImage::from_fn(3, 2, |x, y| image::Luma([(x * 51 + y * 17) as u8]));
-        let stored = upright::tests::stored(&upright, 6);
+        let picture = GrayImage::from_fn(3, 2, |x, y| image::Luma([(x * 51 + y * 17) as u8]));
+        let stored = upright::stored(&picture, 6);
         let mut bytes = Vec::new();
         let mut encoder = PngEncoder::new(&mut bytes);
-        encoder.set_exif_metadata(upright::tests::note(6)).unwrap();
+        encoder.set_exif_metadata(upright::note(6)).unwrap();
         encoder.write_image(&stored, 2, 3, ExtendedColorType::L8).unwrap();
         let grey = read(&bytes).unwrap();
         assert_eq!((grey.width, grey.height), (3, 2));
         let levels: Vec<u8> = grey.brightness.iter().map(|level| (level * 255.0).round() as u8).collect();
-        assert_eq!(levels, upright.into_raw());
+        assert_eq!(levels, picture.into_raw());
     }
 
     #[test]

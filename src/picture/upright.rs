@@ -33,36 +33,38 @@ pub fn decode(bytes: &[u8], format: ImageFormat) -> ImageResult<(DynamicImage, O
     Ok((DynamicImage::from_decoder(decoder)?, orientation))
 }
 
+/// An EXIF note of an orientation from 1 to 8.
 #[cfg(test)]
-pub mod tests {
+pub fn note(orientation: u8) -> Vec<u8> {
+    // Little-endian; one directory at byte 8 with one entry: tag 0x112, of one 16-bit number.
+    let mut note = b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0".to_vec();
+    note.extend([orientation, 0, 0, 0, 0, 0, 0, 0]);
+    note
+}
+
+/// The pixels of which an orientation makes an upright picture.
+#[cfg(test)]
+pub fn stored(upright: &image::GrayImage, orientation: u8) -> image::GrayImage {
+    // Turns by 90° undo each other, mirrors themselves.
+    let inverse = [0, 1, 2, 3, 4, 5, 8, 7, 6][usize::from(orientation)];
+    let mut picture = DynamicImage::ImageLuma8(upright.clone());
+    picture.apply_orientation(Orientation::from_exif(inverse).unwrap());
+    picture.into_luma8()
+}
+
+#[cfg(test)]
+mod tests {
     use super::*;
     use image::GrayImage;
     use image::codecs::png::PngEncoder;
     use image::{ExtendedColorType, ImageEncoder};
-
-    /// An EXIF note of an orientation from 1 to 8.
-    pub fn note(orientation: u8) -> Vec<u8> {
-        // Little-endian; one directory at byte 8 with one entry: tag 0x112, of one 16-bit number.
-        let mut note = b"II*\0\x08\0\0\0\x01\0\x12\x01\x03\0\x01\0\0\0".to_vec();
-        note.extend([orientation, 0, 0, 0, 0, 0, 0, 0]);
-        note
-    }
-
-    /// The pixels of which an orientation makes an upright picture.
-    pub fn stored(upright: &GrayImage, orientation: u8) -> GrayImage {
-        // Turns by 90° undo each other, mirrors themselves.
-        let inverse = [0, 1, 2, 3, 4, 5, 8, 7, 6][usize::from(orientation)];
-        let mut picture = DynamicImage::ImageLuma8(upright.clone());
-        picture.apply_orientation(Orientation::from_exif(inverse).unwrap());
-        picture.into_luma8()
-    }
 
     #[test]
     fn an_orientation_of_a_camera_is_found() {
         let upright = GrayImage::from_fn(3, 2, |x, y| image::Luma([(x * 50 + y * 20) as u8]));
         for orientation in 1..=8 {
             let stored = stored(&upright, orientation);
-            // Of the rows of Exif 2.3, table 6: the corner of the upright picture's first pixel.
+            // Where Exif has the upper left corner, from the sides that row and column 0 are.
             let corner = [[0, 0], [2, 0], [2, 1], [0, 1], [0, 0], [0, 2], [1, 2], [1, 0]];
             let [x, y] = corner[usize::from(orientation) - 1];
             assert_eq!(stored.get_pixel(x, y).0, [0], "{orientation}");
