@@ -3,7 +3,7 @@
 //! Light multiplies the lightness of ink and paper alike. So the logarithm of lightness is compared with that of the
 //! paper, its [`closed`] plane, and the depth of ink 1 - lightness / paper is split in two. Chalk is ink after a change
 //! of sign. Squares narrower than a stroke miss it, and squares broader than a shadow include it; those are right that
-//! separate two depths best. In a drawing these are distinct, and strokes have about one width.
+//! separate two depths best. In a drawing these are distinct, edges are sharp, and strokes have about one width.
 //!
 //! Closing takes strokes along the border, and surfaces broader than all squares, for paper. In pictures of two flat
 //! shades one threshold for lightness finds both.
@@ -22,6 +22,8 @@ const FLAT: f64 = 0.93;
 const EVEN_PAPER: f64 = 0.3;
 /// Largest [`Ink::unevenness`] of strokes that are not flat.
 const EVEN_STROKES: f64 = 1.35;
+/// Widest edge, of the picture's longer side: more is out of focus, or no edge.
+const BROADEST_EDGE: f64 = 0.04;
 /// Added to lightness: noise in black is no contrast.
 const BLACK: f32 = 0.1;
 /// Halves of the sides of squares, of the picture's longer side.
@@ -86,13 +88,14 @@ impl Side {
     fn strokes(&self, is_blank: &mut bool) -> Option<Ink> {
         let mut best: Option<(f64, Ink)> = None;
         for part in REACHES {
-            let depths = self.depths(reach(self.width, self.tones.len(), part));
+            let depths = self.depths(self.reach(part));
             let split = Split::new(&depths);
             *is_blank &= split.contrast < LEAST_CONTRAST;
             let least = best.as_ref().map_or(LEAST_SEPARATION, |(separation, _)| separation + BETTER);
             if split.contrast < LEAST_CONTRAST
                 || split.separation < least
                 || split.quartile > EVEN_PAPER * split.contrast
+                || edge_width(&depths, self.width, &split) > self.reach(BROADEST_EDGE) as f64
             {
                 continue;
             }
@@ -108,6 +111,10 @@ impl Side {
         let (_, mut ink) = best?;
         self.surface.iter().for_each(|surface| add_border(&mut ink, surface));
         Some(ink)
+    }
+
+    fn reach(&self, part: f64) -> usize {
+        reach(self.width, self.tones.len(), part)
     }
 
     /// Depths of ink from 0 to 1.
@@ -127,6 +134,17 @@ fn reach(width: usize, pixels: usize, part: f64) -> usize {
 fn above(values: &[f32], width: usize, threshold: f32) -> Ink {
     let places = values.iter().enumerate().filter(|(_, value)| **value > threshold);
     Ink::new(width, values.len() / width, places.map(|(place, _)| (place % width, place / width)))
+}
+
+/// Pixels from paper to ink, at the slope of the edges.
+fn edge_width(depths: &[f32], width: usize, split: &Split) -> f64 {
+    let is_ink = |depth: f32| depth > split.threshold;
+    let across = depths.chunks(width).flat_map(|row| row.windows(2).map(|pair| [pair[0], pair[1]]));
+    let along = depths.iter().zip(depths.iter().skip(width)).map(|(above, below)| [*above, *below]);
+    let edges = across.chain(along).filter(|&[a, b]| is_ink(a) != is_ink(b));
+    let (count, steps) =
+        edges.fold((0.0, 0.0), |(count, steps), [a, b]| (count + 1.0, steps + f64::from((a - b).abs())));
+    split.contrast * count / steps
 }
 
 /// Whether dark surroundings of strokes are larger than light ones.

@@ -224,15 +224,15 @@ mod tests {
         assert!((line.length() - 800.0).abs() < 10.0, "{}", line.length());
     }
 
-    /// Light on an L from (40, 30) to (40, 130) to (170, 130), of which 9 pixels are dark.
+    /// Light on an L from (90, 70) to (90, 170) to (220, 170), of which 9 pixels are dark.
     fn l_in_light(light: impl Fn(f64, f64) -> f64, [paper, ink]: [f64; 2]) -> Result<Vec<Line>, ImportError> {
-        let bytes = png(210, 160, |x, y| {
+        let bytes = png(300, 240, |x, y| {
             let at = DVec2::new(f64::from(x), f64::from(y));
             let legs =
-                Line::new([(40.0, 30.0), (40.0, 130.0), (170.0, 130.0)].map(DVec2::from).into(), false);
+                Line::new([(90.0, 70.0), (90.0, 170.0), (220.0, 170.0)].map(DVec2::from).into(), false);
             let grain = f64::from((x * 7919 + y * 104_729) % 13) / 13.0 - 0.5;
             let shade = if legs.distance(at) <= 4.5 { ink } else { paper };
-            (shade * light(at.x / 210.0, at.y / 160.0) + 8.0 * grain).clamp(0.0, 255.0) as u8
+            (shade * light(at.x / 300.0, at.y / 240.0) + 8.0 * grain).clamp(0.0, 255.0) as u8
         });
         lines(&bytes, ImageFormat::Png)
     }
@@ -242,7 +242,7 @@ mod tests {
         let table = |x: f64, y: f64| if (x - 0.5).abs() < 0.42 && (y - 0.5).abs() < 0.42 { 1.0 } else { 0.4 };
         let hand = |x: f64, y: f64| 1.0 - 0.6 * ((0.7 - (x - 1.0).hypot(y - 1.0)) * 8.0).clamp(0.0, 1.0);
         type Light<'a> = &'a dyn Fn(f64, f64) -> f64;
-        let lights: [Light; 6] = [
+        let lights: [Light<'_>; 6] = [
             &|_, _| 1.0,
             &|x, _| 1.0 - 0.7 * x,
             &|x, y| 0.3 + 0.35 * (x + y),
@@ -258,7 +258,7 @@ mod tests {
                 }
                 let lines = l_in_light(light, shades).unwrap();
                 let [l] = &lines[..] else { panic!("{number} {shades:?}: {lines:?}") };
-                let true_l = [(41.0, -31.0), (41.0, -131.0), (171.0, -131.0)].map(DVec2::from);
+                let true_l = [(91.0, -71.0), (91.0, -171.0), (221.0, -171.0)].map(DVec2::from);
                 let true_l = Line::new(true_l.into(), false);
                 let off = |a: &Line, b: &Line| a.points.iter().map(|&at| b.distance(at)).fold(0.0, f64::max);
                 let off = off(l, &true_l).max(off(&true_l, l));
@@ -280,7 +280,7 @@ mod tests {
         let of = |colour: &dyn Fn(u32, u32) -> [u8; 4]| {
             let picture = RgbaImage::from_fn(160, 120, |x, y| {
                 let [r, g, b, alpha] = colour(x, y);
-                image::Rgba([r, g, b, if is_l(x, y) && x < 140 && y < 110 { alpha } else { 0 }])
+                Rgba([r, g, b, if is_l(x, y) && x < 140 && y < 110 { alpha } else { 0 }])
             });
             let mut bytes = Cursor::new(Vec::new());
             picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
@@ -298,9 +298,9 @@ mod tests {
     fn a_card_without_surroundings_is_paper() {
         // White and opaque with a black bar, transparent around.
         let picture = RgbaImage::from_fn(200, 120, |x, y| match (x, y) {
-            (0..8 | 192.., _) | (_, 0..8 | 112..) => image::Rgba([0; 4]),
-            (40..160, 57..64) => image::Rgba([0, 0, 0, 255]),
-            _ => image::Rgba([255; 4]),
+            (0..8 | 192.., _) | (_, 0..8 | 112..) => Rgba([0; 4]),
+            (40..160, 57..64) => Rgba([0, 0, 0, 255]),
+            _ => Rgba([255; 4]),
         });
         let mut bytes = Cursor::new(Vec::new());
         picture.write_to(&mut bytes, ImageFormat::Png).unwrap();

@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn a_picture_of_a_camera_is_upright() {
-        let picture = GrayImage::from_fn(3, 2, |x, y| image::Luma([(x * 51 + y * 17) as u8]));
+        let picture = GrayImage::from_fn(3, 2, |x, y| Luma([(x * 51 + y * 17) as u8]));
         let stored = upright::stored(&picture, 6);
         let mut bytes = Vec::new();
         let mut encoder = PngEncoder::new(&mut bytes);
