@@ -2,7 +2,7 @@
 //!
 //! A drawing becomes targets in independent steps: bytes, polylines in any unit, a [`Drawing`] (polylines centred
 //! on the origin with a longer side of 1), targets ([`Placement::targets`]). Photographs are distinguished from
-//! drawings by the part of their grey variance between paper and ink. This module accesses neither files nor the
+//! drawings by their shades and the widths of what seem strokes. This module accesses neither files nor the
 //! window.
 
 mod area;
@@ -13,17 +13,22 @@ mod ink;
 mod join;
 mod layers;
 mod line;
+mod paper;
 mod placement;
 #[cfg(test)]
 mod samples;
 mod scan;
 mod sight;
+mod split;
 mod svg;
 mod trace;
+mod windows;
 
 pub use drawing::{Drawing, ImportError, MOST_BYTES};
 pub use line::Line;
 pub use placement::Placement;
+
+use crate::picture::upright;
 
 /// The drawing of a file: an SVG, or a PNG, JPEG or BMP picture.
 ///
@@ -33,11 +38,9 @@ pub fn read(bytes: &[u8]) -> Result<Drawing, ImportError> {
     if bytes.len() > MOST_BYTES {
         return Err(ImportError::TooLarge(bytes.len()));
     }
-    match image::guess_format(bytes) {
-        Ok(format @ (image::ImageFormat::Png | image::ImageFormat::Jpeg | image::ImageFormat::Bmp)) => {
-            Drawing::new(scan::lines(bytes, format)?, Vec::new())
-        }
-        _ => {
+    match upright::format(bytes) {
+        Some(format) => Drawing::new(scan::lines(bytes, format)?, Vec::new()),
+        None => {
             let bytes = encoding::unpacked(bytes)?;
             let text = encoding::text(&bytes)?;
             if !text.contains("<svg") && !text.contains(":svg") {

@@ -1,30 +1,36 @@
-//! The strokes of a picture as polylines, dark on light or light on dark: paper and ink are separated, and the ink is
-//! traced.
-
-use std::io::Cursor;
+//! The strokes of a picture as polylines: upright and in small, its shades are those of a sheet, whose ink is traced.
+//!
+//! Transparent pictures have no paper. Where their visible pixels have one colour or are narrow strokes, alpha is the
+//! ink, whatever their colours; other pictures lie on white.
 
 use glam::DVec2;
-use image::imageops::FilterType;
-use image::{DynamicImage, GrayImage, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageBuffer, ImageFormat, Pixel, Rgba, Rgba32FImage};
 
 use crate::import::ink::Ink;
+use crate::import::paper::{self, Shades};
 use crate::import::trace;
 use crate::import::{ImportError, Line};
+use crate::picture::upright;
 
-/// Limit of the longer side in pixels: larger pictures are reduced.
-const LONGEST: u32 = 1000;
-/// Limits of decoded pixels per side, and of bytes.
-const MOST_PIXELS: u32 = 20_000;
-const MOST_MEMORY: u64 = 400 << 20;
-/// Grey levels between paper and ink.
-const LEAST_CONTRAST: f64 = 24.0;
-/// Smallest fraction of the variance between paper and ink: 0.64 for normally, 0.75 for uniformly distributed greys.
-const LEAST_SEPARATION: f64 = 0.75;
+/// Longer side in pixels of what is traced, to a factor of 1.5: larger pictures are reduced by a whole number.
+const LONGER: u32 = 1000;
+/// Alpha of visible pixels.
+const VISIBLE: f32 = 0.1;
+/// Standard deviation of a colour's channels, of 1, within one ink.
+const ONE_COLOUR: f64 = 0.1;
+/// Width of narrow strokes, of the longer side.
+const NARROW: f64 = 0.06;
 
-/// Lines with y upwards; a pixel is the unit.
+/// Lines with y upwards; a pixel of the reduced picture is the unit.
 pub fn lines(bytes: &[u8], format: ImageFormat) -> Result<Vec<Line>, ImportError> {
-    let grey = decode(bytes, format)?;
-    let mut ink = ink(&grey)?;
+    let unreadable = |error: image::ImageError| ImportError::Picture(error.to_string());
+    let (picture, orientation) = upright::decode(bytes, format).map_err(unreadable)?;
+    if picture.width() == 0 || picture.height() == 0 {
+        return Err(ImportError::Blank);
+    }
+    let mut picture = DynamicImage::ImageRgba32F(in_small(picture));
+    picture.apply_orientation(orientation);
+    let mut ink = paper::ink(&shades(&picture.into_rgba32f()))?;
     let area = ink.dark().count();
     ink.thin();
     let width = area as f64 / ink.dark().count().max(1) as f64;
@@ -39,75 +45,82 @@ pub fn lines(bytes: &[u8], format: ImageFormat) -> Result<Vec<Line>, ImportError
     Ok(lines.into_iter().map(upright).collect())
 }
 
-fn decode(bytes: &[u8], format: ImageFormat) -> Result<GrayImage, ImportError> {
-    let unreadable = |error: image::ImageError| ImportError::Picture(error.to_string());
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MOST_PIXELS), Some(MOST_PIXELS));
-    limits.max_alloc = Some(MOST_MEMORY);
-    reader.limits(limits);
-    let picture = reader.decode().map_err(unreadable)?;
-    let longer = picture.width().max(picture.height());
-    if longer == 0 {
-        return Err(ImportError::Blank);
+/// Means of squares of pixels, with colours multiplied by alpha, which makes them means of light.
+fn in_small(picture: DynamicImage) -> Rgba32FImage {
+    match picture {
+        DynamicImage::ImageLuma8(pixels) => means(&pixels),
+        DynamicImage::ImageLumaA8(pixels) => means(&pixels),
+        DynamicImage::ImageRgb8(pixels) => means(&pixels),
+        other => means(&other.into_rgba8()),
     }
-    let picture =
-        if longer > LONGEST { picture.resize(LONGEST, LONGEST, FilterType::Triangle) } else { picture };
-    Ok(on_paper(&picture))
 }
 
-/// Grey, with transparent pixels white.
-fn on_paper(picture: &DynamicImage) -> GrayImage {
-    let pixels = picture.to_luma_alpha8();
-    let over_white = |[grey, alpha]: [u8; 2]| {
-        let (grey, alpha) = (u16::from(grey), u16::from(alpha));
-        ((grey * alpha + 255 * (255 - alpha)) / 255) as u8
-    };
-    GrayImage::from_fn(pixels.width(), pixels.height(), |x, y| {
-        image::Luma([over_white(pixels.get_pixel(x, y).0)])
-    })
-}
-
-/// Separates paper and ink at the threshold with the largest variance between them (Otsu 1979).
-fn ink(grey: &GrayImage) -> Result<Ink, ImportError> {
-    let mut histogram = [0.0f64; 256];
-    grey.pixels().for_each(|pixel| histogram[usize::from(pixel.0[0])] += 1.0);
-    let total: f64 = histogram.iter().sum();
-    let moment = |power: i32| {
-        histogram.iter().enumerate().map(|(level, count)| (level as f64).powi(power) * count).sum::<f64>()
-            / total
-    };
-    let (mean, variance) = (moment(1), moment(2) - moment(1).powi(2));
-    let (mut below, mut sum, mut best) = (0.0, 0.0, (0.0, 0, 0.0, 0.0));
-    for (level, count) in histogram.iter().enumerate().take(255) {
-        below += count / total;
-        sum += level as f64 * count / total;
-        if below > 0.0 && below < 1.0 {
-            let between = (mean * below - sum).powi(2) / (below * (1.0 - below));
-            let contrast = (mean - sum) / (1.0 - below) - sum / below;
-            if between > best.0 {
-                best = (between, level, contrast, below);
+fn means<P: Pixel<Subpixel = u8>>(pixels: &ImageBuffer<P, Vec<u8>>) -> Rgba32FImage {
+    let (width, height) = pixels.dimensions();
+    let factor = ((width.max(height) + LONGER / 2) / LONGER).max(1);
+    let (columns, rows) = (width.div_ceil(factor), height.div_ceil(factor));
+    let mut small = Rgba32FImage::new(columns, rows);
+    let mut sums = vec![[0u32; 4]; columns as usize];
+    let row_length = width as usize * usize::from(P::CHANNEL_COUNT);
+    let mut stored = pixels.as_raw().chunks_exact(row_length);
+    for row in 0..rows {
+        let lines = factor.min(height - row * factor);
+        sums.fill([0; 4]);
+        for line in stored.by_ref().take(lines as usize) {
+            let squares = line.chunks(factor as usize * usize::from(P::CHANNEL_COUNT));
+            for (sum, square) in sums.iter_mut().zip(squares) {
+                for pixel in square.chunks_exact(usize::from(P::CHANNEL_COUNT)) {
+                    let [r, g, b, alpha] = P::from_slice(pixel).to_rgba().0.map(u32::from);
+                    let own = [r * alpha, g * alpha, b * alpha, 255 * alpha];
+                    sum.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+                }
             }
         }
+        for (column, sum) in (0..columns).zip(&sums) {
+            let count = lines * factor.min(width - column * factor);
+            let scale = 1.0 / (255.0 * 255.0 * count as f32);
+            small.put_pixel(column, row, Rgba(sum.map(|sum| sum as f32 * scale)));
+        }
     }
-    let (between, threshold, contrast, covered) = best;
-    if contrast < LEAST_CONTRAST {
-        return Err(ImportError::Blank);
+    small
+}
+
+/// Shades on a white sheet, from colours that are multiplied by their alpha.
+fn shades(picture: &Rgba32FImage) -> Shades {
+    let is_ink = alpha_is_ink(picture);
+    let extremes = |&Rgba([r, g, b, alpha]): &Rgba<f32>| {
+        let sheet = 1.0 - alpha;
+        if is_ink { (sheet, sheet) } else { (r.min(g).min(b) + sheet, r.max(g).max(b) + sheet) }
+    };
+    let (darkest, lightest) = picture.pixels().map(extremes).unzip();
+    Shades { width: picture.width() as usize, darkest, lightest }
+}
+
+/// Whether alpha varies, and the visible pixels have one colour or are narrow strokes.
+fn alpha_is_ink(picture: &Rgba32FImage) -> bool {
+    if picture.pixels().all(|pixel| pixel.0[3] >= 1.0 - VISIBLE) {
+        return false;
     }
-    if between < LEAST_SEPARATION * variance {
-        return Err(ImportError::NoStrokes);
-    }
-    // Strokes cover the smaller area: chalk on a board is a drawing, too.
-    let is_chalk = covered > 0.5;
-    let is_stroke = |pixel: &image::Luma<u8>| (usize::from(pixel.0[0]) <= threshold) != is_chalk;
-    let strokes = grey.enumerate_pixels().filter(|(_, _, pixel)| is_stroke(pixel));
-    let places = strokes.map(|(x, y, _)| (x as usize, y as usize));
-    Ok(Ink::new(grey.width() as usize, grey.height() as usize, places))
+    let visible = || picture.pixels().filter(|pixel| pixel.0[3] >= VISIBLE);
+    let sum = |value: &dyn Fn(&Rgba<f32>) -> f32| visible().map(|pixel| f64::from(value(pixel))).sum::<f64>();
+    let weight = sum(&|pixel| pixel.0[3]);
+    let is_one_colour = (0..3).all(|channel| {
+        let mean = sum(&|pixel| pixel.0[channel]) / weight;
+        let square = sum(&|pixel| pixel.0[channel].powi(2) / pixel.0[3]) / weight;
+        square - mean.powi(2) < ONE_COLOUR.powi(2)
+    });
+    let (width, height) = picture.dimensions();
+    let places = picture.enumerate_pixels().filter(|(_, _, pixel)| pixel.0[3] >= VISIBLE);
+    let visible = Ink::new(width as usize, height as usize, places.map(|(x, y, _)| (x as usize, y as usize)));
+    is_one_colour || visible.stroke_width() < NARROW * f64::from(width.max(height))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use image::codecs::png::PngEncoder;
+    use image::{ExtendedColorType, GrayImage, ImageEncoder, RgbaImage};
+    use std::io::Cursor;
 
     /// Dark where `is_dark` says so, as a PNG.
     fn png(width: u32, height: u32, grey: impl Fn(u32, u32) -> u8) -> Vec<u8> {
@@ -209,5 +222,116 @@ mod tests {
         let lines = of(4000, 1200, |x, y| (590..=610).contains(&y) && (400..=3600).contains(&x)).unwrap();
         let [line] = &lines[..] else { panic!("{lines:?}") };
         assert!((line.length() - 800.0).abs() < 10.0, "{}", line.length());
+    }
+
+    /// Light on an L from (90, 70) to (90, 170) to (220, 170), of which 9 pixels are dark.
+    fn l_in_light(light: impl Fn(f64, f64) -> f64, [paper, ink]: [f64; 2]) -> Result<Vec<Line>, ImportError> {
+        let bytes = png(300, 240, |x, y| {
+            let at = DVec2::new(f64::from(x), f64::from(y));
+            let legs =
+                Line::new([(90.0, 70.0), (90.0, 170.0), (220.0, 170.0)].map(DVec2::from).into(), false);
+            let grain = f64::from((x * 7919 + y * 104_729) % 13) / 13.0 - 0.5;
+            let shade = if legs.distance(at) <= 4.5 { ink } else { paper };
+            (shade * light(at.x / 300.0, at.y / 240.0) + 8.0 * grain).clamp(0.0, 255.0) as u8
+        });
+        lines(&bytes, ImageFormat::Png)
+    }
+
+    #[test]
+    fn light_and_shadow_leave_an_l() {
+        let table = |x: f64, y: f64| if (x - 0.5).abs() < 0.42 && (y - 0.5).abs() < 0.42 { 1.0 } else { 0.4 };
+        let hand = |x: f64, y: f64| 1.0 - 0.6 * ((0.7 - (x - 1.0).hypot(y - 1.0)) * 8.0).clamp(0.0, 1.0);
+        type Light<'a> = &'a dyn Fn(f64, f64) -> f64;
+        let lights: [Light<'_>; 6] = [
+            &|_, _| 1.0,
+            &|x, _| 1.0 - 0.7 * x,
+            &|x, y| 0.3 + 0.35 * (x + y),
+            &|x, y| (-3.0 * ((x - 0.5).powi(2) + (y - 0.5).powi(2))).exp(),
+            &hand,
+            &table,
+        ];
+        for (number, light) in lights.iter().enumerate() {
+            for shades in [[235.0, 40.0], [225.0, 150.0], [60.0, 225.0]] {
+                // A board on a table is darker than both.
+                if number == 5 && shades[0] < shades[1] {
+                    continue;
+                }
+                let lines = l_in_light(light, shades).unwrap();
+                let [l] = &lines[..] else { panic!("{number} {shades:?}: {lines:?}") };
+                let true_l = [(91.0, -71.0), (91.0, -171.0), (221.0, -171.0)].map(DVec2::from);
+                let true_l = Line::new(true_l.into(), false);
+                let off = |a: &Line, b: &Line| a.points.iter().map(|&at| b.distance(at)).fold(0.0, f64::max);
+                let off = off(l, &true_l).max(off(&true_l, l));
+                assert!(off < 5.0, "{number} {shades:?}: {off} pixels of {l:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn light_alone_is_no_drawing() {
+        for light in [|x: f64, _: f64| 1.0 - 0.7 * x, |x: f64, y: f64| 1.0 - 0.5 * (x * y)] {
+            assert_eq!(l_in_light(light, [235.0, 235.0]), Err(ImportError::Blank));
+        }
+    }
+
+    #[test]
+    fn alpha_is_ink_of_any_colour() {
+        let is_l = |x: u32, y: u32| (20..=26).contains(&x) && y >= 10 || (100..=106).contains(&y) && x >= 20;
+        let of = |colour: &dyn Fn(u32, u32) -> [u8; 4]| {
+            let picture = RgbaImage::from_fn(160, 120, |x, y| {
+                let [r, g, b, alpha] = colour(x, y);
+                Rgba([r, g, b, if is_l(x, y) && x < 140 && y < 110 { alpha } else { 0 }])
+            });
+            let mut bytes = Cursor::new(Vec::new());
+            picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
+            lines(&bytes.into_inner(), ImageFormat::Png).unwrap()
+        };
+        let black = of(&|_, _| [0, 0, 0, 255]);
+        assert_eq!(black.len(), 1);
+        for colour in [[255, 255, 255, 255], [255, 230, 0, 255], [128, 128, 128, 128], [255, 255, 255, 90]] {
+            assert_eq!(of(&|_, _| colour), black, "{colour:?}");
+        }
+        assert_eq!(of(&|x, _| [x as u8, 255 - x as u8, 255, 255]), black, "many colours");
+    }
+
+    #[test]
+    fn a_card_without_surroundings_is_paper() {
+        // White and opaque with a black bar, transparent around.
+        let picture = RgbaImage::from_fn(200, 120, |x, y| match (x, y) {
+            (0..8 | 192.., _) | (_, 0..8 | 112..) => Rgba([0; 4]),
+            (40..160, 57..64) => Rgba([0, 0, 0, 255]),
+            _ => Rgba([255; 4]),
+        });
+        let mut bytes = Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, ImageFormat::Png).unwrap();
+        let lines = lines(&bytes.into_inner(), ImageFormat::Png).unwrap();
+        assert!(lines.len() == 1 && (lines[0].length() - 114.0).abs() < 6.0, "{lines:?}");
+    }
+
+    #[test]
+    fn a_drawing_is_upright() {
+        let l = |x: u32, y: u32| if (20..=25).contains(&x) || (y >= 90 && x > 20) { 10 } else { 240 };
+        let picture = GrayImage::from_fn(140, 96, |x, y| image::Luma([l(x, y)]));
+        let read = |stored: &GrayImage, note: u8| {
+            let mut bytes = Vec::new();
+            let mut encoder = PngEncoder::new(&mut bytes);
+            encoder.set_exif_metadata(upright::note(note)).unwrap();
+            let (width, height) = stored.dimensions();
+            encoder.write_image(stored, width, height, ExtendedColorType::L8).unwrap();
+            lines(&bytes, ImageFormat::Png).unwrap()
+        };
+        let plain = read(&picture, 1);
+        for note in 2..=8 {
+            let stored = upright::stored(&picture, note);
+            let size = |lines: &[Line]| {
+                let points = || lines.iter().flat_map(|line| line.points.iter().copied());
+                points().reduce(DVec2::max).unwrap() - points().reduce(DVec2::min).unwrap()
+            };
+            let lines = read(&stored, note);
+            assert!(size(&lines).distance(size(&plain)) < 1e-9, "{note}: {lines:?}");
+            let corner =
+                |lines: &[Line]| lines[0].points.iter().map(|at| at.x + at.y).fold(f64::INFINITY, f64::min);
+            assert!((corner(&lines) - corner(&plain)).abs() < 1e-9, "{note}");
+        }
     }
 }

@@ -10,6 +10,8 @@ use crate::import::{ImportError, Line};
 /// A corner turns by at least 57°, between sides of this many pixels.
 const CORNER_COS: f64 = 0.545;
 const SIDE: f64 = 8.0;
+/// Longest cut of a corner, of the stroke's width.
+const CUT: f64 = 1.5;
 /// Smoothing width in pixels between corners.
 const SMOOTHING: usize = 4;
 /// Chains of a picture: more are no drawing but a texture.
@@ -318,14 +320,33 @@ fn corners(line: &Line, width: f64) -> Vec<usize> {
     if count < 3 {
         return Vec::new();
     }
-    let is_corner = |i: &usize| {
-        let (before, at, after) = (simple[(i + count - 1) % count], simple[*i], simple[(i + 1) % count]);
-        let (arriving, leaving) = (at - before, after - at);
-        arriving.length() >= SIDE
-            && leaving.length() >= SIDE
+    let turns = |[before, at, on, after]: [DVec2; 4]| {
+        let (arriving, leaving) = (at - before, after - on);
+        let side = SIDE.max(2.0 * at.distance(on));
+        arriving.length() >= side
+            && leaving.length() >= side
             && arriving.normalize_or_zero().dot(leaving.normalize_or_zero()) < CORNER_COS
     };
+    let at = |i: usize| simple[i % count];
+    let place = |i: usize| line.points.iter().position(|point| *point == at(i));
     let inner = if line.closed { 0..count } else { 1..count - 1 };
-    let place = |i: usize| line.points.iter().position(|point| *point == simple[i]);
-    inner.filter(is_corner).filter_map(place).collect()
+    let corner = |i: usize| {
+        if turns([at(i + count - 1), at(i), at(i), at(i + 1)]) {
+            return place(i);
+        }
+        // Both ends of the diagonal to which thinning cuts a square corner.
+        let is_cut = at(i).distance(at(i + 1)) <= CUT * width && (line.closed || i + 2 < count);
+        let is_one = is_cut && !turns([at(i), at(i + 1), at(i + 1), at(i + 2)]);
+        if !is_one || !turns([at(i + count - 1), at(i), at(i + 1), at(i + 2)]) {
+            return None;
+        }
+        let (first, second) = (place(i)?, place(i + 1)?);
+        let steps = (second + line.points.len() - first) % line.points.len();
+        Some((first + steps / 2) % line.points.len())
+    };
+    let mut corners: Vec<_> = inner.filter_map(corner).collect();
+    // A cut across the beginning of a loop comes last.
+    corners.sort_unstable();
+    corners.dedup();
+    corners
 }

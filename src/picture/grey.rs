@@ -4,14 +4,12 @@ use std::io::Cursor;
 
 use image::codecs::png::PngEncoder;
 use image::imageops::{self, FilterType};
-use image::{ExtendedColorType, ImageBuffer, ImageEncoder, ImageFormat, ImageReader, Limits, Luma};
+use image::{ExtendedColorType, ImageBuffer, ImageEncoder, Luma};
 
 use crate::echo;
+use crate::picture::upright;
 use crate::scene::Grey;
 
-/// Limits of decoded pixels per side, and of bytes.
-const MOST_PIXELS: u32 = 20_000;
-const MOST_MEMORY: u64 = 400 << 20;
 /// Limit of the longer side in pixels: larger pictures are reduced.
 pub const LONGEST: u32 = 512;
 /// Rec. 709 luma of red, green and blue.
@@ -28,21 +26,15 @@ pub enum GreyError {
     Black,
 }
 
-/// The picture of a file's bytes: 8-bit luma over 255, black where transparent.
+/// The picture of a file's bytes, upright: 8-bit luma over 255, black where transparent.
 ///
 /// # Errors
 /// An unknown format, a picture that is broken or larger than 20 000 pixels a side, or a black one.
 pub fn read(bytes: &[u8]) -> Result<Grey, GreyError> {
-    let format = match image::guess_format(bytes) {
-        Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::Bmp)) => format,
-        _ => return Err(GreyError::UnknownFormat),
-    };
-    let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
-    let mut limits = Limits::default();
-    (limits.max_image_width, limits.max_image_height) = (Some(MOST_PIXELS), Some(MOST_PIXELS));
-    limits.max_alloc = Some(MOST_MEMORY);
-    reader.limits(limits);
-    let coloured = reader.decode()?.into_rgba8();
+    let format = upright::format(bytes).ok_or(GreyError::UnknownFormat)?;
+    let (mut picture, orientation) = upright::decode(bytes, format)?;
+    picture.apply_orientation(orientation);
+    let coloured = picture.into_rgba8();
     let brightness = |pixel: &image::Rgba<u8>| {
         let [r, g, b, alpha] = pixel.0.map(|value| f32::from(value) / 255.0);
         // Grey values stay exactly as painted.
@@ -78,6 +70,7 @@ pub fn png(grey: &Grey) -> Result<Vec<u8>, image::ImageError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use image::{GrayImage, ImageFormat};
 
     /// Including transparency, which the program's own pictures lack.
     fn coloured(width: u32, height: u32, colour: impl Fn(usize, usize) -> [u8; 4]) -> Vec<u8> {
@@ -96,6 +89,20 @@ mod tests {
         for (grey, expected) in grey.brightness.into_iter().zip([1.0, 0.0, 0.0, 0.2, 0.7152]) {
             assert!((grey - expected).abs() < 1e-6, "{grey}, not {expected}");
         }
+    }
+
+    #[test]
+    fn a_picture_of_a_camera_is_upright() {
+        let picture = GrayImage::from_fn(3, 2, |x, y| Luma([(x * 51 + y * 17) as u8]));
+        let stored = upright::stored(&picture, 6);
+        let mut bytes = Vec::new();
+        let mut encoder = PngEncoder::new(&mut bytes);
+        encoder.set_exif_metadata(upright::note(6)).unwrap();
+        encoder.write_image(&stored, 2, 3, ExtendedColorType::L8).unwrap();
+        let grey = read(&bytes).unwrap();
+        assert_eq!((grey.width, grey.height), (3, 2));
+        let levels: Vec<u8> = grey.brightness.iter().map(|level| (level * 255.0).round() as u8).collect();
+        assert_eq!(levels, picture.into_raw());
     }
 
     #[test]

@@ -28,6 +28,9 @@ pub mod sheet;
 pub mod space;
 #[cfg(feature = "studio")]
 #[doc(hidden)]
+pub mod upright;
+#[cfg(feature = "studio")]
+#[doc(hidden)]
 pub mod vti;
 
 pub use colour::ColourMap;
