@@ -63,7 +63,13 @@ class Array(_Table):
     strength: float | None = None
     """Pa·m, peak, on axis at full drive"""
     element: str | None = None
-    """piston, exact-piston or point"""
+    """piston, exact-piston, point, rectangle, cosine or measured"""
+    element_size: Sequence[float] | None = None
+    """m, width and height of a rectangle"""
+    element_exponent: float | None = None
+    """of a cosine"""
+    directivity: FileName | None = None
+    """of a measured element: a CSV file with angle (degrees), amplitude or level (dB), and perhaps phase (degrees)"""
     off: Sequence[int] | None = None
     elements: FileName | None = None
     """a CSV file, or preset:NAME"""

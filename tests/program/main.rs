@@ -9,6 +9,7 @@ mod contract;
 #[expect(dead_code, reason = "used by other test binaries")]
 mod dice;
 mod drives;
+mod elements;
 mod examples;
 mod felt;
 mod figures;

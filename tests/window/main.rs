@@ -17,6 +17,7 @@ mod dice;
 #[cfg(target_os = "linux")]
 mod display;
 mod edits;
+mod elements;
 mod felt;
 mod figure;
 mod files;

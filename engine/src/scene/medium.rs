@@ -1,6 +1,7 @@
 //! The air.
 
 use serde::{Deserialize, Serialize};
+use strum::VariantArray;
 
 /// The air. `None` is derived from temperature, humidity and pressure.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -32,6 +33,35 @@ impl Default for Medium {
             sound_speed: None,
             density: None,
             absorption: None,
+        }
+    }
+}
+
+/// A fluid with known properties.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
+pub enum Fluid {
+    /// At 20 °C.
+    Water,
+    SoftTissue,
+}
+
+impl Fluid {
+    /// Name in menus.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Water => "Water, 20 °C",
+            Self::SoftTissue => "Soft tissue",
+        }
+    }
+
+    /// Sound speed (m/s), density (kg/m³) and absorption (dB/m) at a frequency (Hz): of water as its square, α = 25e-15 s²/m f²;
+    /// of tissue 0.5 dB/cm/MHz.
+    pub fn properties(self, frequency: f64) -> [f64; 3] {
+        const DB_PER_NEPER: f64 = 20.0 / std::f64::consts::LN_10;
+        match self {
+            Self::Water => [1482.0, 998.0, DB_PER_NEPER * 25e-15 * frequency * frequency],
+            Self::SoftTissue => [1540.0, 1060.0, 50.0 * frequency / 1e6],
         }
     }
 }

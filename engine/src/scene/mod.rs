@@ -61,6 +61,8 @@ pub use drive::DriveFile;
 pub use drive::{Drive, DriveTable};
 pub use focus::{Focus, Part};
 pub use liquid::{Light, Liquid, LiquidName};
+#[doc(hidden)]
+pub use medium::Fluid;
 pub use medium::Medium;
 pub use modulation::{Envelope, Law, Modulation, SpectralLine, Tone};
 #[doc(hidden)]

@@ -9,7 +9,7 @@ use strum::VariantArray;
 
 use crate::acoustics::Air;
 use crate::echo;
-use crate::scene::{Array, ElementModel, Listener, Pole, Response, Target, Transducer, Wires};
+use crate::scene::{Array, ElementModel, Fluid, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
 use crate::ui::panels::form::{caption, choice, count, given, heading, remark, value};
 use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, modulation, number, target};
@@ -453,7 +453,20 @@ fn air(editor: &mut Editor, ui: &mut Ui) {
             &mut medium.absorption,
             air.absorption(),
             absorption,
-            0.0..=1e3,
+            0.0..=1e5,
         );
+    });
+    ui.horizontal(|ui| {
+        let menu = ui.menu_button("Known media", |ui| {
+            for fluid in Fluid::VARIANTS {
+                if ui.button(fluid.title()).clicked() {
+                    let [speed, density, absorption] = fluid.properties(frequency).map(Some);
+                    let medium = &mut editor.document.scene.medium;
+                    (medium.sound_speed, medium.density, medium.absorption) = (speed, density, absorption);
+                    ui.close();
+                }
+            }
+        });
+        menu.response.on_hover_text("Sound speed, density and absorption at the array's frequency");
     });
 }

@@ -206,6 +206,8 @@ fn defaults_are_those_of_an_empty_scene() {
         ("target", "fill", false.into()),
         ("target", "name", "".into()),
         ("target", "group", "".into()),
+        ("array", "element_size", vec![0.01, 0.01].into()),
+        ("array", "element_exponent", 1.0.into()),
         ("array", "reflectivity", 0.0.into()),
         ("liquid", "reflects", false.into()),
         ("solver", "quiet", quiet.into()),
