@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use num_complex::Complex64;
 use serde_json::{Value, json};
 
 use crate::control::counts::Tally;
@@ -87,12 +86,12 @@ impl Report {
                 value
             })
             .collect();
-        let focus = |(focus, pressure): (&Focus, &Complex64)| {
+        let focus = |focus: &Focus, pressure: f64| {
             let place = if focus.is_direction() { "direction" } else { "position" };
-            json!({ place: focus.position.to_array(), "pressure": pressure.norm() })
+            json!({ place: focus.position.to_array(), "pressure": pressure })
         };
         let pairs = self.solution.iter().flat_map(|found| found.foci.iter().zip(&found.pressures));
-        let foci: Vec<_> = pairs.take(MOST).map(focus).collect();
+        let foci: Vec<_> = pairs.take(MOST).map(|(own, pressure)| focus(own, pressure.norm())).collect();
         json!({ "state": {
             "change": self.generation,
             "targets": targets,

@@ -431,15 +431,15 @@ impl Cut {
             || "-".to_owned(),
             |lobe| {
                 let level = decibels(lobe.level - main.top.level);
-                format!("{level} from the main lobe, at {}", degrees(lobe.angle))
+                format!("{level} at {}", degrees(lobe.angle))
             },
         );
         vec![
             ("main lobe", format!("{} at {}", decibels(main.top.level), degrees(main.top.angle))),
-            ("half power (-3 dB) width", width(main.half_power_width())),
-            ("half pressure (-6 dB) width", width(main.half_pressure_width())),
+            ("half power (−3 dB) width", width(main.half_power_width())),
+            ("half pressure (−6 dB) width", width(main.half_pressure_width())),
             ("first nulls", if nulls.is_empty() { "-".to_owned() } else { nulls.join(", ") }),
-            ("highest side lobe", lobe),
+            ("side lobe over main lobe", lobe),
             ("side lobes", self.side_lobes.len().to_string()),
         ]
     }

@@ -17,14 +17,8 @@ fn requests() -> Vec<Request> {
     let plane = Plane { size: DVec2::splat(0.06), ..Plane::default() };
     let scene = Scene { targets: vec![target], plane, ..Scene::default() };
     let drives = vec![solver::solve(&scene).unwrap().drive];
-    let on_gpu = [
-        Quantity::Rms,
-        Quantity::Phase,
-        Quantity::Instantaneous,
-        Quantity::Intensity,
-        Quantity::Velocity,
-        Quantity::Speed,
-    ];
+    let on_gpu =
+        [Quantity::Rms, Quantity::Phase, Quantity::Instantaneous, Quantity::Intensity, Quantity::Velocity];
     on_gpu.map(|quantity| Request::new(&scene, drives.clone(), quantity, (128, 96))).to_vec()
 }
 

@@ -7,6 +7,8 @@ use sonoglyph::ui::{Panel, figure};
 use super::*;
 
 fn tick(screen: &mut Screen, name: &str) {
+    screen.get_by_role_and_label(Role::CheckBox, name).scroll_to_me();
+    rest(screen);
     screen.get_by_role_and_label(Role::CheckBox, name).click();
     rest(screen);
 }

@@ -8,14 +8,8 @@ use crate::texels::painted;
 use crate::{STEP, fast_evaluators, gpu, own, scattered, three_foci};
 
 /// Quantities that a GPU forms, of one drive.
-const ON_GPU: [Quantity; 6] = [
-    Quantity::Rms,
-    Quantity::Phase,
-    Quantity::Instantaneous,
-    Quantity::Intensity,
-    Quantity::Velocity,
-    Quantity::Speed,
-];
+const ON_GPU: [Quantity; 5] =
+    [Quantity::Rms, Quantity::Phase, Quantity::Instantaneous, Quantity::Intensity, Quantity::Velocity];
 
 /// Polls until the map is ready, and counts the polls before.
 fn polled(stages: &mut Stages, request: &Request) -> (Map, u64) {

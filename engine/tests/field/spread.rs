@@ -78,7 +78,7 @@ fn maps_with_a_spread_are_means_over_arrays() {
 fn squares_of_slopes_have_their_scatter_too() {
     let scene = &scenes()[0];
     let drive = scattered(64, 0.3);
-    for quantity in [Quantity::Velocity, Quantity::Radiation] {
+    for quantity in [Quantity::Velocity, Quantity::Speed, Quantity::Radiation] {
         // Gain alone, with signs by Walsh functions: uncorrelated between elements, so that this mean is exact.
         let gain = scene.array.spread.gain;
         let spread = Spread { gain, phase: 0.0 };

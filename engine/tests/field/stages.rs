@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use glam::{DVec3, dvec2, dvec3};
 use sonoglyph::acoustics::Aperture;
 use sonoglyph::drive::Drive;
-use sonoglyph::field::sound::{NORMAL, PRESSURE};
+use sonoglyph::field::sound::NORMAL;
 use sonoglyph::field::{Colouring, Evaluator, Quantity, Request, Samples, Stages, Work, reference};
 use sonoglyph::gauge::Gauge;
 use sonoglyph::picture::ColourMap;
@@ -84,15 +84,15 @@ fn by_cells(quantity: Quantity) -> bool {
         | Quantity::Gorkov
         | Quantity::Force
         | Quantity::Skin
-        | Quantity::Felt => true,
+        | Quantity::Felt
+        | Quantity::Speed => true,
         // Of neither: `harmonic` tests its work.
         Quantity::Harmonic => false,
         Quantity::Rms
         | Quantity::Phase
         | Quantity::Instantaneous
         | Quantity::Intensity
-        | Quantity::Velocity
-        | Quantity::Speed => false,
+        | Quantity::Velocity => false,
     }
 }
 
@@ -101,7 +101,8 @@ fn expected(quantity: Quantity, on_gpu: bool, first: First) -> Work {
     let (by_cells, of_liquid) = (by_cells(quantity), quantity == Quantity::Depression || of_light);
     let on_gpu = on_gpu && !by_cells;
     // Pressure and normal slope are separate sums; a GPU counts both as one and has no tables for them.
-    let is_solid = quantity.declaration().parts & (PRESSURE | NORMAL) == PRESSURE | NORMAL;
+    let parts = quantity.declaration().parts;
+    let is_solid = parts & NORMAL != 0 && parts != NORMAL;
     // Potentials and forces are summed separately, in f64.
     let sums = match () {
         () if quantity.declaration().of_bead => 0,
