@@ -159,7 +159,7 @@ fn of_frames(
         .collect();
     let frame = |(found, &turn): (Found, &Complex64)| found.into_frame(aperture, turn);
     let solved: Vec<_> = solved.into_par_iter().zip(&turns).with_min_len(64).map(frame).collect();
-    if let Some(envelopes) = motion::envelopes(scene)? {
+    if let Some(envelopes) = motion::envelopes_of(scene)? {
         return Ok(under(&envelopes, aperture, &solved, &stands));
     }
     let repeated =
