@@ -53,8 +53,8 @@ impl Group<'_> {
     }
 }
 
-/// Whether a scene has more than one frame, also because targets have different envelopes. Several drives of a file are frames if they have times or the scene moves,
-/// and otherwise take turns; a single drive stands still.
+/// Whether a scene has more than one frame, also because envelopes of targets differ. Several drives of a file are
+/// frames if they have times or the scene moves, and otherwise take turns; a single drive stands still.
 pub fn moves(scene: &Scene) -> bool {
     let has_path = || paths(scene).any(|path| path != MotionPath::None);
     match scene.drive.table() {
