@@ -33,7 +33,10 @@ pub fn read(path: &Path) -> Result<Wave, String> {
 /// The errors of [`read`].
 pub fn decode(bytes: &[u8]) -> Result<(f64, Vec<f32>), String> {
     let broken = |error: hound::Error| {
-        format!("this is no WAV file that is read here: {}", echo::value(&error.to_string()))
+        format!(
+            "this is no WAV file that is read here: {}; save it as PCM of 8 to 32 bits, or as 32-bit floating point",
+            echo::value(&error.to_string())
+        )
     };
     let mut reader = WavReader::new(Cursor::new(bytes)).map_err(broken)?;
     let spec = reader.spec();
@@ -51,7 +54,8 @@ pub fn decode(bytes: &[u8]) -> Result<(f64, Vec<f32>), String> {
     if count > MOST_SAMPLES {
         let seconds = |count: usize| count as f64 / f64::from(spec.sample_rate);
         return Err(format!(
-            "{count} samples, {:.1} s, are more than the {MOST_SAMPLES} that a waveform may have: {:.1} s at {} Hz",
+            "{count} samples, {:.1} s, are more than the {MOST_SAMPLES} that a waveform may have, {:.1} s at {} Hz: cut it, or \
+             resample it",
             seconds(count),
             seconds(MOST_SAMPLES),
             spec.sample_rate

@@ -259,13 +259,14 @@ fn a_target_gets_its_own_modulation_and_the_window_plays_the_frames() {
     assert!(screen.query_by_label_contains("1 target has its own modulation").is_some());
     assert!(screen.query_by_label_contains("Heard at 1 m").is_some());
     let round = screen.state().shown().round.clone().unwrap();
-    assert!(round.frames.len() == 20, "{}", round.frames.len());
+    // The other follows the scene's 200 Hz.
+    assert!(round.frames.len() == 200, "{}", round.frames.len());
     let least = |index: usize| {
         let all = round.frames.iter().map(|frame| frame.pressures[index].norm());
         let most = all.clone().fold(0.0, f64::max);
         all.fold(f64::INFINITY, f64::min) / most
     };
-    assert!((least(0) - 0.4).abs() < 0.05 && (least(1) - 1.0).abs() < 1e-3, "{} {}", least(0), least(1));
+    assert!((least(0) - 0.4).abs() < 0.02 && least(1) < 0.02, "{} {}", least(0), least(1));
     assert!(std::sync::Arc::ptr_eq(&solution, screen.state().shown().solution.as_ref().unwrap()));
     screen.get_by_label("Scene").click();
     rest(&mut screen);

@@ -175,7 +175,7 @@ fn of_frames(
         .collect();
     let frame = |(found, &turn): (Found, &Complex64)| found.into_frame(aperture, turn);
     let solved: Vec<_> = solved.into_par_iter().zip(&turns).with_min_len(64).map(frame).collect();
-    if let Some(envelopes) = motion::envelopes(scene)? {
+    if let Some(envelopes) = motion::envelopes_of(scene)? {
         return Ok(under(&envelopes, aperture, &solved, &stands));
     }
     let repeated =
@@ -183,8 +183,8 @@ fn of_frames(
     Ok(repeated.collect())
 }
 
-/// The frames of a cycle under envelopes, from one of each stand; targets are those of the moment, 0 if silent. No element exceeds full
-/// drive in any frame, and all frames are scaled alike.
+/// The frames of a cycle under envelopes, from one of each stand; targets are those of the moment, 0 if silent. No
+/// element exceeds full drive in any frame, and all frames are scaled alike.
 fn under(
     envelopes: &motion::Envelopes,
     aperture: &Aperture,
@@ -202,7 +202,8 @@ fn under(
         let u = frame.drive.excitation(&aperture.driven);
         let count = envelopes.frames.first().map_or(0, Vec::len);
         let parts = Parts::new(&transfer, &u, &envelopes.of_foci, count);
-        frames.clone().map(|index| parts.under(&envelopes.frames[index])).collect::<Vec<_>>()
+        let under = |index: usize| parts.under(&envelopes.frames[index]);
+        frames.clone().into_par_iter().map(under).collect::<Vec<_>>()
     };
     let sums: Vec<Vec<[Vec<Complex64>; 2]>> = solved.par_iter().zip(&all).map(of_stand).collect();
     let moduli = sums.iter().flatten().flat_map(|[u, _]| u).map(|u| u.norm());

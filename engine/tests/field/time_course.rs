@@ -82,9 +82,9 @@ fn targets_under_own_modulations_have_their_own_lines_alone() {
                 Some(_) | None => assert!(line.norm() < 1e-4 * mean, "{index}: {frequency} Hz, {lines:?}"),
             }
         }
-        // Without frames that exceed full drive, each is as loud as at rest.
+        // Within full drive, each is as loud as at rest.
         let most = of_frames.iter().map(|p| p.norm()).fold(0.0, f64::max);
-        assert!(most > 0.75 * at_rest.pressures[index].norm(), "{index}: {most} Pa");
+        assert!(most > 0.98 * at_rest.pressures[index].norm(), "{index}: {most} Pa");
     }
 }
 
@@ -127,8 +127,21 @@ fn own_modulations_that_cannot_be_frames_are_refused_with_the_reason() {
         "no common period up to 10 s",
     );
     refused(|scene| scene.targets[0].modulation.as_mut().unwrap().frequency = 2000.1, "1 GiB is the most");
-    refused(|scene| scene.motion.path = MotionPath::Outline, "outlines");
-    refused(|scene| scene.motion = Motion { path: MotionPath::Steps, ..Motion::default() }, "take turns");
+    refused(
+        |scene| {
+            let at = scene.targets[2].shape.centre();
+            scene.targets[2].shape = Shape::Circle { at, radius: 0.01 };
+            scene.motion = Motion { path: MotionPath::Outline, ..Motion::default() };
+        },
+        "outlines",
+    );
+    refused(
+        |scene| {
+            scene.targets[0].step = Some(0);
+            scene.motion = Motion { path: MotionPath::Steps, ..Motion::default() };
+        },
+        "take turns",
+    );
 }
 
 #[test]

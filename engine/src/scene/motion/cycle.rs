@@ -17,7 +17,7 @@ pub struct Cycle<'a> {
     pub leader: usize,
 }
 
-impl<'a> Cycle<'a> {
+impl Cycle<'_> {
     pub fn frames_per_second(&self) -> f64 {
         f64::from(self.frames) * self.rate
     }
@@ -25,14 +25,6 @@ impl<'a> Cycle<'a> {
     /// Rate and frames of the motion, if anything moves.
     pub(super) fn moving(&self) -> Option<(f64, u32)> {
         (!self.groups.is_empty()).then_some((self.rate, self.frames))
-    }
-
-    /// As many repetitions as the envelopes of targets need for theirs; the same without a common period, which a check refuses.
-    fn under_envelopes(self, scene: &Scene) -> Self {
-        let Ok(fit) = envelopes::fit(scene, self.moving()) else { return self };
-        let again = |group: Group<'a>| Group { rounds: group.rounds * fit.rounds, ..group };
-        let groups = self.groups.into_iter().map(again).collect();
-        Self { rate: 1.0 / fit.period, frames: fit.frames, groups, leader: self.leader }
     }
 
     /// Actual repetitions per second of a group: a whole number per cycle.
@@ -61,8 +53,8 @@ impl Group<'_> {
     }
 }
 
-/// Whether a scene has more than one frame, also because targets have different envelopes. Several drives of a file are frames if they have times or the scene moves,
-/// and otherwise take turns; a single drive stands still.
+/// Whether a scene has more than one frame, also because envelopes of targets differ. Several drives of a file are
+/// frames if they have times or the scene moves, and otherwise take turns; a single drive stands still.
 pub fn moves(scene: &Scene) -> bool {
     let has_path = || paths(scene).any(|path| path != MotionPath::None);
     match scene.drive.table() {
@@ -95,7 +87,16 @@ fn paths(scene: &Scene) -> impl Iterator<Item = MotionPath> {
 /// Where envelopes of targets differ, the cycle is the one in which they repeat, too, in frames that follow them.
 pub fn cycle(scene: &Scene) -> Option<Cycle<'_>> {
     let motion = of_motions(scene)?;
-    Some(if scene.has_own_envelopes() { motion.under_envelopes(scene) } else { motion })
+    Some(if scene.has_own_envelopes() { under_envelopes(motion, scene) } else { motion })
+}
+
+/// As many repetitions of a motion as the envelopes of targets need for theirs; itself without a common period, which a check
+/// refuses.
+fn under_envelopes<'a>(motion: Cycle<'a>, scene: &Scene) -> Cycle<'a> {
+    let Ok(fit) = envelopes::fit(scene, motion.moving()) else { return motion };
+    let again = |group: Group<'a>| Group { rounds: group.rounds * fit.rounds, ..group };
+    let groups = motion.groups.into_iter().map(again).collect();
+    Cycle { rate: 1.0 / fit.period, frames: fit.frames, groups, leader: motion.leader }
 }
 
 /// The cycle without the envelopes of targets: one frame, if nothing moves.

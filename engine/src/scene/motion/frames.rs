@@ -35,7 +35,7 @@ pub fn frames(scene: &Scene) -> Result<Vec<Vec<Focus>>, KeyError> {
 ///
 /// # Errors
 /// Invalid focal points.
-pub fn envelopes(scene: &Scene) -> Result<Option<Envelopes>, KeyError> {
+pub fn envelopes_of(scene: &Scene) -> Result<Option<Envelopes>, KeyError> {
     match cycle(scene).filter(|_| scene.has_own_envelopes()) {
         None => Ok(None),
         Some(cycle) => envelopes::values(scene, 1.0 / cycle.rate, cycle.frames).map(Some),

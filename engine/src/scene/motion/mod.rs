@@ -28,7 +28,7 @@ use crate::scene::solver::is_zero;
 pub(crate) use cycle::has_dynamics;
 pub use cycle::{Cycle, Group, cycle, moves, runs};
 pub(crate) use envelopes::{Envelopes, shares};
-pub(crate) use frames::envelopes;
+pub(crate) use frames::envelopes_of;
 pub use frames::{check, count, frames};
 pub use keyframes::{Easing, Keyframe, insert};
 pub(crate) use mover::governing;
