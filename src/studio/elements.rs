@@ -153,9 +153,9 @@ fn checked(found: Vec<(u64, Placed)>, unit: Unit) -> Result<Vec<Placed>, TableEr
 fn slip(places: &[Placed]) -> Option<String> {
     let Size { extent, spacing } = Size::of(places);
     if extent > WIDEST {
-        return Some(format!("in metres, the elements span {extent:.4} m"));
+        return Some(format!("in metres, the elements span {extent:.1} m"));
     }
-    (spacing > SPARSEST).then(|| format!("in metres, the elements are {spacing:.4} m apart"))
+    (spacing > SPARSEST).then(|| format!("in metres, the elements are {spacing:.1} m apart"))
 }
 
 fn refusal(line: u64, reason: impl Into<String>) -> TableError {
@@ -272,8 +272,8 @@ mod tests {
     fn what_is_no_table_of_elements_is_named() {
         let millimetres = "x,y,z\n-10,0,0\n0,5.5,0\n10,0,2\n";
         for (text, error) in [
-            (millimetres, "in metres, the elements span 20 m: if they are millimetres, name the unit"),
-            ("-1 0 0\n0 5 0\n1 0 2\n", "in metres, the elements are 5.099 m apart: if they are millimetres"),
+            (millimetres, "in metres, the elements span 20.0 m: if they are millimetres, name the unit"),
+            ("-1 0 0\n0 5 0\n1 0 2\n", "in metres, the elements are 5.1 m apart: if they are millimetres"),
             ("x [mm],y,z\n1,2,3\n", "only some of the columns x, y and z have a unit"),
             ("x [kg],y [kg]\n1,2\n", "the column `x` is in `kg`: must be m, cm, mm"),
             ("0,01,0,005,0,0\n0,02,0,005,0,0\n", "part of a number with a decimal comma?"),

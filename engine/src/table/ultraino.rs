@@ -126,9 +126,9 @@ impl<'a> Graph<'a> {
         let mut arguments = Vec::new();
         for child in node.children().filter(Node::is_element) {
             let is_void = child.tag_name().name() == "void";
-            let needs_target =
-                is_void && child.attribute("class").is_none() && child.attribute("idref").is_none();
-            if needs_target && own.is_none() {
+            let is_apart = child.attribute("class").is_some() || child.attribute("idref").is_some();
+            // Statements within one with a name may refer to it.
+            if is_void && own.is_none() && (!is_apart || node.attribute("id").is_some()) {
                 own = Some(self.call(node, target, &arguments));
                 self.name(node, own.as_ref());
             }
@@ -189,7 +189,6 @@ fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::table::xml;
 
     /// Two transducers with parts left out, as Java writes them.
