@@ -62,7 +62,7 @@ fn arrays_of_other_programs_are_the_same_array() {
     let pressure = |scene: &str| -> f64 {
         let solved: Value =
             serde_json::from_str(&succeed(folder.path(), &["solve", scene, "--json"])).unwrap();
-        solved["pressures"][0].as_f64().unwrap_or_else(|| panic!("{solved}"))
+        solved["foci"][0]["pressure"].as_f64().unwrap_or_else(|| panic!("{solved}"))
     };
     let grid = pressure("grid.toml");
     for table in ["e.xml", "e.txt", "e.csv"] {
