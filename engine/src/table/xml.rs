@@ -53,3 +53,56 @@ fn acoular(root: Node<'_, '_>) -> Result<Records, (u64, String)> {
     }
     Ok(Records { names, rows, separator: b',' })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two transducers with parts left out, as Java writes them.
+    const SIMULATION: &str = r#"<java class="java.beans.XMLDecoder">
+        <object class="acousticfield3d.simulation.Simulation" id="Simulation0"/>
+        <void class="acousticfield3d.math.Vector3f" method="getField"><string>x</string><void method="set">
+          <void class="acousticfield3d.simulation.Transducer" id="Transducer0">
+            <void property="orderNumber"><int>1</int></void>
+            <void id="Transform0" property="transform">
+              <void property="rot">
+                <void property="w"><float>0.70710678</float></void>
+                <void property="x"><float>0.70710678</float></void>
+              </void>
+              <void id="Vector3f2" property="scale"/>
+              <void id="Vector3f3" property="translation">
+                <void class="acousticfield3d.math.Vector3f" method="getField"><string>y</string>
+                  <void method="set"><object idref="Vector3f3"/><float>0.02</float></void></void>
+                <void class="acousticfield3d.math.Vector3f" method="getField"><string>z</string>
+                  <void method="set"><object idref="Vector3f3"/><float>0.03</float></void></void>
+              </void>
+            </void>
+          </void>
+          <void idref="Transform0"/><object idref="Vector3f2"/><float>0.01</float>
+        </void></void>
+        <void class="acousticfield3d.simulation.Transducer" id="Transducer1">
+          <void property="transform"><void id="V4" property="translation">
+            <void property="x"><float>-0.01</float></void></void></void>
+        </void>
+        <void class="acousticfield3d.simulation.Simulation" method="getField"><string>transducers</string>
+          <void method="set"><object idref="Simulation0"/>
+            <object class="java.util.ArrayList" id="ArrayList0">
+              <void method="add"><object idref="Transducer1"/></void>
+              <void method="add"><object idref="Transducer0"/></void>
+            </object></void></void>
+        </java>"#;
+
+    #[test]
+    fn transducers_are_in_the_simulations_order_with_z_upwards() {
+        let rows = table(SIMULATION).unwrap().rows;
+        let numbers: Vec<Vec<f64>> =
+            rows.iter().map(|(_, row)| row.iter().map(|field| field.parse().unwrap()).collect()).collect();
+        assert_eq!(numbers[0], [-0.01, 0.0, 0.0, 0.0, 0.0, 1.0]);
+        // A quarter turn about x points y to z, which is -y here.
+        for (found, expected) in numbers[1].iter().zip([0.0, -0.03, 0.02, 0.0, -1.0, 0.0]) {
+            assert!((found - expected).abs() < 1e-7, "{numbers:?}");
+        }
+        let none = r#"<java><object class="acousticfield3d.simulation.Simulation" id="S"/></java>"#;
+        assert!(table(none).unwrap_err().1.contains("Ultraino simulation has no transducers"));
+    }
+}
