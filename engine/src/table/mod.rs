@@ -127,13 +127,11 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
             return Err(table.refusal("the table is empty"));
         }
         match layout.names {
-            Some(names) if layout.has_header || orders.is_empty() => table.find_columns(names)?,
+            Some(names) if layout.has_header || orders.is_empty() => table.find_columns(names),
             // A comment may be names, or any words.
-            Some(names) if required.iter().all(|name| has_heading(&names, name)) => {
-                table.find_columns(names)?
-            }
-            Some(_) | None => table.find_places(orders, layout.counted)?,
-        }
+            Some(names) if required.iter().all(|name| has_heading(&names, name)) => table.find_columns(names),
+            Some(_) | None => table.find_places(orders, layout.counted),
+        }?;
         Ok(table)
     }
 
@@ -347,7 +345,9 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
             }
             if self.record.len() > 1 || !self.record[0].is_empty() {
                 // Some programs end every row with a separator.
-                while !has_header && self.record.len() > self.columns && self.record.iter().last() == Some("")
+                while !has_header
+                    && self.record.len() > self.columns
+                    && self.record.iter().next_back() == Some("")
                 {
                     self.record.truncate(self.record.len() - 1);
                 }

@@ -37,8 +37,12 @@ pub(crate) fn table(text: &str) -> Result<Records, (u64, String)> {
 
 /// `<pos Name="Point 1" x="0" y="0" z="0"/>`, m.
 fn acoular(root: Node<'_, '_>) -> Result<Records, (u64, String)> {
+    let text = root.document().input_text().as_bytes();
+    let (mut start, mut line) = (0, 1);
     let place = |node: Node<'_, '_>| {
-        let line = u64::from(node.document().text_pos_at(node.range().start).row);
+        // Counting from the last place on, since there may be many.
+        line += text[start..node.range().start].iter().filter(|&&byte| byte == b'\n').count() as u64;
+        start = node.range().start;
         let field = |name: &str| {
             let value = node.attribute(name).map(str::to_owned);
             value.ok_or_else(|| (line, format!("acoular's `pos` has no `{name}`")))
