@@ -153,9 +153,9 @@ fn checked(found: Vec<(u64, Placed)>, unit: Unit) -> Result<Vec<Placed>, TableEr
 fn slip(places: &[Placed]) -> Option<String> {
     let Size { extent, spacing } = Size::of(places);
     if extent > WIDEST {
-        return Some(format!("in metres, the elements span {extent:.4} m"));
+        return Some(format!("in metres, the elements span {extent:.1} m"));
     }
-    (spacing > SPARSEST).then(|| format!("in metres, the elements are {spacing:.4} m apart"))
+    (spacing > SPARSEST).then(|| format!("in metres, the elements are {spacing:.1} m apart"))
 }
 
 fn refusal(line: u64, reason: impl Into<String>) -> TableError {
@@ -203,7 +203,7 @@ mod tests {
     fn layouts_of_many_programs_are_the_same_elements() {
         let xyz = "x,y,z\n-0.01,0,0\n0,0.0055,0\n0.01,0,0.002\n";
         let rows = "-0.01 0 0\n0 0.0055 0\n0.01 0 0.002\n";
-        let layouts: [(&str, Vec<u8>); 43] = [
+        let layouts: [(&str, Vec<u8>); 46] = [
             ("comma", xyz.into()),
             ("capitals", xyz.to_uppercase().into()),
             ("returns", xyz.replace('\n', "\r\n").into()),
@@ -238,6 +238,9 @@ mod tests {
             ("underscores", "x_mm;y_mm;z_mm\n-10;0;0\n0;5,5;0\n10;0;2\n".into()),
             ("centimetres", "X (cm)\tY (cm)\tZ (cm)\n-1\t0\t0\n0\t0.55\t0\n1\t0\t0.2\n".into()),
             ("units between blanks", "x [mm] y [mm] z [mm]\n-10 0 0\n0 5.5 0\n10 0 2\n".into()),
+            ("a unit after all names", "% x y z in mm\n-10 0 0\n0 5.5 0\n10 0 2\n".into()),
+            ("Excel's separator", format!("sep=;\n{}", xyz.replace(',', ";")).into()),
+            ("long names", xyz.replace("x,y,z", "Position X,Position Y,Position Z").into()),
             ("units in a comment", "# x/mm y/mm z/mm\n-10 0 0\n0 5.5 0\n10 0 2\n".into()),
             ("other order, directions", "nz,ny,nx,z,y,x\n2,0,0,0,0,-0.01\n2,0,0,0,.0055,0\n2,0,0,.002,0,.01\n".into()),
             ("named and numbered", "name,id,pos_x,pos_y,pos_z\nb,1,0,.0055,0\na,0,-.01,0,0\nc,2,.01,0,.002\n".into()),
@@ -272,9 +275,10 @@ mod tests {
     fn what_is_no_table_of_elements_is_named() {
         let millimetres = "x,y,z\n-10,0,0\n0,5.5,0\n10,0,2\n";
         for (text, error) in [
-            (millimetres, "in metres, the elements span 20 m: if they are millimetres, name the unit"),
-            ("-1 0 0\n0 5 0\n1 0 2\n", "in metres, the elements are 5.099 m apart: if they are millimetres"),
+            (millimetres, "in metres, the elements span 20.0 m: if they are millimetres, name the unit"),
+            ("-1 0 0\n0 5 0\n1 0 2\n", "in metres, the elements are 2.8 m apart: if they are millimetres"),
             ("x [mm],y,z\n1,2,3\n", "only some of the columns x, y and z have a unit"),
+            ("x,y,z,unit\n1,2,3,mm\n", "2: unit = `mm`: must be in the headings, as `x [mm]`"),
             ("x [kg],y [kg]\n1,2\n", "the column `x` is in `kg`: must be m, cm, mm"),
             ("0,01,0,005,0,0\n0,02,0,005,0,0\n", "part of a number with a decimal comma?"),
             ("x,y,z\n-0,01,0,0\n", "the row has 4 values, and the columns are 3"),

@@ -32,7 +32,7 @@ pub fn slip(scene: &Scene, points: &[DVec3]) -> Option<String> {
     // A far field may be asked for beside the near one.
     (2 * count > points.len()).then(|| {
         format!(
-            "{count} of {} points are far from the array, up to {:.4} m: if they are millimetres, name the unit in the first \
+            "{count} of {} points are far from the array, up to {:.1} m: if they are millimetres, name the unit in the first \
              line, as in `x [mm],y [mm],z [mm]`; if metres, `x [m]`",
             points.len(),
             far.fold(0.0, f64::max)

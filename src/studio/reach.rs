@@ -49,12 +49,12 @@ pub enum Warning {
     Far { name: String, pressure: f64, best: f64 },
     /// Distance from the array and the array's extent, m.
     #[error(
-        "{name} is {distance:.4} m away from an array of {extent:.3} m: positions are metres, not millimetres"
+        "{name} is {distance:.1} m away from an array of {extent:.2} m: positions are metres, not millimetres"
     )]
     Metres { name: String, distance: f64, extent: f64 },
     /// m
     #[error(
-        "The array spans {extent:.4} m, with elements of {:.1} mm radius {spacing:.4} m apart: lengths are metres, not \
+        "The array spans {extent:.1} m, with elements of {:.1} mm radius {spacing:.1} m apart: lengths are metres, not \
          millimetres",
         1e3 * .radius
     )]

@@ -34,6 +34,61 @@ fn elements_are_read_from_a_table_and_written_to_one() {
     assert!(succeed(folder.path(), &["elements", "p.toml"]).lines().count() == 73);
 }
 
+/// 16 x 16 places with a pitch of 10.5 mm, in mm.
+fn places() -> impl Iterator<Item = [f64; 2]> {
+    let at = |n: i32| 10.5 * (f64::from(n) - 7.5);
+    (0..256).map(move |n| [at(n % 16), at(n / 16)])
+}
+
+#[test]
+fn arrays_of_other_programs_are_the_same_array() {
+    let rows = |line: &dyn Fn(f64, f64) -> String| places().map(|[x, y]| line(x, y)).collect::<String>();
+    let pos = |x: f64, y: f64| format!("<pos Name=\"p\" x=\"{}\" y=\"{}\" z=\"0\"/>\n", x / 1e3, y / 1e3);
+    let acoular = format!("<?xml version=\"1.0\"?>\n<MicArray>\n{}</MicArray>\n", rows(&pos));
+    let savetxt = rows(&|x, y| format!("{:.18e} {:.18e} {:.18e}\n", x / 1e3, y / 1e3, 0.0));
+    let german = rows(&|x, y| format!("{x};{y};0\n").replace('.', ","));
+    let bare = rows(&|x, y| format!("{x},{y},0\n"));
+    let folder = folder_with(&[
+        ("grid.toml", "format = 1\n[[target]]\nat = [0.0, 0.0, 0.1]\n"),
+        ("e.xml", &acoular),
+        ("e.txt", &savetxt),
+        ("e.csv", &format!("X [mm];Y [mm];Z [mm]\n{german}")),
+        ("bare.csv", &format!("x,y,z\n{bare}")),
+        ("sheet.xlsx", "PK\u{3}\u{4}[Content_Types].xml"),
+        ("far.csv", "x,y,z\n0,0,100\n"),
+        ("near.csv", "x/mm;y/mm;z/mm\n0;0;100\n"),
+        ("metres.toml", "format = 1\n[array]\npitch = 10.5\n[[target]]\nat = [0.0, 0.0, 100.0]\n"),
+    ]);
+    let pressure = |scene: &str| -> f64 {
+        let solved: Value =
+            serde_json::from_str(&succeed(folder.path(), &["solve", scene, "--json"])).unwrap();
+        solved["foci"][0]["pressure"].as_f64().unwrap_or_else(|| panic!("{solved}"))
+    };
+    let grid = pressure("grid.toml");
+    for table in ["e.xml", "e.txt", "e.csv"] {
+        fs::write(folder.path().join("a.toml"), CURVED.replace("e.csv", table)).unwrap();
+        assert!((pressure("a.toml") / grid - 1.0).abs() < 1e-3, "{table}");
+    }
+    for (table, words) in [("bare.csv", "x [mm]"), ("sheet.xlsx", "this is an Excel workbook (.xlsx)")] {
+        fs::write(folder.path().join("a.toml"), CURVED.replace("e.csv", table)).unwrap();
+        let message = refuse(folder.path(), &["solve", "a.toml"]);
+        assert!(message.contains("a.toml:3: array.elements") && message.contains(words), "{message}");
+    }
+    for (args, warns) in [
+        (&["probe", "grid.toml", "--points", "far.csv"][..], true),
+        (&["probe", "grid.toml", "--points", "near.csv"], false),
+        (&["solve", "metres.toml"], true),
+    ] {
+        let output = run(folder.path(), args);
+        let said = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert!(output.status.success() && said.contains("millimetres") == warns, "{args:?}: {said}");
+    }
+    // A board of rows and columns plays a table of its own places, in any order.
+    fs::write(folder.path().join("a.toml"), CURVED.replace("e.csv", "e.txt")).unwrap();
+    let port = ["--port", "virtual:acoustophoretic-512", "--profile", "acoustophoretic-512"];
+    succeed(folder.path(), &[&["send", "a.toml", "--seconds", "0.2"], &port[..]].concat());
+}
+
 #[test]
 fn invalid_tables_and_boards_are_refused_with_line_and_column() {
     let folder = folder_with(&[

@@ -51,10 +51,20 @@ const STRENGTHS: Units = &[("pa", 1.0), ("kpa", 1e3), ("1", 1.0), ("-", 1.0), ("
 const PARTS: Units = &[("1", 1.0), ("-", 1.0), ("", 1.0), ("%", 1e-2)];
 const LEVELS: Units = &[("db", 1.0), ("db spl", 1.0), ("db re 20 µpa", 1.0)];
 
-/// Variants of the names of coordinates: the letter stands for `x`.
-const PLACES: [&str; 8] = ["pos_?", "?_pos", "pos?", "?pos", "position_?", "?_position", "p?", "? position"];
-const NORMALS: [&str; 8] =
-    ["n_?", "?_n", "normal_?", "?_normal", "normal?", "dir_?", "direction_?", "normal ?"];
+/// Variants of the names of coordinates, which stand for `?`; blanks, hyphens and points are underscores.
+const PLACES: [&str; 10] = [
+    "pos_?",
+    "?_pos",
+    "pos?",
+    "?pos",
+    "position_?",
+    "?_position",
+    "p?",
+    "?_coordinate",
+    "coordinate_?",
+    "?_coord",
+];
+const NORMALS: [&str; 7] = ["n_?", "?_n", "normal_?", "?_normal", "normal?", "dir_?", "direction_?"];
 
 /// The units that a column may have; none for numbers of things.
 fn units(name: &str) -> Option<Units> {
@@ -115,13 +125,13 @@ fn is_name(heading: &str, name: &str) -> bool {
     if heading.eq_ignore_ascii_case(name) {
         return true;
     }
-    let variants = match name {
-        "x" | "y" | "z" => PLACES,
-        "nx" | "ny" | "nz" => NORMALS,
+    let variants: &[&str] = match name {
+        "x" | "y" | "z" => &PLACES,
+        "nx" | "ny" | "nz" => &NORMALS,
         _ => return false,
     };
-    let letter = &name[name.len() - 1..];
-    variants.iter().any(|variant| variant.replace('?', letter).eq_ignore_ascii_case(heading))
+    let (letter, heading) = (&name[name.len() - 1..], heading.replace([' ', '-', '.'], "_"));
+    variants.iter().any(|variant| variant.replace('?', letter).eq_ignore_ascii_case(&heading))
 }
 
 fn in_unit(name: &str, unit: &str) -> Result<Column, String> {
@@ -158,6 +168,7 @@ mod tests {
             ("phase_0", "phase_0", Some(1.0)),
             ("offset [rad]", "offset", Some(180.0 / std::f64::consts::PI)),
             ("normal_z", "nz", Some(1.0)),
+            ("Position X (mm)", "x", Some(1e-3)),
             ("x", "y", None),
             ("phase_0", "phase", None),
             ("x_left", "x", None),

@@ -34,8 +34,7 @@ fn of_value(value: &Value) -> Result<Records, String> {
                 return Err(AUTD3.to_owned());
             }
             let list = LISTS.iter().find_map(|key| entries.get(*key)).ok_or_else(|| {
-                let keys: Vec<_> =
-                    entries.keys().take(5).map(|key| format!("`{}`", crate::echo::value(key))).collect();
+                let keys: Vec<_> = entries.keys().take(3).map(|key| format!("`{}`", short(key))).collect();
                 format!(
                     "this is JSON with {}: must be a list of places, such as [[x, y, z], …]",
                     keys.join(", ")

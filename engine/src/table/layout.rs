@@ -5,8 +5,8 @@
 
 use crate::table::records::Records;
 
-/// Markers of comments.
-pub(crate) const COMMENTS: [&str; 3] = ["#", "%", "//"];
+/// Markers of comments, and Excel's line of the separator.
+pub(crate) const COMMENTS: [&str; 4] = ["#", "%", "//", "sep="];
 /// Stands for blanks and tabs, which may be repeated.
 pub(crate) const BLANK: u8 = b' ';
 /// Separators in the order in which they are tried.
@@ -68,7 +68,7 @@ pub(crate) fn of(text: &str) -> Layout {
             .find(|&separator| evenly(&lines, separator, |columns| columns >= 2))
             .unwrap_or(if first.contains(';') { b';' } else { b',' });
         let columns = split(first, separator).len();
-        let names = comment.map(names).filter(|names| names.len() == columns);
+        let names = comment.map(|comment| in_unit(names(comment))).filter(|names| names.len() == columns);
         return Layout { separator, names, has_header: false, columns, counted: counted(&lines, separator) };
     }
     let (own, names) = (separator_of_names(first), names(first));
@@ -140,6 +140,14 @@ fn names(line: &str) -> Vec<String> {
         }
     }
     names
+}
+
+/// The names of a comment; of `x y z in mm` with the unit each.
+fn in_unit(names: Vec<String>) -> Vec<String> {
+    match &names[..] {
+        [own @ .., word, unit] if word == "in" => own.iter().map(|name| format!("{name} [{unit}]")).collect(),
+        _ => names,
+    }
 }
 
 /// Whether a line has nothing but numbers, however they are separated.

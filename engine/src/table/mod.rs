@@ -52,6 +52,8 @@ pub struct Table<R: Read, const N: usize, const M: usize> {
     /// Name, and index if the column exists.
     optional: [(&'static str, Option<usize>); M],
     has_unit: bool,
+    /// A column of units, which must be metres.
+    unit: Option<usize>,
 }
 
 #[derive(Debug)]
@@ -116,6 +118,7 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
             required: required.map(|name| (name, 0)),
             optional: optional.map(|name| (name, None)),
             has_unit: false,
+            unit: None,
         };
         if layout.columns == 0 {
             return Err(table.refusal("the table is empty"));
@@ -124,13 +127,11 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
             return Err(table.refusal("the table is empty"));
         }
         match layout.names {
-            Some(names) if layout.has_header || orders.is_empty() => table.find_columns(names)?,
+            Some(names) if layout.has_header || orders.is_empty() => table.find_columns(names),
             // A comment may be names, or any words.
-            Some(names) if required.iter().all(|name| has_heading(&names, name)) => {
-                table.find_columns(names)?
-            }
-            Some(_) | None => table.find_places(orders, layout.counted)?,
-        }
+            Some(names) if required.iter().all(|name| has_heading(&names, name)) => table.find_columns(names),
+            Some(_) | None => table.find_places(orders, layout.counted),
+        }?;
         Ok(table)
     }
 
@@ -138,6 +139,7 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         self.columns = names.len();
         self.factors = vec![1.0; self.columns];
         self.names = names;
+        self.unit = self.place(&["unit", "units"]);
         let mut coordinates = Vec::new();
         let mut find = |name: &'static str| -> Result<Option<usize>, TableError> {
             let is_named =
@@ -217,6 +219,10 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         if self.record.len() != self.columns {
             let (own, columns) = (self.record.len(), self.columns);
             return Err(self.refusal(format!("the row has {own} values, and the columns are {columns}")));
+        }
+        if let Some(unit) = self.unit.map(|place| self.text(place)).filter(|unit| !["", "m"].contains(unit)) {
+            let unit = echo::value(unit);
+            return Err(self.refusal(format!("unit = `{unit}`: must be in the headings, as `x [{unit}]`")));
         }
         let mut row = Row { required: [0.0; N], optional: [None; M] };
         for (value, (name, place)) in row.required.iter_mut().zip(self.required) {
@@ -339,7 +345,9 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
             }
             if self.record.len() > 1 || !self.record[0].is_empty() {
                 // Some programs end every row with a separator.
-                while !has_header && self.record.len() > self.columns && self.record.iter().last() == Some("")
+                while !has_header
+                    && self.record.len() > self.columns
+                    && self.record.iter().next_back() == Some("")
                 {
                     self.record.truncate(self.record.len() - 1);
                 }

@@ -126,9 +126,9 @@ impl<'a> Graph<'a> {
         let mut arguments = Vec::new();
         for child in node.children().filter(Node::is_element) {
             let is_void = child.tag_name().name() == "void";
-            let needs_target =
-                is_void && child.attribute("class").is_none() && child.attribute("idref").is_none();
-            if needs_target && own.is_none() {
+            let is_apart = child.attribute("class").is_some() || child.attribute("idref").is_some();
+            // Statements within one with a name may refer to it.
+            if is_void && own.is_none() && (!is_apart || node.attribute("id").is_some()) {
                 own = Some(self.call(node, target, &arguments));
                 self.name(node, own.as_ref());
             }
@@ -185,58 +185,4 @@ impl<'a> Graph<'a> {
 /// An attribute that lives as long as the document.
 fn attribute<'a>(node: Node<'a, '_>, name: &str) -> Option<&'a str> {
     node.attribute_node(name).map(|attribute| attribute.value())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::table::xml;
-
-    /// Two transducers with parts left out, as Java writes them.
-    const SIMULATION: &str = r#"<java class="java.beans.XMLDecoder">
-        <object class="acousticfield3d.simulation.Simulation" id="Simulation0"/>
-        <void class="acousticfield3d.math.Vector3f" method="getField"><string>x</string><void method="set">
-          <void class="acousticfield3d.simulation.Transducer" id="Transducer0">
-            <void property="orderNumber"><int>1</int></void>
-            <void id="Transform0" property="transform">
-              <void property="rot">
-                <void property="w"><float>0.70710678</float></void>
-                <void property="x"><float>0.70710678</float></void>
-              </void>
-              <void id="Vector3f2" property="scale"/>
-              <void id="Vector3f3" property="translation">
-                <void class="acousticfield3d.math.Vector3f" method="getField"><string>y</string>
-                  <void method="set"><object idref="Vector3f3"/><float>0.02</float></void></void>
-                <void class="acousticfield3d.math.Vector3f" method="getField"><string>z</string>
-                  <void method="set"><object idref="Vector3f3"/><float>0.03</float></void></void>
-              </void>
-            </void>
-          </void>
-          <void idref="Transform0"/><object idref="Vector3f2"/><float>0.01</float>
-        </void></void>
-        <void class="acousticfield3d.simulation.Transducer" id="Transducer1">
-          <void property="transform"><void id="V4" property="translation">
-            <void property="x"><float>-0.01</float></void></void></void>
-        </void>
-        <void class="acousticfield3d.simulation.Simulation" method="getField"><string>transducers</string>
-          <void method="set"><object idref="Simulation0"/>
-            <object class="java.util.ArrayList" id="ArrayList0">
-              <void method="add"><object idref="Transducer1"/></void>
-              <void method="add"><object idref="Transducer0"/></void>
-            </object></void></void>
-        </java>"#;
-
-    #[test]
-    fn transducers_are_in_the_simulations_order_with_z_upwards() {
-        let rows = xml::table(SIMULATION).unwrap().rows;
-        let numbers: Vec<Vec<f64>> =
-            rows.iter().map(|(_, row)| row.iter().map(|field| field.parse().unwrap()).collect()).collect();
-        assert_eq!(numbers[0], [-0.01, 0.0, 0.0, 0.0, 0.0, 1.0]);
-        // A quarter turn about x points y to z, which is -y here.
-        for (found, expected) in numbers[1].iter().zip([0.0, -0.03, 0.02, 0.0, -1.0, 0.0]) {
-            assert!((found - expected).abs() < 1e-7, "{numbers:?}");
-        }
-        let none = r#"<java><object class="acousticfield3d.simulation.Simulation" id="S"/></java>"#;
-        assert!(xml::table(none).unwrap_err().1.contains("Ultraino simulation has no transducers"));
-    }
 }
