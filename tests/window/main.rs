@@ -425,9 +425,12 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
     rest(screen);
     let verb = match purpose {
         Purpose::Open | Purpose::Drive | Purpose::Scan | Purpose::ScanDrive => "Open",
-        Purpose::Elements | Purpose::Wiring | Purpose::Import | Purpose::Waveform | Purpose::Thresholds => {
-            "Read"
-        }
+        Purpose::Elements
+        | Purpose::Wiring
+        | Purpose::Import
+        | Purpose::Waveform
+        | Purpose::Thresholds
+        | Purpose::Path(_) => "Read",
         Purpose::SaveAs | Purpose::Export(_) => "Save",
     };
     screen.get_by_label(verb).click();

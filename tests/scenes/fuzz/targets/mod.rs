@@ -19,7 +19,7 @@ mod waveform;
 type Target = fn(&[u8]);
 
 /// The targets by name; a corpus has the name of its target.
-pub const TARGETS: [(&str, Target); 16] = [
+pub const TARGETS: [(&str, Target); 17] = [
     ("scene", scene::run),
     ("points", tables::points),
     ("drive", tables::drive),
