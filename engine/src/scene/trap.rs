@@ -83,12 +83,17 @@ impl Trap {
         )
     }
 
-    /// The same of a trap that turns: elements of a twin trap pass from one half to the other gradually.
+    /// The same of a trap that turns: elements of a twin trap pass from one half to the other gradually, at both ends of
+    /// their border in opposite senses, so that its node stays in the middle.
     pub fn gradual_signature(self, charge: i32, shift: f64, place: DVec3, radius: f64) -> f64 {
-        /// Half the width of the passage in radii.
-        const WIDTH: f64 = 0.1;
+        /// Half the angle of the passage, rad.
+        const HALF: f64 = 0.15;
         match self {
-            Self::Twin => (PI + shift) / PI * (WIDTH * radius).atan2(place.x),
+            Self::Twin => {
+                let angle = place.y.atan2(place.x);
+                let passed = ((angle.abs() - PI / 2.0 + HALF) / (2.0 * HALF)).clamp(0.0, 1.0);
+                passed * (PI.copysign(angle) + shift)
+            }
             Self::Focus | Self::Vortex | Self::Bottle | Self::Standing => {
                 self.signature(charge, shift, place, radius)
             }
