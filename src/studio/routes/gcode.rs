@@ -90,12 +90,12 @@ fn bare(line: &str) -> Result<String, String> {
 
 /// The words of a line: letters with their numbers.
 fn words(line: &str) -> Result<Vec<(char, f64)>, String> {
+    if line.starts_with('O') || line.contains(['#', '[', ']', '=', '<', '>']) {
+        return Err(format!("`{}`: variables and expressions are not read", echo::value(line)));
+    }
     let mut words = Vec::new();
     let mut rest = line;
     while let Some(letter) = rest.chars().next() {
-        if "#[]=<>O".contains(letter) {
-            return Err(format!("`{}`: variables and expressions are not read", echo::value(line)));
-        }
         let value = &rest[letter.len_utf8()..];
         let end = value.find(|part: char| !(part.is_ascii_digit() || "+-.".contains(part)));
         let (number, next) = value.split_at(end.unwrap_or(value.len()));
@@ -580,7 +580,7 @@ mod tests {
             ("G0 X0\nG2 X30 R10\n", "2: R = 10.000 mm is too short: the ends of the arc are 30.000 mm apart"),
             ("G0 X0\nG2 X0 R10\n", "2: R does not tell the centre of a full circle"),
             ("G0 X0\nG5 X1 I1\n", "2: G5 is not read: only lines (G0, G1) and arcs (G2, G3) are"),
-            ("G0 X0\nG1 X#1\n", "2: `G1X#1`: "),
+            ("G0 X0\nG1 X#1\n", "2: `G1X#1`: variables"),
             ("G0 X0\nG1 Xten\n", "2: `XTEN`: not a word"),
             ("G0 X0 (open\n", "1: a comment is not closed"),
             ("X1 Y1\n", "1: a place without G0"),

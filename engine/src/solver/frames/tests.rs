@@ -168,13 +168,14 @@ fn a_trap_turns_with_its_angle_and_without_jumps() {
         let (axis, [most, least]) = stiff_axis(&scene, &aperture, &frame.drive, at);
         let off = (axis - TAU * i as f64 / f64::from(FRAMES)).rem_euclid(TAU / 2.0);
         farthest = farthest.max(off.min(TAU / 2.0 - off));
-        assert!(most > 2.0 * least, "frame {i}: {most} and {least} N/m");
+        assert!(most > 1.5 * least, "frame {i}: {most} and {least} N/m");
         let levitation = Levitation::new(&scene, &aperture, std::slice::from_ref(&frame.drive));
         let net = levitation.net(at).length() / levitation.load;
         assert!(net < 1e-4 && least > 0.0, "frame {i}: {net} weights, {least} N/m");
     }
-    assert!(farthest < 0.05, "{farthest} rad from the angle");
-    assert!(sequence.steps.largest < 1.6, "{:?}", sequence.steps);
+    // The rows and columns of the board hold the axis back.
+    assert!(farthest < 0.08, "{farthest} rad from the angle");
+    assert!(sequence.steps.largest < 1.3, "{:?}", sequence.steps);
 }
 
 #[test]
