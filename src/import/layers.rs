@@ -339,7 +339,7 @@ impl<'a> Walk<'a, '_> {
             }
             let lines = lines.iter().flat_map(|line| place.clip.parts(line));
             let lines: Vec<_> = lines.map(|line| like.with(line.points, line.closed)).collect();
-            if !lines.is_empty() || !area.rings.is_empty() {
+            if !lines.is_empty() || area.bounds().is_some() {
                 self.shapes.push(Shape { ink, area, stroke: Some(Stroke { width }), lines });
             }
         }
@@ -358,9 +358,10 @@ impl<'a> Walk<'a, '_> {
             sides.iter().map(|line| like.with(line.points.clone(), line.closed)).collect()
         } else {
             // Along the clip no stroke draws them, and elsewhere they are left to it.
-            visible.rings.iter().map(|ring| like.with(ring.clone(), true)).collect()
+            let rings = visible.rings.iter().filter(|ring| ring.len() > 2);
+            rings.map(|ring| like.with(ring.clone(), true)).collect()
         };
-        if !visible.rings.is_empty() {
+        if visible.bounds().is_some() {
             self.shapes.push(Shape { ink, area: visible, stroke: None, lines });
         }
     }
