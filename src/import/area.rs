@@ -160,7 +160,11 @@ impl Clip {
         if self.outline.is_none() && self.bounds.grown(slack(self.bounds)).holds(bounds) {
             return area;
         }
-        area.combined(&self.area(), OverlayRule::Intersect)
+        match &self.outline {
+            Some(_) => area.combined(&self.area(), OverlayRule::Intersect),
+            // Rings that cross themselves often are cut as they are.
+            None => Area { rings: area.rings.iter().map(|ring| within(ring, self.bounds)).collect(), ..area },
+        }
     }
 
     /// The parts of a line within this clip, its border included.
@@ -209,6 +213,34 @@ impl Clip {
         let spans = cuts.windows(2).map(|pair| [pair[0], pair[1]]);
         spans.filter(|[from, to]| is_inside(a.lerp(b, (from + to) / 2.0))).collect()
     }
+}
+
+/// A ring cut at the sides of a rectangle (Sutherland and Hodgman). Where its parts are apart, the border between them
+/// is run along there and back.
+fn within(ring: &[DVec2], bounds: Bounds) -> Vec<DVec2> {
+    let sides = [
+        (DVec2::X, bounds.low),
+        (DVec2::NEG_X, bounds.high),
+        (DVec2::Y, bounds.low),
+        (DVec2::NEG_Y, bounds.high),
+    ];
+    let mut ring = ring.to_vec();
+    for (inwards, corner) in sides {
+        let depth = |at: DVec2| (at - corner).dot(inwards);
+        let mut inside = Vec::with_capacity(ring.len());
+        for (i, &b) in ring.iter().enumerate() {
+            let a = ring[(i + ring.len() - 1) % ring.len()];
+            let (from, to) = (depth(a), depth(b));
+            if (from < 0.0) != (to < 0.0) {
+                inside.push(a.lerp(b, from / (from - to)));
+            }
+            if to >= 0.0 {
+                inside.push(b);
+            }
+        }
+        ring = inside;
+    }
+    ring
 }
 
 /// Rounding of coordinates, which are f32 in usvg.

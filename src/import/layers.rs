@@ -3,6 +3,7 @@
 //! A filled shape has the outlines of its fill as lines, a stroked one its centre lines. Patterns are repeated, and
 //! markers and copies are shapes as any other. A mask is an area, too: that of its parts of at least half luminance.
 
+use std::cell::Cell;
 use std::collections::BTreeMap;
 
 use glam::DVec2;
@@ -23,6 +24,8 @@ pub const FAINTEST: f32 = 0.02;
 const MOST_TILES: i64 = 2500;
 /// Limit of the dashes of a line; one with more is imported whole.
 const MOST_DASHES: f64 = 2000.0;
+/// Limit of paths, copies of patterns, clip paths and masks that are looked at: nested ones multiply.
+const MOST_STEPS: u32 = 300_000;
 /// Limit of groups within groups, copies of patterns and masks included.
 const DEEPEST: usize = 1100;
 
@@ -80,14 +83,16 @@ pub struct Fineness {
     pub broad: f64,
 }
 
-/// The shapes of a group, within a page if there is one.
+/// The shapes of a group within a page, and what is left aside. `None` if there are too many.
 pub fn shapes<'a>(
     root: &'a Group,
     page: Bounds,
     labels: &Labels,
     fineness: Fineness,
-) -> (Vec<Shape<'a>>, Omissions) {
-    let mut walk = Walk { fineness, labels, page, shapes: Vec::new(), left: Omissions::default() };
+) -> Option<(Vec<Shape<'a>>, Omissions)> {
+    let steps = Cell::new(MOST_STEPS);
+    let left = Omissions::default();
+    let mut walk = Walk { fineness, labels, page, steps: &steps, shapes: Vec::new(), left };
     let place = Place {
         base: Transform::identity(),
         clip: Clip::rectangle(page),
@@ -99,13 +104,15 @@ pub fn shapes<'a>(
         depth: 0,
     };
     walk.group(root, &place);
-    (walk.shapes, walk.left)
+    (steps.get() > 0).then_some((walk.shapes, walk.left))
 }
 
 struct Walk<'a, 'l> {
     fineness: Fineness,
     labels: &'l Labels,
     page: Bounds,
+    /// Steps that remain.
+    steps: &'l Cell<u32>,
     shapes: Vec<Shape<'a>>,
     left: Omissions,
 }
@@ -127,8 +134,17 @@ struct Place {
 }
 
 impl<'a> Walk<'a, '_> {
+    /// Whether there are steps left for one more.
+    fn steps_on(&self) -> bool {
+        self.steps.set(self.steps.get().saturating_sub(1));
+        self.steps.get() > 0
+    }
+
     fn group(&mut self, group: &'a Group, place: &Place) {
         for node in group.children() {
+            if !self.steps_on() {
+                return;
+            }
             match node {
                 Node::Group(group) => match self.inner(group, place) {
                     Some(inner) => self.group(group, &inner),
@@ -184,6 +200,9 @@ impl<'a> Walk<'a, '_> {
     fn clip_area(&self, group: &Group, base: Transform) -> Area {
         let mut sum = Area::default();
         for node in group.children() {
+            if !self.steps_on() {
+                break;
+            }
             let area = match node {
                 Node::Path(path) if path.is_visible() => {
                     let rings = closed(self.lines(path.data(), base.pre_concat(path.abs_transform())));
@@ -221,6 +240,7 @@ impl<'a> Walk<'a, '_> {
             fineness: Fineness { broad: 0.0, ..self.fineness },
             labels: self.labels,
             page: self.page,
+            steps: self.steps,
             shapes: Vec::new(),
             left: Omissions::default(),
         };
@@ -319,7 +339,7 @@ impl<'a> Walk<'a, '_> {
             }
             let lines = lines.iter().flat_map(|line| place.clip.parts(line));
             let lines: Vec<_> = lines.map(|line| like.with(line.points, line.closed)).collect();
-            if !lines.is_empty() || !area.rings.is_empty() {
+            if !lines.is_empty() || area.bounds().is_some() {
                 self.shapes.push(Shape { ink, area, stroke: Some(Stroke { width }), lines });
             }
         }
@@ -338,9 +358,10 @@ impl<'a> Walk<'a, '_> {
             sides.iter().map(|line| like.with(line.points.clone(), line.closed)).collect()
         } else {
             // Along the clip no stroke draws them, and elsewhere they are left to it.
-            visible.rings.iter().map(|ring| like.with(ring.clone(), true)).collect()
+            let rings = visible.rings.iter().filter(|ring| ring.len() > 2);
+            rings.map(|ring| like.with(ring.clone(), true)).collect()
         };
-        if !visible.rings.is_empty() {
+        if visible.bounds().is_some() {
             self.shapes.push(Shape { ink, area: visible, stroke: None, lines });
         }
     }

@@ -97,14 +97,15 @@ fn traces(
         let tolerance = (FINENESS * side).clamp(1e-9, COARSEST);
         (Fineness { tolerance, broad: sight::BROAD * pixel }, pixel, (TOUCH * side).min(WIDEST_TOUCH))
     };
+    let too_many = || ImportError::Svg("too many paths, copies of patterns, clip paths and masks".to_owned());
     let (fine, mut pixel, mut touch) = fineness(page);
-    let (mut shapes, mut left) = layers::shapes(tree.root(), page, labels, fine);
+    let (mut shapes, mut left) = layers::shapes(tree.root(), page, labels, fine).ok_or_else(too_many)?;
     if shapes.is_empty() && left.outside > 0 {
         remarks.push("The drawing lies beside its page: it was imported nevertheless.".to_owned());
         page = content.grown(0.01 * content.size().max_element());
         let (fine, smaller, closer) = fineness(page);
         (pixel, touch) = (smaller, closer);
-        (shapes, left) = layers::shapes(tree.root(), page, labels, fine);
+        (shapes, left) = layers::shapes(tree.root(), page, labels, fine).ok_or_else(too_many)?;
     }
     let mut seen = sight::seen(&shapes, page, pixel, Paper::White);
     if seen.traces.is_empty() && seen.hidden > 0 {
