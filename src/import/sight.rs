@@ -455,6 +455,9 @@ struct Taken {
 }
 
 impl Taken {
+    /// Entries of a cell that are compared, the latest: where there are more, nothing can be told apart.
+    const MOST: usize = 64;
+
     fn new(view: &View, step: f64) -> Self {
         let cell = (2.0 * step).max(4.0 * view.pixel);
         let count = |pixels: u32| (f64::from(pixels) * view.pixel / cell) as usize + 1;
@@ -485,8 +488,9 @@ impl Taken {
             .collect();
         cells.dedup();
         cells.into_iter().any(|cell| {
-            let mut next = self.latest[cell];
-            while next > 0 {
+            let (mut next, mut left) = (self.latest[cell], Self::MOST);
+            while next > 0 && left > 0 {
+                left -= 1;
                 let (ends, owner, before) = self.entries[next as usize - 1];
                 let is_parallel = (ends[1] - ends[0]).normalize_or(along).perp_dot(along).abs() < 0.05;
                 if owner != line && is_parallel && distance_to(ends, at) < near {
