@@ -13,7 +13,8 @@ fn wave(x: vec4f, y: vec4f, z: vec4f, element: vec4f, tilt: vec4f) -> Phasor {
     let both = 1.0 / (r * path);
     let inverse = path * both;
     let ahead = dx * tilt.y + dy * tilt.z + dz * tilt.w;
-    let cosine = ahead * inverse;
+    // A D in cosθ, other than one in its square, shows that heights are clamped.
+    let cosine = max(ahead, vec4f(NEAREST)) * inverse;
     let amplitude = select(vec4f(0.0), element.w * inverse * decay(r), ahead >= vec4f(-NEAREST));
     let shape = complex_directivity(2.0 * cosine - 1.0);
     let wave = phasor(element.z - beyond2 * (r * both) * params.turns_per_metre);

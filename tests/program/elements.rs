@@ -50,7 +50,13 @@ fn fields_in_water_are_sums_over_the_elements() {
         ),
     ];
     let table: String = (0..=360)
-        .map(|n| format!("{},{}\n", 0.25 * f64::from(n), 0.8 + 1.2 * (0.25 * f64::from(n)).to_radians().cos().powi(2)))
+        .map(|n| {
+            format!(
+                "{},{}\n",
+                0.25 * f64::from(n),
+                0.8 + 1.2 * (0.25 * f64::from(n)).to_radians().cos().powi(2)
+            )
+        })
         .collect();
     let points: String = PLACES.iter().map(|[x, y, z]| format!("{x},{y},{z}\n")).collect();
     for (index, (keys, directivity)) in models.into_iter().enumerate() {
@@ -63,7 +69,8 @@ fn fields_in_water_are_sums_over_the_elements() {
         let folder = folder_with(&files);
         succeed(folder.path(), &["solve", "a.toml", "--csv", "drive.csv"]);
         let drive = fs::read_to_string(folder.path().join("drive.csv")).unwrap();
-        let answer = succeed(folder.path(), &["probe", "a.toml", "--points", "points.csv", "--drive", "drive.csv"]);
+        let answer =
+            succeed(folder.path(), &["probe", "a.toml", "--points", "points.csv", "--drive", "drive.csv"]);
         let head: Vec<_> = answer.lines().next().unwrap().split(',').collect();
         let column = head.iter().position(|name| *name == "amplitude").unwrap_or(3);
         for (line, expected) in answer.lines().skip(1).zip(sums(&drive, directivity)) {
@@ -82,7 +89,10 @@ fn keys_of_elements_are_refused_with_their_lines() {
         ("element = \"measured\"", "array.directivity: `element = \"measured\"` needs the name of a table"),
         ("element = \"measured\"\ndirectivity = \"d.csv\"", "d.csv:3: amplitude = `x`: not a finite number"),
         ("element = \"rectangle\"\nelement_size = [0.01, 0]", "array.element_size"),
-        ("element = \"cosine\"\nelement_exponent = -1", "array.element_exponent = -1: must be a number from 0"),
+        (
+            "element = \"cosine\"\nelement_exponent = -1",
+            "array.element_exponent = -1: must be a number from 0",
+        ),
     ] {
         fs::write(folder.path().join("a.toml"), WATER.replace("MODEL", keys)).unwrap();
         let refused = refuse(folder.path(), &["solve", "a.toml"]);

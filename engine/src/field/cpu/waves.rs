@@ -158,7 +158,8 @@ fn far_field<I: Instructions, const FORM: usize, const D: usize, const A: usize,
                     (horner::<I, D>(&directivity, along(dx)) * horner::<I, D>(&other, along(dy)), 0.0)
                 }
                 OF_COSINE => {
-                    let s = fused::<I>(2.0 * height, inverse, -1.0);
+                    // A D in cosθ, other than one in its square, shows that heights are clamped.
+                    let s = fused::<I>(2.0 * larger(height, NEAREST as f32), inverse, -1.0);
                     (clenshaw::<I, D>(&directivity, s), clenshaw::<I, D>(&other, s))
                 }
                 _ => {
