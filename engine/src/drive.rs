@@ -142,7 +142,7 @@ pub fn read(csv: impl Read, aperture: &Aperture) -> Result<DriveTable, TableErro
     let mut table = Table::open(csv, [], COLUMNS)?;
     let elements = aperture.positions.len();
     let mut frames = Frames { elements, all: BTreeMap::new() };
-    let (phases, amplitudes) = (table.series(PHASES)?, table.series(AMPLITUDES)?);
+    let (phases, amplitudes) = (table.series(PHASES, 0)?, table.series(AMPLITUDES, 0)?);
     if !phases.is_empty() {
         for (places, prefix) in [(&phases, PHASES), (&amplitudes, AMPLITUDES)] {
             if places.len() != elements && (prefix == PHASES || !places.is_empty()) {
@@ -229,7 +229,7 @@ pub fn read(csv: impl Read, aperture: &Aperture) -> Result<DriveTable, TableErro
 #[doc(hidden)]
 pub fn is_table(csv: impl Read) -> bool {
     Table::<_, 0, 11>::open(csv, [], COLUMNS).is_ok_and(|mut table| {
-        let has_series = table.series(PHASES).is_ok_and(|places| !places.is_empty());
+        let has_series = table.series(PHASES, 0).is_ok_and(|places| !places.is_empty());
         table.has("phase") || (table.has("re") && table.has("im")) || has_series
     })
 }

@@ -78,8 +78,15 @@ fn units(name: &str) -> Option<Units> {
         "nx" | "ny" | "nz" | "gain" => PARTS,
         "level" => LEVELS,
         _ if name.starts_with("phase_") => RADIANS,
+        _ if is_numbered_place(name) => LENGTHS,
         _ => return None,
     })
+}
+
+/// Whether a column has one coordinate of one of several things, as `x2`.
+fn is_numbered_place(name: &str) -> bool {
+    let number = name.strip_prefix(['x', 'y', 'z']).filter(|number| !number.is_empty());
+    number.is_some_and(|number| number.bytes().all(|digit| digit.is_ascii_digit()))
 }
 
 /// Whether the numbers of a column measure something, rather than count.
@@ -128,6 +135,9 @@ fn is_name(heading: &str, name: &str) -> bool {
     let variants: &[&str] = match name {
         "x" | "y" | "z" => &PLACES,
         "nx" | "ny" | "nz" => &NORMALS,
+        "time" => &["t", "seconds"],
+        "target" => &["id", "trap", "point", "particle"],
+        _ if is_numbered_place(name) => return heading.replace('_', "").eq_ignore_ascii_case(name),
         _ => return false,
     };
     let (letter, heading) = (&name[name.len() - 1..], heading.replace([' ', '-', '.'], "_"));
@@ -168,6 +178,8 @@ mod tests {
             ("phase_0", "phase_0", Some(1.0)),
             ("offset [rad]", "offset", Some(180.0 / std::f64::consts::PI)),
             ("normal_z", "nz", Some(1.0)),
+            ("T (ms)", "time", Some(1e-3)),
+            ("y_2 [mm]", "y2", Some(1e-3)),
             ("Position X (mm)", "x", Some(1e-3)),
             ("x", "y", None),
             ("phase_0", "phase", None),

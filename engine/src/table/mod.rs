@@ -198,7 +198,8 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         let Some(order) = orders.iter().find(fits) else {
             return Err(self.refusal(format!("{columns} columns without names: {named}")));
         };
-        if order[0] != "#" && counted > CHANCE {
+        // Times may count, too.
+        if !["#", "time"].contains(&order[0]) && counted > CHANCE {
             let reason = format!("the first of {columns} columns counts, and they have no names: {named}");
             return Err(self.refusal(reason));
         }
@@ -254,14 +255,14 @@ impl<R: Read, const N: usize, const M: usize> Table<R, N, M> {
         self.has_unit
     }
 
-    /// The places of the columns `prefix0`, `prefix1` and so on.
+    /// The places of the columns of a prefix and numbers from `first`, in their order.
     ///
     /// # Errors
     /// A unit that the columns cannot have.
-    pub fn series(&mut self, prefix: &str) -> Result<Vec<usize>, TableError> {
+    pub fn series(&mut self, prefix: &str, first: usize) -> Result<Vec<usize>, TableError> {
         let mut places = Vec::new();
         loop {
-            let name = format!("{prefix}{}", places.len());
+            let name = format!("{prefix}{}", first + places.len());
             // They are usually in order.
             let next = places.last().map_or(0, |last| last + 1);
             let found = (next..self.columns)

@@ -21,7 +21,8 @@ use glam::{DVec2, DVec3};
 
 use crate::echo;
 use crate::scene::motion::{Trace, TracePlace};
-use crate::studio::routes::line::{FARTHEST, LineError, MOST_PLACES, Traced};
+use crate::studio::routes::limits::{FARTHEST, MOST_PLACES, Traced};
+use crate::table::TableError;
 
 /// m, in units of a program.
 const MILLIMETRE: f64 = 1e-3;
@@ -49,21 +50,22 @@ pub(super) fn is_program(text: &str) -> bool {
 }
 
 /// The trace of a program.
-pub(super) fn read(text: &str) -> Result<Traced, LineError> {
+pub(super) fn read(text: &str) -> Result<Traced, TableError> {
     let mut machine = Machine::default();
     for (index, line) in text.lines().enumerate() {
         if machine.has_ended {
             break;
         }
         let line_number = index as u64 + 1;
-        machine.line(line).map_err(|reason| LineError::new(line_number, reason))?;
+        machine.line(line).map_err(|reason| TableError { line: line_number, reason })?;
         if machine.moves.len() > MOST_PLACES {
-            return Err(LineError::new(line_number, format!("more than the {MOST_PLACES} places of a path")));
+            let reason = format!("more than the {MOST_PLACES} places of a path");
+            return Err(TableError { line: line_number, reason });
         }
     }
     let trace = machine.trace();
     if trace.places.is_empty() {
-        return Err(LineError::new(1, "there are no moves in it"));
+        return Err(TableError { line: 1, reason: "there are no moves in it".to_owned() });
     }
     Ok((vec![trace], machine.remarks()))
 }

@@ -1,14 +1,15 @@
 //! Routes of targets from files: tables of places (CSV), or programs of plotters and tools (G-code).
 
 mod gcode;
-mod line;
+mod limits;
 mod places;
 
 use std::path::Path;
 
 use crate::scene::motion::Routes;
 use crate::source;
-use crate::studio::routes::line::{LineError, Traced};
+use crate::studio::routes::limits::Traced;
+use crate::table::TableError;
 
 /// Bytes of a file, at most.
 const MOST_BYTES: u64 = 64 << 20;
@@ -32,9 +33,13 @@ pub fn read(path: &Path) -> Result<Routes, String> {
 ///
 /// # Errors
 /// The errors of [`read`].
-pub fn decode(bytes: &[u8], is_called_program: bool) -> Result<Traced, LineError> {
-    let text = text(bytes)?;
-    if is_called_program || gcode::is_program(&text) { gcode::read(&text) } else { places::read(&text) }
+pub fn decode(bytes: &[u8], is_called_program: bool) -> Result<Traced, TableError> {
+    let text = text(bytes);
+    if is_called_program || text.as_deref().is_some_and(gcode::is_program) {
+        let not_text = || TableError { line: 1, reason: "this is not a text file".to_owned() };
+        return gcode::read(&text.ok_or_else(not_text)?);
+    }
+    places::read(bytes)
 }
 
 fn is_program(path: &Path) -> bool {
@@ -42,12 +47,10 @@ fn is_program(path: &Path) -> bool {
     ENDINGS[TABLES..].iter().any(|program| ending.eq_ignore_ascii_case(program))
 }
 
-/// The text of a file; comments of old programs are in Latin-1.
-fn text(bytes: &[u8]) -> Result<String, LineError> {
-    if bytes.contains(&0) {
-        return Err(LineError::new(1, "this is not a text file"));
-    }
-    Ok(match std::str::from_utf8(bytes) {
+/// The text of a file, if it is one; comments of old programs are in Latin-1.
+fn text(bytes: &[u8]) -> Option<String> {
+    let is_text = !bytes.contains(&0);
+    is_text.then(|| match std::str::from_utf8(bytes) {
         Ok(text) => text.trim_start_matches('\u{feff}').to_owned(),
         Err(_) => bytes.iter().map(|byte| char::from(*byte)).collect(),
     })
