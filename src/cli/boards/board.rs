@@ -525,7 +525,7 @@ mod tests {
 
     #[test]
     fn a_motion_within_the_board_is_not_read() {
-        let slow = [hold(1.0, 9, 500), hold(0.5, 9, 500), hold(1.0, 9, 500)].concat();
+        let slow = [hold(0.5, 9, 500), hold(1.0, 9, 500), hold(0.5, 9, 500)].concat();
         assert_eq!(changes(2, slow.clone()), [Change::Steady, Change::Moving { withdraws: true }]);
         let then = [slow, hold(0.7, 10, 99)].concat();
         let moving = Change::Moving { withdraws: true };
