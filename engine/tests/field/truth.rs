@@ -161,6 +161,7 @@ fn scene(class: Class, element: ElementModel, dice: &mut Dice) -> Scene {
     let array = Array {
         element_size: DVec2::new(2.0, dice.between(0.5, 2.0)) * radius,
         element_exponent: dice.one_of(&[0.0, 1.0, 2.0, 3.0, 0.7, 12.5]),
+        directivity: Some("measured.csv".to_owned()),
         measured: evaluators::measured(),
         ..array
     };
