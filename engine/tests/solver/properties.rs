@@ -522,7 +522,9 @@ proptest! {
     ) {
         let off = (0..(rows * columns) as usize).filter(|n| n % every == 1).collect();
         let element = ElementModel::VARIANTS[element];
-        let array = Array { rows, columns, pitch, frequency, element, off, ..Array::default() };
+        // A measured element names a table, which a parsed text does not load.
+        let directivity = (element == ElementModel::Measured).then(|| "table.csv".to_owned());
+        let array = Array { rows, columns, pitch, frequency, element, off, directivity, ..Array::default() };
         let target = |&(x, y, z, magnitude): &(f64, f64, f64, f64)| {
             let pressure = 10f64.powf(magnitude);
             Target { pressure, ..Target::new(Shape::Point { at: DVec3::new(x, y, z) }) }
