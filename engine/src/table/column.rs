@@ -150,7 +150,9 @@ fn in_unit(name: &str, unit: &str) -> Result<Column, String> {
     match units.iter().find(|(known, _)| *known == lower) {
         Some((known, factor)) => Ok(Column { factor: *factor, has_unit: !["", "-", "1"].contains(known) }),
         None => {
-            let known: Vec<_> = units.iter().map(|(known, _)| *known).filter(|it| !it.is_empty()).collect();
+            // Their signs; words are accepted, too.
+            let is_sign = |it: &&str| (1..=3).contains(&it.len()) && it.is_ascii();
+            let known: Vec<_> = units.iter().map(|(known, _)| *known).filter(is_sign).collect();
             let unit = echo::value(unit);
             Err(format!("the column `{name}` is in `{unit}`: must be {}", known.join(", ")))
         }

@@ -38,6 +38,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Traced, TableError> {
                       them if it has times; or it is G-code";
         return Err(table.refusal(reason));
     }
+    if let Some(zero) = ["x0", "y0", "z0"].into_iter().find(|name| table.place(&[name]).is_some()) {
+        return Err(table.refusal(format!("`{zero}`: targets are numbered from 1")));
+    }
     if is_numbered && table.has("target") {
         return Err(table.refusal("give either a column of targets or numbered columns"));
     }
@@ -166,10 +169,10 @@ mod tests {
                 "2: x = 30 m is farther than 10 m: places are in metres, or name the unit",
             ),
             ("1,2,3,4,5\n", "1: 5 columns without names"),
-            ("x [ft],y [ft]\n1,2\n", "1: the unit of `x [ft]` is not known"),
+            ("x [ft],y [ft]\n1,2\n", "1: the column `x` is in `ft`: must be m, cm, mm, um, nm"),
             ("x0,y0,x1,y1\n0,0,1,1\n", "1: `x0`: targets are numbered from 1"),
             ("x,y,id\n1,2,0\n", "2: target = 0: must be its number, from 1"),
-            ("x,y\n1,nan\n", "2: y = nan: must be a number"),
+            ("x,y\n1,nan\n", "2: y = `nan`: not a finite number"),
         ] {
             let said = read(text.as_bytes()).unwrap_err().to_string();
             assert!(said.starts_with(error), "{text:?}: {said}");
