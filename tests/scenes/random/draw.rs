@@ -187,7 +187,11 @@ fn array(dice: &mut Dice, number: usize, wide: bool) -> Array {
         columns,
         pitch: if wide { dice.magnitude(1e-4, 1.0) } else { 0.0105 },
         element_radius: if wide { dice.magnitude(1e-5, 0.5) } else { 0.005 },
-        frequency: if wide { dice.magnitude(1e3, 20e6) } else { dice.between(20e3, 80e3) },
+        frequency: if wide {
+            dice.magnitude(1e3, 1e6) * own.one_of(&[1.0, 1.0, 1.0, 20.0])
+        } else {
+            dice.between(20e3, 80e3)
+        },
         strength: if wide { dice.magnitude(1e-9, 1e6) } else { dice.between(0.5, 8.0) },
         element,
         element_size: if wide {
