@@ -72,7 +72,7 @@ fn scene(dice: &mut Dice, number: usize, wide: bool) -> Scene {
     if !wide {
         array.pitch = wavelength * dice.between(0.4, 1.6);
         array.element_radius = array.pitch * dice.between(0.1, 0.5);
-        array.element_size = array.element_radius * DVec2::new(2.0, dice.between(0.5, 2.0));
+        array.element_size *= array.element_radius;
     }
     if wide && array.element == ElementModel::ExactPiston && dice.of(0.9) {
         array.element_radius = array.element_radius.min(2.0 * wavelength);
@@ -156,11 +156,13 @@ fn medium(dice: &mut Dice, wide: bool) -> Medium {
 }
 
 fn array(dice: &mut Dice, number: usize, wide: bool) -> Array {
-    let element = match dice.whole(0, 11) {
+    // Dice of their own: other scenes stay as they were.
+    let mut own = Dice::new(0xE1E, number);
+    let element = match dice.whole(0, 9) {
         0 | 1 => ElementModel::ExactPiston,
         2 | 3 => ElementModel::Point,
-        4 | 5 => ElementModel::Rectangle,
-        6 => ElementModel::Cosine,
+        4 => ElementModel::Rectangle,
+        5 => ElementModel::Cosine,
         _ => ElementModel::Piston,
     };
     let (rows, columns) = match number % 100 {
@@ -185,15 +187,19 @@ fn array(dice: &mut Dice, number: usize, wide: bool) -> Array {
         columns,
         pitch: if wide { dice.magnitude(1e-4, 1.0) } else { 0.0105 },
         element_radius: if wide { dice.magnitude(1e-5, 0.5) } else { 0.005 },
-        frequency: if wide { dice.magnitude(1e3, 20e6) } else { dice.between(20e3, 80e3) },
+        frequency: if wide {
+            dice.magnitude(1e3, 1e6) * own.one_of(&[1.0, 1.0, 1.0, 20.0])
+        } else {
+            dice.between(20e3, 80e3)
+        },
         strength: if wide { dice.magnitude(1e-9, 1e6) } else { dice.between(0.5, 8.0) },
         element,
         element_size: if wide {
-            DVec2::new(dice.magnitude(1e-5, 0.5), dice.magnitude(1e-5, 0.5))
+            DVec2::new(own.magnitude(1e-5, 0.5), own.magnitude(1e-5, 0.5))
         } else {
-            DVec2::splat(0.01)
+            DVec2::new(2.0, own.between(0.5, 2.0))
         },
-        element_exponent: dice.one_of(&[0.0, 0.5, 1.0, 2.0, 3.0, 9.3]),
+        element_exponent: own.one_of(&[0.0, 0.5, 1.0, 2.0, 3.0, 9.3]),
         off,
         ..Array::default()
     }
