@@ -383,7 +383,7 @@ fn strokes(scene: &Scene) -> Vec<(usize, Vec<DVec3>)> {
             (true, false) => outline::strokes(target).unwrap_or_default(),
             (false, true) => {
                 let part = |n: u32| f64::from(n % VERTICES) / f64::from(VERTICES);
-                let at = |n: u32| outline::centre(shape) + motion::pose(scene, index, part(n)).at;
+                let at = |n: u32| outline::centre(shape) + motion::pose_of(scene, index, part(n)).at;
                 vec![(0..=VERTICES).map(at).collect()]
             }
         };

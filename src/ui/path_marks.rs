@@ -57,7 +57,7 @@ fn moved(editor: &Editor, painter: &Painter, axes: &Axes, lens: &Lens) {
     for (index, target) in editor.scene().targets.iter().enumerate().filter(|(_, target)| target.visible) {
         let own = target.motion.is_some().then_some(index);
         let Some(group) = cycle.groups.iter().find(|group| group.target == own) else { continue };
-        let pose = motion::pose(editor.scene(), index, way::part_of(&cycle, group, frame));
+        let pose = motion::pose_of(editor.scene(), index, way::part_of(&cycle, group, frame));
         let mut there = target.clone();
         there.shape.translate(pose.at);
         there.angle += pose.angle;

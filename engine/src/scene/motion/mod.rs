@@ -33,7 +33,7 @@ pub use frames::{check, count, frames};
 pub use keyframes::{Easing, Keyframe, insert};
 pub(crate) use mover::governing;
 #[doc(hidden)]
-pub use mover::{pose, ways};
+pub use mover::{pose_of, ways};
 use pose::Mover;
 #[doc(hidden)]
 pub use pose::Pose;
@@ -239,8 +239,7 @@ impl Motion {
     /// [`Self::frames`] of a file: as many as its places need.
     pub const AUTOMATIC: u32 = 0;
 
-    /// Offset of the targets (m) after a fraction of a repetition, in [0, 1); along a file the place of its first target,
-    /// of others see [`pose`].
+    /// Offset of the targets (m) after a fraction of a repetition, in [0, 1); along a file the place of its first target.
     pub fn offset(&self, part: f64) -> DVec3 {
         self.pose(part).at
     }

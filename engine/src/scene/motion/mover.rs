@@ -14,7 +14,7 @@ pub(crate) fn governing<'a>(scene: &'a Scene, target: &'a Target) -> &'a Motion 
 
 /// The pose of a target of a scene after a fraction of a repetition of its motion, in [0, 1).
 #[doc(hidden)]
-pub fn pose(scene: &Scene, target: usize, part: f64) -> Pose {
+pub fn pose_of(scene: &Scene, target: usize, part: f64) -> Pose {
     let Some(own) = scene.targets.get(target) else { return Pose::AT_REST };
     governing(scene, own).round().at(part, mover(scene, target, own))
 }

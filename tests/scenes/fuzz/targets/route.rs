@@ -26,7 +26,7 @@ pub fn run(bytes: &[u8]) {
         let motion = Motion { path: MotionPath::File, routes, ..Motion::default() };
         let scene = Scene { targets, motion, ..Scene::default() };
         for part in (0..100).map(|n| f64::from(n) * 0.01) {
-            let at = motion::pose(&scene, 0, part).at;
+            let at = motion::pose_of(&scene, 0, part).at;
             assert!(at.abs().max_element() <= 3.0 * FARTHEST, "{part}: {at}");
         }
         assert!((1..=4096).contains(&scene.motion.frame_count()));
