@@ -72,7 +72,7 @@ pub struct Editor {
     pub after_saving: Option<Command>,
     pub playback: Playback,
     pub oscillation: Oscillation,
-    pub parts: Parts,
+    pub parts: Box<Parts>,
     /// Last position of the pointer on the map, m.
     pub pointed: Option<DVec3>,
     /// The last grabbed vertex of a motion's path.
@@ -125,7 +125,7 @@ impl Editor {
             film: FilmForm::default(),
             after_saving: None,
             oscillation: Oscillation { playing: true, part: 0.0 },
-            parts: Parts::default(),
+            parts: Box::default(),
             pointed: None,
             vertex: None,
             levels: None,
