@@ -125,7 +125,7 @@ fn sparse(scene: &Scene, Size { extent, spacing }: Size) -> Option<Warning> {
 /// The warning about a target in millimetres, by its distance.
 fn far_in_metres(aperture: &Aperture, index: usize, target: &Target, size: Size) -> Option<Warning> {
     /// m, and widths of the array.
-    const FAR: f64 = 5.0;
+    const FAR: f64 = 8.0;
     const WIDTHS: f64 = 20.0;
     let at = outline::centre(&target.shape);
     let distance = aperture.positions.iter().map(|place| place.distance(at)).fold(f64::INFINITY, f64::min);
@@ -271,7 +271,7 @@ mod tests {
         assert_eq!(said(DVec3::new(0.02, -0.01, 0.1)), Vec::<String>::new());
         assert_eq!(said(DVec3::new(0.0, 0.0, 0.4)), Vec::<String>::new());
         assert_eq!(said(DVec3::new(0.003, 0.0, 0.07)), Vec::<String>::new(), "near the array is not aside");
-        let far = said(DVec3::Z * 4.0);
+        let far = said(DVec3::Z * 5.0);
         assert!(far.len() == 1 && far[0].starts_with("Target 1 is too far away"), "{far:?}");
         let aside = said(DVec3::new(0.4, 0.0, 0.1));
         assert!(aside.len() == 1 && aside[0].contains("beyond the steering range"), "{aside:?}");

@@ -46,7 +46,18 @@ const LAYERS: &[(&str, &[&str])] = &[
     ),
     (
         "import",
-        &["encoding_rs", "flate2", "glam", "i_overlay", "image", "kurbo", "thiserror", "tiny_skia", "usvg"],
+        &[
+            "encoding_rs",
+            "flate2",
+            "glam",
+            "i_overlay",
+            "image",
+            "kurbo",
+            "roxmltree",
+            "thiserror",
+            "tiny_skia",
+            "usvg",
+        ],
     ),
     (
         "device",

@@ -95,7 +95,8 @@ fn every_quantity_has_a_button_and_the_first_nine_a_key() {
 /// The button of a quantity; a page of the panel and a channel of the skin may have the same name.
 fn button<'a>(screen: &'a Screen, title: &'a str) -> egui_kittest::Node<'a> {
     let all = screen.query_all_by_label(title);
-    all.min_by(|a, b| a.rect().left().total_cmp(&b.rect().left())).unwrap()
+    let first = all.min_by(|a, b| a.rect().left().total_cmp(&b.rect().left()));
+    first.unwrap_or_else(|| panic!("no button {title}"))
 }
 
 /// The number after a name in the panel.

@@ -84,6 +84,8 @@ fn no_input_is_without_a_name() {
         found.extend(unnamed(&screen).into_iter().map(|what| format!("{panel}, outline: {what}")));
     }
     for part in ["Listener", "Exposure at a listener", "Array", "Air"] {
+        screen.get_by_label(part).scroll_to_me();
+        rest(&mut screen);
         screen.get_by_label(part).click();
         rest(&mut screen);
         found.extend(unnamed(&screen).into_iter().map(|what| format!("{part}: {what}")));

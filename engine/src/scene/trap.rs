@@ -85,6 +85,7 @@ impl Trap {
 
     /// The same of a trap that turns: elements of a twin trap pass from one half to the other gradually, at both ends of
     /// their border in opposite senses, so that its node stays in the middle.
+    #[doc(hidden)]
     pub fn gradual_signature(self, charge: i32, shift: f64, place: DVec3, radius: f64) -> f64 {
         /// Half the angle of the passage, rad.
         const HALF: f64 = 0.15;

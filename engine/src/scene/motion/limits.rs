@@ -12,7 +12,7 @@ use crate::scene::{content::Scene, focus::Focus};
 /// Limit of the memory of drives and foci of all frames, in bytes.
 const MOST_BYTES: u64 = 1 << 30;
 /// Overhead of a frame in bytes.
-const LISTS: usize = 512;
+const LISTS: usize = 1024;
 /// Allocator overhead, as a divisor.
 const SLACK: u64 = 6;
 /// Fewest frames per repetition, if a cycle has several.

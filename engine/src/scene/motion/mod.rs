@@ -237,6 +237,7 @@ pub enum MotionPath {
 
 impl Motion {
     /// [`Self::frames`] of a file: as many as its places need.
+    #[doc(hidden)]
     pub const AUTOMATIC: u32 = 0;
 
     /// Offset of the targets (m) after a fraction of a repetition, in [0, 1); along a file the place of its first target.
@@ -256,6 +257,7 @@ impl Motion {
     }
 
     /// Frames per cycle, of a file as many as its places need unless they are given.
+    #[doc(hidden)]
     pub fn frame_count(&self) -> u32 {
         match self.path {
             MotionPath::File if self.frames == Self::AUTOMATIC => self.routes.frames(),
