@@ -25,7 +25,7 @@ fn scene_at(height: f64) -> Scene {
 }
 
 fn open(scene: Scene) -> Screen {
-    let harness = Harness::builder().with_size(vec2(1280.0, 800.0));
+    let harness = Harness::builder().with_size(vec2(1440.0, 800.0));
     let mut screen = harness.build_eframe(move |context| {
         let mut window = Window::new(&context.egui_ctx, Document::new(scene, "test"), Evaluator::Cpu);
         window.editor_mut().oscillation.playing = false;
