@@ -193,7 +193,7 @@ mod tests {
         // In any order and direction.
         let segment = |i: usize| {
             let i = (i * 7) % 600;
-            trace(&if i % 3 == 0 { [at(i + 1), at(i)] } else { [at(i), at(i + 1)] })
+            trace(&if i.is_multiple_of(3) { [at(i + 1), at(i)] } else { [at(i), at(i + 1)] })
         };
         let [ring] = &joined((0..600).map(segment).collect(), 1e-3, 1e-2)[..] else { panic!("one line") };
         assert!(ring.line.closed);

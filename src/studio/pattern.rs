@@ -267,7 +267,7 @@ impl Sampled {
         let levels = self.powers.iter().step_by(self.finer).map(|&power| level(power)).collect();
         let azimuth = self.azimuth;
         let top = self.loudest();
-        if !(full > 0.0) || self.powers[top] == 0.0 {
+        if full <= 0.0 || full.is_nan() || self.powers[top] == 0.0 {
             return Cut { azimuth, levels: vec![LOWEST; ANGLES], main: None, side_lobes: Vec::new() };
         }
         let (angle, power) = self.extremum(beam, top);

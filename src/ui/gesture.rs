@@ -46,7 +46,7 @@ pub enum Gesture {
     Pull {
         index: usize,
         handle: usize,
-        before: Target,
+        before: Box<Target>,
     },
     /// The path of a motion.
     Way(Pull),

@@ -247,7 +247,7 @@ impl<'a> Press<'a> {
         let index = self.editor.selection.first().copied().filter(|_| self.editor.selection.len() == 1)?;
         let before = self.editor.scene().targets.get(index)?.clone();
         let handle = handle::at(&before, &self.axes, self.lens, self.at)?;
-        Some(Gesture::Pull { index, handle, before })
+        Some(Gesture::Pull { index, handle, before: Box::new(before) })
     }
 
     fn go_on(&mut self) {

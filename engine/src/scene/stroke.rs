@@ -155,7 +155,7 @@ impl Target {
 fn arrow(tip: DVec3) -> Vec<Vec<DVec3>> {
     /// Of its length.
     const HEAD: f64 = 0.14;
-    let (across, other) = tip.normalize().any_orthonormal_pair();
+    let (across, other) = tip.normalize_or(DVec3::Z).any_orthonormal_pair();
     let barb = |side: DVec3| tip * (1.0 - HEAD) + side * (0.4 * HEAD * ARROW);
     let head = |side: DVec3| vec![barb(side), tip, barb(-side)];
     vec![vec![DVec3::ZERO, tip], head(across), head(other)]

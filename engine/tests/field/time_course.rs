@@ -107,7 +107,7 @@ fn whole_targets_move_under_own_modulations() {
     let sequence = frames::follow(&scene).unwrap();
     // Two rounds of 8 frames in 25 ms, and whole periods of the carrier.
     let count = sequence.frames.len();
-    assert!(count >= 80 && count % 16 == 0, "{count}");
+    assert!(count >= 80 && count.is_multiple_of(16), "{count}");
     let offset = sequence.frames[count / 4].foci[1].position - still[1];
     assert!((offset.length() - 0.015).abs() < 1e-9 && offset.x < -0.014, "{offset}");
     let silent = sequence.frames.iter().map(|frame| frame.pressures[0].norm()).fold(f64::INFINITY, f64::min);

@@ -336,7 +336,7 @@ impl Machine {
             }
             // The centre is left of a counter-clockwise arc of less than half a turn.
             let is_left = is_clockwise == (radius < 0.0);
-            let across = half.perp().normalize() * height.max(0.0).sqrt();
+            let across = half.perp().normalize_or_zero() * height.max(0.0).sqrt();
             return Ok(from + half + if is_left { across } else { -across });
         }
         let [Some(i), Some(j)] = offset.map(|given| given.or(offset[0].or(offset[1]).map(|_| 0.0))) else {
@@ -402,7 +402,7 @@ impl Machine {
         }
         let first = places.first().map_or(0.0, |place| place.at.z);
         let is_flat = places.iter().all(|place| (place.at.z - first).abs() < LEVEL);
-        let has_height = !matches!(pen, Pen::Lowered(_)) && !(is_flat && first <= 0.0);
+        let has_height = !(matches!(pen, Pen::Lowered(_)) || is_flat && first <= 0.0);
         Trace { target: None, places, has_height }
     }
 

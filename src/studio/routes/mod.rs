@@ -26,7 +26,7 @@ pub fn read(path: &Path) -> Result<Routes, String> {
     let bytes = source::read(path, MOST_BYTES).map_err(|error| format!("{}: {error}", path.display()))?;
     let (traces, remarks) =
         decode(&bytes, is_program(path)).map_err(|error| format!("{}:{error}", path.display()))?;
-    Ok(Routes::new(path.to_owned(), traces, remarks))
+    Ok(Routes::new(path.to_owned(), &traces, remarks))
 }
 
 /// The traces of the bytes of a file, which may be called a program.

@@ -78,7 +78,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Traced, TableError> {
         };
         if !is_numbered {
             let number = match target {
-                Some(own) if own.fract() == 0.0 && own >= 1.0 && own < 1e9 => Some(own as usize - 1),
+                Some(own) if own.fract() == 0.0 && (1.0..1e9).contains(&own) => Some(own as usize - 1),
                 Some(own) => {
                     return Err(table.refusal(format!("target = {own}: must be its number, from 1")));
                 }

@@ -75,12 +75,12 @@ impl Routes {
     ///
     /// # Panics
     /// No traces, or one without places.
-    pub fn new(file: PathBuf, traces: Vec<Trace>, remarks: Vec<String>) -> Self {
+    pub fn new(file: PathBuf, traces: &[Trace], remarks: Vec<String>) -> Self {
         assert!(traces.iter().all(|trace| !trace.places.is_empty()) && !traces.is_empty(), "no places");
-        let clock = Clock::of(&traces);
+        let clock = Clock::of(traces);
         let places = traces.iter().map(|trace| trace.places.len()).max().unwrap_or(0);
         let routes: Vec<_> =
-            traces.into_iter().enumerate().map(|(index, trace)| clock.route(index, trace)).collect();
+            traces.iter().enumerate().map(|(index, trace)| clock.route(index, trace)).collect();
         let frames = frames(&routes, &clock);
         let period = clock.is_given.then_some(clock.period).filter(|period| *period > 0.0);
         Self(Loaded::new(Loading { file, routes, period, frames, places, remarks }))
@@ -219,11 +219,11 @@ impl Clock {
     }
 
     /// The route of a trace, by its index.
-    fn route(&self, index: usize, trace: Trace) -> Route {
+    fn route(&self, index: usize, trace: &Trace) -> Route {
         let mut places: Vec<_> = trace.places.iter().map(|place| place.at).collect();
         let per = if self.period > 0.0 { self.period.recip() } else { 0.0 };
         let mut parts: Vec<_> = self.times[index].iter().map(|time| time * per).collect();
-        let mut length = drawn(&trace).map(|pair| pair[0].at.distance(pair[1].at)).sum();
+        let mut length = drawn(trace).map(|pair| pair[0].at.distance(pair[1].at)).sum();
         if !trace.places.iter().skip(1).any(|place| place.jumps) {
             length += places[places.len() - 1].distance(places[0]);
             places.push(places[0]);
@@ -324,7 +324,7 @@ mod tests {
 
     #[test]
     fn places_without_times_are_visited_at_constant_speed() {
-        let routes = Routes::new(PathBuf::new(), vec![trace(&CORNERS.map(|at| (None, at)))], Vec::new());
+        let routes = Routes::new(PathBuf::new(), &[trace(&CORNERS.map(|at| (None, at)))], Vec::new());
         assert!((routes.length() - 0.12).abs() < 1e-12 && routes.period().is_none());
         for (part, x, y) in [(0.0, 0.0, 0.0), (0.125, 0.015, 0.0), (0.25, 0.03, 0.0), (0.5, 0.03, 0.03)] {
             let place = at(&routes, part);
@@ -341,7 +341,7 @@ mod tests {
     fn times_are_kept_and_frames_meet_every_sample() {
         let sampled = |i: u32| (Some(2.0 + 0.01 * f64::from(i)), DVec3::new(0.0004 * f64::from(i), 0.0, 0.1));
         let samples: Vec<_> = (0..=100).map(sampled).collect();
-        let routes = Routes::new(PathBuf::new(), vec![trace(&samples)], Vec::new());
+        let routes = Routes::new(PathBuf::new(), &[trace(&samples)], Vec::new());
         assert!((routes.period().unwrap() - 2.0).abs() < 1e-9, "there and back");
         let frames = routes.frames();
         assert_eq!(frames, 200);
@@ -350,7 +350,7 @@ mod tests {
         }
         // The middle of three places is reached after a tenth of the time there.
         let uneven = [(Some(0.0), CORNERS[0]), (Some(0.1), CORNERS[1]), (Some(1.0), CORNERS[0])];
-        let routes = Routes::new(PathBuf::new(), vec![trace(&uneven)], Vec::new());
+        let routes = Routes::new(PathBuf::new(), &[trace(&uneven)], Vec::new());
         assert_eq!(routes.period(), Some(1.0), "it closes by itself");
         assert!(at(&routes, 0.1).distance(CORNERS[1]) < 1e-12);
         assert!(at(&routes, 0.55).distance((CORNERS[0] + CORNERS[1]) / 2.0) < 1e-12);
@@ -363,7 +363,7 @@ mod tests {
             ..trace(&places.map(|at| (None, at)))
         };
         let slow = CORNERS.map(|at| at * 0.1);
-        let routes = Routes::new(PathBuf::new(), vec![own(1, CORNERS), own(0, slow)], Vec::new());
+        let routes = Routes::new(PathBuf::new(), &[own(1, CORNERS), own(0, slow)], Vec::new());
         for i in 0..24 {
             let part = f64::from(i) / 24.0;
             let [fast, slow] = [1, 0].map(|target| routes.at(part, mover(target, DVec3::ZERO)).at);
@@ -376,7 +376,7 @@ mod tests {
     fn jumps_take_no_time_and_heights_are_the_targets_if_the_file_has_none() {
         let mut path = trace(&[0.0, 0.01, 0.05, 0.06].map(|x| (None, DVec3::new(x, 0.0, 0.0))));
         (path.places[2].jumps, path.has_height) = (true, false);
-        let routes = Routes::new(PathBuf::new(), vec![path], Vec::new());
+        let routes = Routes::new(PathBuf::new(), &[path], Vec::new());
         assert!((routes.length() - 0.02).abs() < 1e-12);
         let from = DVec3::new(0.01, 0.02, 0.15);
         for (part, x) in [(0.0, 0.0), (0.499, 0.00998), (0.501, 0.05002), (0.75, 0.055)] {
@@ -389,7 +389,7 @@ mod tests {
     fn a_long_file_is_resampled_to_the_limit() {
         let sampled = |i: u32| (Some(f64::from(i)), DVec3::new(1e-5 * f64::from(i % 7), 0.0, 0.1));
         let samples: Vec<_> = (0..10_000).map(sampled).collect();
-        let routes = Routes::new(PathBuf::new(), vec![trace(&samples)], Vec::new());
+        let routes = Routes::new(PathBuf::new(), &[trace(&samples)], Vec::new());
         assert_eq!((routes.frames(), routes.places()), (MOST_FRAMES, 10_000));
     }
 }

@@ -22,7 +22,7 @@ pub fn run(bytes: &[u8]) {
         let places = || traces.iter().flat_map(|trace| &trace.places);
         assert!(places().next().is_some());
         let targets = vec![Target::new(Shape::Point { at: Default::default() }); 2];
-        let routes = Routes::new("a.csv".into(), traces, remarks);
+        let routes = Routes::new("a.csv".into(), &traces, remarks);
         let motion = Motion { path: MotionPath::File, routes, ..Motion::default() };
         let scene = Scene { targets, motion, ..Scene::default() };
         for part in (0..100).map(|n| f64::from(n) * 0.01) {
