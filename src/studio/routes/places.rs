@@ -128,10 +128,10 @@ mod tests {
             "2,0.01,0.02,0.1\r\n2.5,-0.03,0,0.12\r\n",
             "time (ms),X (cm),Y (cm),Z (cm)\n2,1,2,10\n502,-3,0,12\n",
         ] {
-            let read = places(text);
-            let [own] = &read[..] else { panic!("{text:?}") };
+            let found = places(text);
+            let [own] = &found[..] else { panic!("{text:?}") };
             assert!(own.iter().zip(wanted).all(|(a, b)| a.distance(b) < 1e-12), "{text:?}: {own:?}");
-            let (traces, _) = super::read(text.as_bytes()).unwrap();
+            let (traces, _) = read(text.as_bytes()).unwrap();
             let times: Vec<_> = traces[0].places.iter().filter_map(|place| place.time).collect();
             assert!(times.is_empty() || (times[1] - times[0] - 0.5).abs() < 1e-12, "{text:?}: {times:?}");
         }
