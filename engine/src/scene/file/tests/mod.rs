@@ -117,7 +117,7 @@ fn values_out_of_range_are_named_with_key_line_and_value() {
             4,
             "on or behind the array",
         ),
-        ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 9.6 GiB"),
+        ("[motion]\npath = \"circle\"\nframes = 1000000\n[[target]]", 4, "and 1 focus need 10.2 GiB"),
         ("[motion]\npath = \"steps\"\n[[target]]\nstep = 1", 3, "no target has `step = 0`"),
         ("[[target]]\nstep = 1", 3, "target[1].step = 1: only `path = \"steps\"`"),
         ("[[target]]\npressure = 0", 3, "0 or less is no target: leave the target out"),
