@@ -519,12 +519,12 @@ mod tests {
             (stepped([Some(0), Some(u32::MAX)], 4), "motion.path", "`step = 1`"),
             (stepped([Some(0), Some(1)], 1), "motion.frames", "2 steps"),
             (circle(1_000_000), "motion.frames", "1000000 frames of 256 elements and 2 foci need 10.3 GiB"),
-            (circle(u32::MAX), "motion.frames", "take up to 102"),
+            (circle(u32::MAX), "motion.frames", "take up to 97"),
             (scene(motion(MotionPath::Points), &at), "motion.points", "in frame 44 of 64"),
         ] {
             let error = check(&scene).unwrap_err();
             assert!(error.key() == key && error.message.contains(part), "{error}");
         }
-        check(&circle(100_000)).unwrap();
+        check(&circle(90_000)).unwrap();
     }
 }
