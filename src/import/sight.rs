@@ -39,9 +39,9 @@ const SHORTEST_SAME: f64 = 24.0;
 /// Smallest difference between colours that is seen, of 255.
 const CONTRAST: f64 = 8.0;
 
-/// The seen lines of shapes.
+/// The visible lines of shapes.
 #[derive(Clone, Debug, Default)]
-pub struct Seen {
+pub struct VisibleLines {
     pub traces: Vec<Trace>,
     /// Number of lines of which nothing is seen.
     pub hidden: usize,
@@ -60,13 +60,13 @@ pub fn pixel(bounds: Bounds) -> f64 {
 }
 
 /// The lines of the shapes, and the corners of the page if it is painted alone.
-pub fn seen(shapes: &[Shape<'_>], page: Bounds, pixel: f64, paper: Paper) -> Seen {
+pub fn seen(shapes: &[Shape<'_>], page: Bounds, pixel: f64, paper: Paper) -> VisibleLines {
     let points = shapes.iter().flat_map(|shape| {
         let lines = shape.lines.iter().flat_map(|line| &line.points);
         lines.chain(shape.area.rings.iter().flatten()).copied()
     });
-    let Some(bounds) = Bounds::of(points) else { return Seen::default() };
-    let Some(mut view) = View::new(bounds, page, pixel) else { return Seen::default() };
+    let Some(bounds) = Bounds::of(points) else { return VisibleLines::default() };
+    let Some(mut view) = View::new(bounds, page, pixel) else { return VisibleLines::default() };
     view.paint(shapes, paper);
     view.ground = view.ground();
     let seen = view.lines(shapes);
@@ -231,14 +231,14 @@ impl View {
         if share(&|colour| *colour != self.paper) > 0.95 { Ground::Any } else { Ground::Paper }
     }
 
-    fn lines(&self, shapes: &[Shape<'_>]) -> Seen {
+    fn lines(&self, shapes: &[Shape<'_>]) -> VisibleLines {
         let lines = || shapes.iter().flat_map(|shape| &shape.lines);
         let length: f64 = lines().map(Line::length).sum::<f64>() / self.pixel;
         let step = STEP.max(length / MOST_PLACES) * self.pixel;
         let widest = shapes.iter().filter(|shape| self.is_broad(shape)).filter_map(|shape| shape.stroke);
         let widest = widest.map(|stroke| stroke.width).fold(0.0, f64::max);
         let mut taken = Taken::new(self, FINER as f64 * step);
-        let mut seen = Seen::default();
+        let mut seen = VisibleLines::default();
         // What is painted last comes first: coincident lines of shapes below are left to it.
         let mut number = 0;
         for (i, shape) in shapes.iter().enumerate().rev() {

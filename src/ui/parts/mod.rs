@@ -43,111 +43,48 @@ pub use feeling::FeltFigures;
 pub use radiation::RadiationFigures;
 pub use survey::Extremes;
 
-/// All parts.
-#[derive(Debug, Default)]
-pub struct Parts {
-    pub arrows: Derived<Arrows>,
-    pub beam: Derived<Beam>,
-    pub bound: Derived<Bound>,
-    pub course: Derived<TimeCourse>,
-    pub demodulation: Derived<Demodulation>,
-    pub feeling: Derived<Feeling>,
-    pub flight: Derived<Release>,
-    pub harmonic: Derived<Harmonic>,
-    pub levitation: Derived<Levitation>,
-    pub measuring: Measuring,
-    pub radiation: Derived<Radiation>,
-    pub ranges: Derived<FigureRanges>,
-    pub response: Derived<Response>,
-    pub survey: Derived<Survey>,
-    pub trade: Derived<Trade>,
-    pub waves: Derived<Waves>,
-    pub ways: Derived<Ways>,
+/// The struct of all parts, and lists of them.
+macro_rules! parts {
+    ($($name:ident: $part:ty,)*) => {
+        /// All parts.
+        #[derive(Debug, Default)]
+        pub struct Parts {
+            $(pub $name: $part,)*
+        }
+
+        impl Parts {
+            fn all(&self) -> [&dyn Background; [$(stringify!($name)),*].len()] {
+                [$(&self.$name),*]
+            }
+
+            fn all_mut(&mut self) -> [&mut dyn Background; [$(stringify!($name)),*].len()] {
+                [$(&mut self.$name),*]
+            }
+        }
+    };
+}
+
+parts! {
+    arrows: Derived<Arrows>,
+    beam: Derived<Beam>,
+    bound: Derived<Bound>,
+    course: Derived<TimeCourse>,
+    demodulation: Derived<Demodulation>,
+    feeling: Derived<Feeling>,
+    flight: Derived<Release>,
+    harmonic: Derived<Harmonic>,
+    levitation: Derived<Levitation>,
+    measuring: Measuring,
+    radiation: Derived<Radiation>,
+    ranges: Derived<FigureRanges>,
+    response: Derived<Response>,
+    survey: Derived<Survey>,
+    trade: Derived<Trade>,
+    waves: Derived<Waves>,
+    ways: Derived<Ways>,
 }
 
 impl Parts {
-    fn all(&self) -> [&dyn Background; 17] {
-        let Self {
-            arrows,
-            beam,
-            bound,
-            course,
-            demodulation,
-            feeling,
-            flight,
-            harmonic,
-            levitation,
-            measuring,
-            radiation,
-            ranges,
-            response,
-            survey,
-            trade,
-            waves,
-            ways,
-        } = self;
-        [
-            arrows,
-            beam,
-            bound,
-            course,
-            demodulation,
-            feeling,
-            flight,
-            harmonic,
-            levitation,
-            measuring,
-            radiation,
-            ranges,
-            response,
-            survey,
-            trade,
-            waves,
-            ways,
-        ]
-    }
-
-    fn all_mut(&mut self) -> [&mut dyn Background; 17] {
-        let Self {
-            arrows,
-            beam,
-            bound,
-            course,
-            demodulation,
-            feeling,
-            flight,
-            harmonic,
-            levitation,
-            measuring,
-            radiation,
-            ranges,
-            response,
-            survey,
-            trade,
-            waves,
-            ways,
-        } = self;
-        [
-            arrows,
-            beam,
-            bound,
-            course,
-            demodulation,
-            feeling,
-            flight,
-            harmonic,
-            levitation,
-            measuring,
-            radiation,
-            ranges,
-            response,
-            survey,
-            trade,
-            waves,
-            ways,
-        ]
-    }
-
     /// Resets the settings that belong to a scene: what is shown for it, and its places and times.
     pub fn forget_scene(&mut self) {
         self.arrows.form = Arrows::default();
