@@ -18,6 +18,8 @@ pub mod memory;
 mod requirement;
 #[doc(hidden)]
 pub mod rounding;
+#[doc(hidden)]
+pub mod scatter;
 pub mod scene;
 #[cfg(target_arch = "wasm32")]
 #[doc(hidden)]

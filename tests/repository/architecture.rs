@@ -16,6 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("rounding", &[]),
     ("simd", &[]),
     ("acoustics", &["glam", "libm", "num_complex", "rayon", "sonoglyph_fourier"]),
+    ("scatter", &["glam", "num_complex", "rayon", "thiserror"]),
     ("drive", &["glam", "num_complex"]),
     ("force", &["glam", "num_complex", "rayon"]),
     ("surface", &["num_complex", "rayon", "sonoglyph_fourier"]),
