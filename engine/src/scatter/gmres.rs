@@ -43,11 +43,8 @@ pub(super) fn solve(
         Some(starts) => starts.to_vec(),
         None => rights.iter().map(zeros).collect(),
     };
-    let begun = if starts.iter().flatten().any(|x| *x != Complex64::ZERO) {
-        apply(&starts)
-    } else {
-        starts.clone()
-    };
+    let begun =
+        if starts.iter().flatten().any(|x| *x != Complex64::ZERO) { apply(&starts) } else { starts.clone() };
     let begin = |((b, ax), start): ((&Vec<Complex64>, &Vec<Complex64>), &Vec<Complex64>)| {
         let mut rest: Vec<_> = b.iter().zip(ax).map(|(b, ax)| b - ax).collect();
         let (size, scale) = (norm(&rest), norm(b));
@@ -80,7 +77,11 @@ pub(super) fn solve(
     let prepared = prepare(&combined);
     let outcome = |(system, correction): (&System, Vec<Complex64>)| Outcome {
         values: system.start.iter().zip(correction).map(|(x, c)| x + c).collect(),
-        residual: if system.scale > 0.0 { system.sides[system.columns.len()].norm() / system.scale } else { 0.0 },
+        residual: if system.scale > 0.0 {
+            system.sides[system.columns.len()].norm() / system.scale
+        } else {
+            0.0
+        },
         steps: system.columns.len(),
     };
     systems.iter().zip(prepared).map(outcome).collect()
@@ -169,7 +170,9 @@ mod tests {
             vectors.iter().map(of).collect::<Vec<_>>()
         };
         let wanted: Vec<Vec<_>> = [5, 9]
-            .map(|seed| (0..count).map(|i| Complex64::new(unit(i * seed + 1, 0.57), unit(i + seed, 0.31))).collect())
+            .map(|seed| {
+                (0..count).map(|i| Complex64::new(unit(i * seed + 1, 0.57), unit(i + seed, 0.31))).collect()
+            })
             .to_vec();
         let rights = apply(&wanted);
         let third = |vectors: &[Vec<Complex64>]| {

@@ -101,7 +101,8 @@ impl Table {
     }
 
     fn row(&self, row: usize) -> [&[f32]; 2] {
-        let (re, im) = self.values[2 * row * self.columns..2 * (row + 1) * self.columns].split_at(self.columns);
+        let (re, im) =
+            self.values[2 * row * self.columns..2 * (row + 1) * self.columns].split_at(self.columns);
         [re, im]
     }
 
@@ -226,8 +227,10 @@ impl Hierarchy {
 
     /// A x or Aᵀ x for several x.
     pub fn times(&self, vectors: &[Vec<Complex64>], is_transposed: bool) -> Vec<Vec<Complex64>> {
-        let short: Vec<Vec<_>> =
-            vectors.iter().map(|x| x.iter().map(|x| Complex32::new(x.re as f32, x.im as f32)).collect()).collect();
+        let short: Vec<Vec<_>> = vectors
+            .iter()
+            .map(|x| x.iter().map(|x| Complex32::new(x.re as f32, x.im as f32)).collect())
+            .collect();
         let sides = |block: &Block| match is_transposed {
             false => (block.rows.clone(), block.columns.clone()),
             true => (block.columns.clone(), block.rows.clone()),
@@ -361,8 +364,12 @@ impl<'a> Source<'a> {
 
     fn whole(&self, (a, b): (usize, usize)) -> Table {
         let (own, panel) = (&self.panels[a], &self.panels[b]);
-        let singles: Vec<_> =
-            own.triangles.iter().zip(&own.corners).map(|(&t, corners)| (&self.ones[t as usize], *corners)).collect();
+        let singles: Vec<_> = own
+            .triangles
+            .iter()
+            .zip(&own.corners)
+            .map(|(&t, corners)| (&self.ones[t as usize], *corners))
+            .collect();
         let count = own.nodes * panel.nodes;
         let (mut re, mut im) = (vec![0.0; count], vec![0.0; count]);
         pairs::add(self.wall, &singles, (panel, Many::Trial), [&mut re, &mut im]);
@@ -411,8 +418,7 @@ impl<'a> Source<'a> {
                 let (u2, v2) = (square(&u), square(&v));
                 size = u2 * v2;
                 // The square of the sum's norm grows by this cross and its products with the earlier ones.
-                let product =
-                    |(eu, ev): (&[Vec<f32>; 2], &[Vec<f32>; 2])| (inner(eu, &u) * inner(ev, &v)).re;
+                let product = |(eu, ev): (&[Vec<f32>; 2], &[Vec<f32>; 2])| (inner(eu, &u) * inner(ev, &v)).re;
                 total += size + 2.0 * us.iter().zip(&vs).map(product).sum::<f32>();
                 us.push(u);
                 vs.push(v);

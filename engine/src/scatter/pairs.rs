@@ -35,14 +35,20 @@ pub(super) struct Panel {
 
 impl Panel {
     /// Those of a cluster, with places relative to a point near all of them (m).
-    pub fn new(facets: &[Facet], (triangles, corners): (Vec<u32>, Vec<[u32; 3]>), nodes: usize, origin: DVec3) -> Self {
+    pub fn new(
+        facets: &[Facet],
+        (triangles, corners): (Vec<u32>, Vec<[u32; 3]>),
+        nodes: usize,
+        origin: DVec3,
+    ) -> Self {
         let room = triangles.len().next_multiple_of(LANES);
         // Beyond the last one is a copy of it without weight.
         let index = |i: usize| triangles[i.min(triangles.len() - 1)] as usize;
         let values = |value: &dyn Fn(&Facet) -> f64| {
             (0..room).map(|i| value(&facets[index(i)]) as f32).collect::<Vec<_>>()
         };
-        let axes = |value: &dyn Fn(&Facet) -> DVec3| [0, 1, 2].map(|axis| values(&|facet| value(facet)[axis]));
+        let axes =
+            |value: &dyn Fn(&Facet) -> DVec3| [0, 1, 2].map(|axis| values(&|facet| value(facet)[axis]));
         let mut weights = values(&|facet| facet.area / 3.0);
         weights[triangles.len()..].fill(0.0);
         Self {
@@ -144,7 +150,8 @@ impl Kernel for Rows<'_> {
                     }
                 }
             }
-            let corners = &panel.corners[start.min(panel.corners.len())..(start + RUN).min(panel.corners.len())];
+            let corners =
+                &panel.corners[start.min(panel.corners.len())..(start + RUN).min(panel.corners.len())];
             for row in 0..count {
                 let first = row * panel.nodes;
                 let (re, im) =
@@ -175,8 +182,7 @@ fn each(value: impl Fn(usize) -> f32) -> Lanes {
 }
 
 /// sin πf / f and cos πf in f², for |f| ≤ 1/2: Taylor, 6e-8 off.
-const SINE: [f32; 6] =
-    [3.141_592_7, -5.167_712_8, 2.550_164, -0.599_264_5, 0.082_145_885, -0.007_370_431];
+const SINE: [f32; 6] = [3.141_592_7, -5.167_712_8, 2.550_164, -0.599_264_5, 0.082_145_885, -0.007_370_431];
 const COSINE: [f32; 7] =
     [1.0, -4.934_802, 4.058_712, -1.335_262_8, 0.235_330_63, -0.025_806_892, 0.001_929_574_3];
 /// Adding and taking away this rounds an f32 of less than 2²² to the nearest whole number.
@@ -205,15 +211,21 @@ pub(super) fn wave<I: Instructions>(half_turns_per_metre: f32, r2: &Lanes) -> [L
 
 /// The entries between one triangle's corners and those of a run of lanes, real and imaginary parts.
 #[inline(always)]
-fn block_of<I: Instructions>(wall: &Wall, one: &One, panel: &Panel, at: usize, many: Many) -> [[[Lanes; 2]; 3]; 3] {
-    let run = |values: &[f32]| -> Lanes { *values[at..].first_chunk().expect("panels are padded to whole runs") };
+fn block_of<I: Instructions>(
+    wall: &Wall,
+    one: &One,
+    panel: &Panel,
+    at: usize,
+    many: Many,
+) -> [[[Lanes; 2]; 3]; 3] {
+    let run =
+        |values: &[f32]| -> Lanes { *values[at..].first_chunk().expect("panels are padded to whole runs") };
     let (k, beta) = (wall.wavenumber as f32, wall.admittance as f32);
     let per_metre = (wall.wavenumber / std::f64::consts::PI) as f32;
     let n = [run(&panel.normals[0]), run(&panel.normals[1]), run(&panel.normals[2])];
     let own = one.normal;
-    let even = each(|l| {
-        k * (beta + fused::<I>(own[0], n[0][l], fused::<I>(own[1], n[1][l], own[2] * n[2][l])))
-    });
+    let even =
+        each(|l| k * (beta + fused::<I>(own[0], n[0][l], fused::<I>(own[1], n[1][l], own[2] * n[2][l]))));
     let (of_many, of_one) = match many {
         Many::Trial => (-1.0, -beta),
         Many::Test => (beta, 1.0),
@@ -233,10 +245,12 @@ fn block_of<I: Instructions>(wall: &Wall, one: &One, panel: &Panel, at: usize, m
             let y = [run(&place[0]), run(&place[1]), run(&place[2])];
             let (dx, dy, dz) = (each(|l| y[0][l] - x[0]), each(|l| y[1][l] - x[1]), each(|l| y[2][l] - x[2]));
             // A triangle with itself has no weight; its distance must not be 0.
-            let r2 = each(|l| fused::<I>(dx[l], dx[l], fused::<I>(dy[l], dy[l], fused::<I>(dz[l], dz[l], 1e-16))));
+            let r2 =
+                each(|l| fused::<I>(dx[l], dx[l], fused::<I>(dy[l], dy[l], fused::<I>(dz[l], dz[l], 1e-16))));
             let [c, s, inverse, r] = wave::<I>(per_metre, &r2);
             let along = each(|l| {
-                fused::<I>(dx[l], m[0][l], fused::<I>(dy[l], m[1][l], dz[l] * m[2][l])) * (inverse[l] * inverse[l])
+                fused::<I>(dx[l], m[0][l], fused::<I>(dy[l], m[1][l], dz[l] * m[2][l]))
+                    * (inverse[l] * inverse[l])
             });
             let kr = each(|l| k * r[l]);
             let re = each(|l| fused::<I>(even[l], s[l], -along[l] * fused::<I>(kr[l], s[l], c[l])));
@@ -258,17 +272,22 @@ fn block_of<I: Instructions>(wall: &Wall, one: &One, panel: &Panel, at: usize, m
     for corner in 0..3 {
         let curl = [run(&panel.curls[corner][0]), run(&panel.curls[corner][1]), run(&panel.curls[corner][2])];
         let total = [0, 1].map(|part: usize| {
-            each(|l| (sums[0][corner][part][l] + sums[1][corner][part][l] + sums[2][corner][part][l]) * (1.0 / 6.0))
+            each(|l| {
+                (sums[0][corner][part][l] + sums[1][corner][part][l] + sums[2][corner][part][l]) * (1.0 / 6.0)
+            })
         });
         for row in 0..3 {
             let own = one.curls[row].map(|c| c / k);
-            let curls = each(|l| {
-                fused::<I>(own[0], curl[0][l], fused::<I>(own[1], curl[1][l], own[2] * curl[2][l]))
-            });
+            let curls =
+                each(|l| fused::<I>(own[0], curl[0][l], fused::<I>(own[1], curl[1][l], own[2] * curl[2][l])));
             let sum = &sums[row][corner];
             entries[row][corner] = [
-                each(|l| weight[l] * fused::<I>(curls[l], single[1][l], fused::<I>(0.5, sum[0][l], total[0][l]))),
-                each(|l| weight[l] * fused::<I>(-curls[l], single[0][l], fused::<I>(0.5, sum[1][l], total[1][l]))),
+                each(|l| {
+                    weight[l] * fused::<I>(curls[l], single[1][l], fused::<I>(0.5, sum[0][l], total[0][l]))
+                }),
+                each(|l| {
+                    weight[l] * fused::<I>(-curls[l], single[0][l], fused::<I>(0.5, sum[1][l], total[1][l]))
+                }),
             ];
         }
     }
@@ -293,10 +312,8 @@ mod tests {
         let all: Vec<u32> = (0..facets.len() as u32).collect();
         let panel = Panel::new(&facets, (all, mesh.triangles.clone()), count, origin);
         let ones = One::all(&facets, origin);
-        for wall in [
-            Wall { wavenumber: 700.0, admittance: 0.0 },
-            Wall { wavenumber: 700.0, admittance: 0.4 },
-        ] {
+        for wall in [Wall { wavenumber: 700.0, admittance: 0.0 }, Wall { wavenumber: 700.0, admittance: 0.4 }]
+        {
             let mut expected = vec![num_complex::Complex64::ZERO; count * count];
             for (a, first) in facets.iter().enumerate() {
                 for second in &facets[..a] {

@@ -1,0 +1,284 @@
+//! Boundary elements: the pressure on any body, and what it scatters.
+//!
+//! With G = e^{-jkR}/(4πR), n outwards and ∂p/∂n = jkβ p on the surface (β = 0: rigid), the sound outside is
+//!
+//! p = p_in + ∫ p (∂G/∂n_y - jkβ G) dS.
+//!
+//! On the surface this and its normal slope are two equations, each without unique solution at the wavenumbers at which
+//! the inside resonates. Their sum with the factor α = -j/k has one at all (A. J. Burton, G. F. Miller, Proc. R. Soc.
+//! Lond. A 323, 201, 1971): with the layers K p = ∫ p ∂G/∂n_y, its twin K', V p = ∫ p G and the hypersingular -W,
+//!
+//! ((1 + β)/2 - K + jkβ V + β K' + α W) p = p_in + α ∂p_in/∂n.
+//!
+//! Pressures are linear on every flat triangle, and the equation holds in the mean with each node's linear function
+//! (Galerkin), which lets Maue's formula turn W into integrable kernels and makes scattered pressures converge by the
+//! square of the edge and faster. Those of sharp edges need no normal at nodes.
+//!
+//! The nodes' values are those of a best fit, and therefore larger than the pressure p by -(σ²/2) Δp, σ² the variance of
+//! a node's function: means of neighbours by the mass matrix show twice that difference, and [`Boundary::surface`] takes
+//! half of it away.
+//!
+//! The matrix in f32 has three parts: blocks by one rule for all pairs ([`crate::scatter::hierarchy`]), corrections of
+//! near pairs, and the mass. Generalised minimal residuals solve with it, prepared by the inverses of the blocks on the
+//! diagonal. It belongs to shape, admittance and wavenumber: a body that moves keeps it.
+
+use glam::DVec3;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::scatter::facets::{Facet, THREE, Wall};
+use crate::scatter::gmres::{self, Outcome};
+use crate::scatter::hierarchy::{Hierarchy, Tree};
+use crate::scatter::mesh::Mesh;
+use crate::scatter::near::Near;
+use crate::scatter::radiation::Radiation;
+use crate::scatter::sphere::Sound;
+
+/// Residual at which solving ends, relative to the right side.
+pub const TOLERANCE: f64 = 1e-5;
+/// Most steps of an iteration.
+const MOST_STEPS: usize = 200;
+/// Cosine between normals of triangles around a node up to which the surface is smooth there.
+const SMOOTH: f64 = 0.8;
+
+/// A body's surface at one wavenumber, ready to be solved for any incident sound.
+#[derive(Clone, Debug)]
+pub struct Boundary {
+    wall: Wall,
+    mesh: Mesh,
+    facets: Vec<Facet>,
+    /// Vertices in the sequence of the matrix.
+    order: Vec<u32>,
+    matrix: Hierarchy,
+    near: Near,
+    /// Inverses of the blocks on the diagonal, row by row, with their first node.
+    inverses: Vec<(usize, Vec<Complex64>)>,
+}
+
+impl Boundary {
+    /// The surface of a body with a pressure reflection, above -1 and up to 1, for a wavenumber (rad/m).
+    pub fn new(mesh: &Mesh, coefficient: f64, wavenumber: f64) -> Self {
+        let wall = Wall { wavenumber, admittance: (1.0 - coefficient) / (1.0 + coefficient) };
+        let facets = Facet::all(mesh);
+        let tree = Tree::new(&mesh.vertices);
+        let mut places = vec![0; tree.order.len()];
+        tree.order.iter().zip(0..).for_each(|(&node, place)| places[node as usize] = place);
+        let matrix = Hierarchy::new(&wall, &facets, &tree);
+        let near = Near::new(&wall, &facets, &places, (1.0 + wall.admittance) / 2.0);
+        let inverse = |leaf: std::ops::Range<usize>| {
+            let mut block = matrix.own(&leaf);
+            for row in leaf.clone() {
+                for (column, value) in near.row(row).filter(|(column, _)| leaf.contains(column)) {
+                    block[(row - leaf.start) * leaf.len() + column - leaf.start] += value;
+                }
+            }
+            (leaf.start, inverted(block, leaf.len()))
+        };
+        let leaves: Vec<_> = tree.leaves().collect();
+        let inverses = leaves.into_par_iter().map(inverse).collect();
+        Self { wall, mesh: mesh.clone(), facets, order: tree.order, matrix, near, inverses }
+    }
+
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Bytes of the matrix.
+    pub fn size(&self) -> usize {
+        let inverses = self.inverses.iter().map(|(_, values)| values.len() * 16).sum::<usize>();
+        self.matrix.size() + self.near.size() + inverses
+    }
+
+    /// The points (m) at which [`Self::right_side`] takes incident sound, with the surface's normals there.
+    pub fn points(&self) -> (Vec<DVec3>, Vec<DVec3>) {
+        let of = |facet: &Facet| facet.points().map(|at| (at, facet.normal));
+        self.facets.iter().flat_map(of).unzip()
+    }
+
+    /// The right side for incident sound with these pressures (Pa) and slopes along the normals (Pa/m) at
+    /// [`Self::points`].
+    ///
+    /// # Panics
+    /// Other than a value per point.
+    pub fn right_side(&self, pressures: &[Complex64], slopes: &[Complex64]) -> Vec<Complex64> {
+        assert_eq!((pressures.len(), slopes.len()), (3 * self.facets.len(), 3 * self.facets.len()));
+        let alpha = self.alpha();
+        let mut right = vec![Complex64::ZERO; self.mesh.vertices.len()];
+        for (index, facet) in self.facets.iter().enumerate() {
+            for (point, weights) in THREE.iter().enumerate() {
+                let both = pressures[3 * index + point] + alpha * slopes[3 * index + point];
+                for (node, weight) in facet.nodes.iter().zip(weights) {
+                    right[*node as usize] += both * (weight * facet.area / 3.0);
+                }
+            }
+        }
+        right
+    }
+
+    /// The weights of pressures and of slopes at [`Self::points`] in Σ q b, b their right side and q a value per node.
+    pub fn right_side_weights(&self, values: &[Complex64]) -> (Vec<Complex64>, Vec<Complex64>) {
+        let alpha = self.alpha();
+        let of = |facet: &Facet| {
+            let q = facet.nodes.map(|node| values[node as usize]);
+            let area = facet.area / 3.0;
+            THREE.map(|w| (q[0] * w[0] + q[1] * w[1] + q[2] * w[2]) * area)
+        };
+        let pressures: Vec<_> = self.facets.iter().flat_map(of).collect();
+        let slopes = pressures.iter().map(|weight| weight * alpha).collect();
+        (pressures, slopes)
+    }
+
+    /// Pressures at the nodes for right sides, to a residual ([`TOLERANCE`]), from earlier pressures if there are any.
+    pub fn solve(
+        &self,
+        rights: &[Vec<Complex64>],
+        starts: Option<&[Vec<Complex64>]>,
+        tolerance: f64,
+    ) -> Vec<Outcome> {
+        self.solve_by(rights, starts, tolerance, false)
+    }
+
+    /// Solutions q of Aᵀ q = d. With d of [`Self::weights`] at a point, Σ q b is the scattered pressure there of any
+    /// right side b.
+    pub fn solve_transposed(
+        &self,
+        rights: &[Vec<Complex64>],
+        starts: Option<&[Vec<Complex64>]>,
+        tolerance: f64,
+    ) -> Vec<Outcome> {
+        self.solve_by(rights, starts, tolerance, true)
+    }
+
+    /// A x, or Aᵀ x, a value per node.
+    pub fn times(&self, vectors: &[Vec<Complex64>], is_transposed: bool) -> Vec<Vec<Complex64>> {
+        let products = self.product(&self.sorted(vectors), is_transposed);
+        products.iter().map(|product| self.unsorted(product)).collect()
+    }
+
+    /// Scattered pressures (Pa) of nodes' pressures at points (m) outside, in f32.
+    pub fn scattered(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {
+        Radiation::new(self.wall, &self.facets, nodal).pressures(points)
+    }
+
+    /// Scattered sound of nodes' pressures at points (m) outside, in f64.
+    pub fn sound(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
+        let radiation = Radiation::new(self.wall, &self.facets, nodal);
+        points.par_iter().map(|at| radiation.sound(*at)).collect()
+    }
+
+    /// The weights of the nodes' pressures in the scattered pressure at a point (m) outside.
+    pub fn weights(&self, at: DVec3) -> Vec<Complex64> {
+        Radiation::weights(self.wall, &self.facets, self.mesh.vertices.len(), at)
+    }
+
+    /// The pressures (Pa) on the surface at the vertices, from the nodes' values of a solution.
+    pub fn surface(&self, nodal: &[Complex64]) -> Vec<Complex64> {
+        let (mut means, mut areas) = (vec![Complex64::ZERO; nodal.len()], vec![0.0; nodal.len()]);
+        let mut normals = vec![DVec3::ZERO; nodal.len()];
+        for facet in &self.facets {
+            let total: Complex64 = facet.nodes.iter().map(|node| nodal[*node as usize]).sum();
+            for &node in &facet.nodes {
+                let node = node as usize;
+                means[node] += (total + nodal[node]) * (facet.area / 4.0);
+                areas[node] += facet.area;
+                normals[node] += facet.normal * facet.area;
+            }
+        }
+        let mut is_smooth = vec![true; nodal.len()];
+        for facet in &self.facets {
+            for &node in &facet.nodes {
+                let node = node as usize;
+                is_smooth[node] &= normals[node].normalize_or_zero().dot(facet.normal) > SMOOTH;
+            }
+        }
+        let corrected = |node: usize| match is_smooth[node] {
+            true => (nodal[node] + means[node] / areas[node]) / 2.0,
+            false => nodal[node],
+        };
+        (0..nodal.len()).map(corrected).collect()
+    }
+
+    fn alpha(&self) -> Complex64 {
+        Complex64::new(0.0, -1.0 / self.wall.wavenumber)
+    }
+
+    fn solve_by(
+        &self,
+        rights: &[Vec<Complex64>],
+        starts: Option<&[Vec<Complex64>]>,
+        tolerance: f64,
+        is_transposed: bool,
+    ) -> Vec<Outcome> {
+        let starts = starts.map(|starts| self.sorted(starts));
+        let solved = gmres::solve(
+            &self.sorted(rights),
+            starts.as_deref(),
+            (tolerance, MOST_STEPS),
+            |x| self.product(x, is_transposed),
+            |x| self.prepared(x, is_transposed),
+        );
+        let unsorted = |outcome: Outcome| Outcome { values: self.unsorted(&outcome.values), ..outcome };
+        solved.into_iter().map(unsorted).collect()
+    }
+
+    fn sorted(&self, vectors: &[Vec<Complex64>]) -> Vec<Vec<Complex64>> {
+        vectors.iter().map(|x| self.order.iter().map(|&node| x[node as usize]).collect()).collect()
+    }
+
+    fn unsorted(&self, values: &[Complex64]) -> Vec<Complex64> {
+        let mut all = vec![Complex64::ZERO; values.len()];
+        self.order.iter().zip(values).for_each(|(&node, value)| all[node as usize] = *value);
+        all
+    }
+
+    fn product(&self, vectors: &[Vec<Complex64>], is_transposed: bool) -> Vec<Vec<Complex64>> {
+        let mut sums = self.matrix.times(vectors, is_transposed);
+        sums.par_iter_mut().zip(vectors).for_each(|(sum, x)| self.near.add(x, is_transposed, sum));
+        sums
+    }
+
+    /// The rough inverse.
+    fn prepared(&self, vectors: &[Vec<Complex64>], is_transposed: bool) -> Vec<Vec<Complex64>> {
+        let of = |x: &Vec<Complex64>| {
+            let mut all = Vec::with_capacity(x.len());
+            for (first, inverse) in &self.inverses {
+                let count = inverse.len().isqrt();
+                let own = &x[*first..first + count];
+                let entry =
+                    |i: usize, j: usize| inverse[if is_transposed { j * count + i } else { i * count + j }];
+                all.extend((0..count).map(|i| (0..count).map(|j| entry(i, j) * own[j]).sum::<Complex64>()));
+            }
+            all
+        };
+        vectors.par_iter().map(of).collect()
+    }
+}
+
+/// The inverse of a matrix, row by row, by elimination with the largest pivots.
+fn inverted(mut a: Vec<Complex64>, count: usize) -> Vec<Complex64> {
+    let mut inverse = vec![Complex64::ZERO; count * count];
+    (0..count).for_each(|i| inverse[i * count + i] = Complex64::ONE);
+    for column in 0..count {
+        let pivot = (column..count).fold(column, |best, row| {
+            if a[row * count + column].norm_sqr() > a[best * count + column].norm_sqr() { row } else { best }
+        });
+        for j in 0..count {
+            a.swap(column * count + j, pivot * count + j);
+            inverse.swap(column * count + j, pivot * count + j);
+        }
+        let scale = Complex64::ONE / a[column * count + column];
+        for j in 0..count {
+            a[column * count + j] *= scale;
+            inverse[column * count + j] *= scale;
+        }
+        for row in (0..count).filter(|row| *row != column) {
+            let factor = a[row * count + column];
+            for j in 0..count {
+                let (own, other) = (a[column * count + j], inverse[column * count + j]);
+                a[row * count + j] -= factor * own;
+                inverse[row * count + j] -= factor * other;
+            }
+        }
+    }
+    inverse
+}
