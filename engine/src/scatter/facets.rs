@@ -1,4 +1,4 @@
-//! Triangles with linear functions: places of quadrature, and the integrals of the layers over near pairs, in f64.
+//! Triangles with linear functions: places of quadrature, and the integrals of the layers over near pairs.
 //!
 //! For test functions φᵢ and trial functions φⱼ the operator of [`crate::scatter::boundary`] needs, over pairs of
 //! triangles S and T with x on S, y on T and G = e^{-jkR}/(4πR),
@@ -10,6 +10,7 @@
 //! edge or a vertex, the transformations of S. A. Sauter and C. Schwab (Boundary Element Methods, 2011, 5.2) leave
 //! analytic integrands on the unit cube of four dimensions; pairs beside each other take a finer product rule.
 
+use std::f64::consts::PI;
 use std::sync::OnceLock;
 
 use glam::DVec3;
@@ -17,6 +18,8 @@ use num_complex::Complex64;
 
 use crate::acoustics::gauss_legendre;
 use crate::scatter::mesh::{Mesh, area_vector};
+use crate::scatter::waves::{LANES, each, wave};
+use crate::simd::{Instructions, Isa, Kernel, fused};
 
 /// Nodes of Gauss's rule in each dimension of the singular integrals: 1e-4 of their largest.
 const SINGULAR_NODES: usize = 3;
@@ -104,6 +107,9 @@ pub(super) const SIX: [([f64; 3], f64); 6] = {
 /// A node of a rule for pairs: barycentric coordinates in both triangles, and the weight relative to both areas.
 type PairNode = ([f64; 3], [f64; 3], f64);
 
+/// Nodes in runs of lanes: both triples of coordinates, and the weight, 0 beyond the last.
+type PairRun = ([[f32; LANES]; 3], [[f32; LANES]; 3], [f32; LANES]);
+
 /// Entries of a pair of triangles: rows are the test functions.
 pub(super) type Entries = [[Complex64; 3]; 3];
 
@@ -148,55 +154,120 @@ fn integral(
     wall: &Wall,
     (first, a): (&Facet, [usize; 3]),
     (second, b): (&Facet, [usize; 3]),
-    rule: &[PairNode],
+    rule: &[PairRun],
 ) -> [Entries; 2] {
-    let (k, beta) = (wall.wavenumber, wall.admittance);
-    let turn = |f: &Facet, order: [usize; 3]| order.map(|i| f.corners[i]);
-    let (p, q) = (turn(first, a), turn(second, b));
-    let normals = first.normal.dot(second.normal);
-    let even = Complex64::new(0.0, k * (beta + normals));
-    let (mut forth, mut back) = ([[Complex64::ZERO; 3]; 3], [[Complex64::ZERO; 3]; 3]);
-    let mut single = Complex64::ZERO;
-    for (u, v, weight) in rule {
-        let x = p[0] * u[0] + p[1] * u[1] + p[2] * u[2];
-        let y = q[0] * v[0] + q[1] * v[1] + q[2] * v[2];
-        let d = y - x;
-        let r = d.length();
-        let g = Complex64::cis(-k * r) * (weight / r);
-        // G'/R
-        let slope = -g * Complex64::new(1.0, k * r) / (r * r);
-        let (of_first, of_second) = (first.normal.dot(d), second.normal.dot(d));
-        let to = even * g - slope * (of_second + beta * of_first);
-        let fro = even * g + slope * (of_first + beta * of_second);
-        single += g;
-        for i in 0..3 {
-            for j in 0..3 {
-                let both = u[i] * v[j];
-                forth[a[i]][b[j]] += to * both;
-                back[b[j]][a[i]] += fro * both;
-            }
-        }
-    }
-    let scale = first.area * second.area / (4.0 * std::f64::consts::PI);
-    let single = single * Complex64::new(0.0, -1.0 / k);
+    // Places relative to the first triangle keep their digits.
+    let turn =
+        |f: &Facet, order: [usize; 3]| order.map(|i| (f.corners[i] - first.centroid).as_vec3().to_array());
+    let normals = [first, second].map(|facet| facet.normal.as_vec3().to_array());
+    let (forth, back, single) =
+        Isa::best().run(Integral { wall, corners: [turn(first, a), turn(second, b)], normals, rule });
+    let scale = first.area * second.area / (4.0 * PI);
+    let single = single * Complex64::new(0.0, -1.0 / wall.wavenumber);
+    let mut entries = [[[Complex64::ZERO; 3]; 3]; 2];
     for i in 0..3 {
         for j in 0..3 {
-            let turning = first.curls[i].dot(second.curls[j]) * single;
-            forth[i][j] = (forth[i][j] + turning) * scale;
-            back[j][i] = (back[j][i] + turning) * scale;
+            let turning = first.curls[a[i]].dot(second.curls[b[j]]) * single;
+            entries[0][a[i]][b[j]] = (forth[i][j] + turning) * scale;
+            entries[1][b[j]][a[i]] = (back[i][j] + turning) * scale;
         }
     }
-    [forth, back]
+    entries
+}
+
+/// The sums of a rule, for both ways, and of G alone; rows belong to the first triangle.
+struct Integral<'a> {
+    wall: &'a Wall,
+    /// m
+    corners: [[[f32; 3]; 3]; 2],
+    normals: [[f32; 3]; 2],
+    rule: &'a [PairRun],
+}
+
+impl Kernel for Integral<'_> {
+    type Output = (Entries, Entries, Complex64);
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) -> Self::Output {
+        let Self { wall, corners: [p, q], normals: [m, n], rule } = self;
+        let (k, beta) = (wall.wavenumber as f32, wall.admittance as f32);
+        let per_metre = (wall.wavenumber / PI) as f32;
+        let even = k * (beta + m[0] * n[0] + m[1] * n[1] + m[2] * n[2]);
+        let mut sums = [[[[[0f32; LANES]; 2]; 3]; 3]; 2];
+        let mut single = [[0f32; LANES]; 2];
+        for (u, v, weights) in rule {
+            // Loops, since closures within closures are not compiled for the instruction set.
+            let mut d = [[0f32; LANES]; 3];
+            for axis in 0..3 {
+                let (p, q) = ([p[0][axis], p[1][axis], p[2][axis]], [q[0][axis], q[1][axis], q[2][axis]]);
+                let y = each(|l| fused::<I>(q[0], v[0][l], fused::<I>(q[1], v[1][l], q[2] * v[2][l])));
+                let x = each(|l| fused::<I>(p[0], u[0][l], fused::<I>(p[1], u[1][l], p[2] * u[2][l])));
+                d[axis] = each(|l| y[l] - x[l]);
+            }
+            let r2 = each(|l| {
+                fused::<I>(
+                    d[0][l],
+                    d[0][l],
+                    fused::<I>(d[1][l], d[1][l], fused::<I>(d[2][l], d[2][l], 1e-24)),
+                )
+            });
+            let [c, s, inverse, r] = wave::<I>(per_metre, &r2);
+            let (c, s) = (each(|l| c[l] * weights[l]), each(|l| s[l] * weights[l]));
+            let kr = each(|l| k * r[l]);
+            // Minus G'/R.
+            let inverse2 = each(|l| inverse[l] * inverse[l]);
+            let (slope_re, slope_im) = (
+                each(|l| inverse2[l] * fused::<I>(kr[l], s[l], c[l])),
+                each(|l| inverse2[l] * fused::<I>(kr[l], c[l], -s[l])),
+            );
+            let of_first = each(|l| fused::<I>(m[0], d[0][l], fused::<I>(m[1], d[1][l], m[2] * d[2][l])));
+            let of_second = each(|l| fused::<I>(n[0], d[0][l], fused::<I>(n[1], d[1][l], n[2] * d[2][l])));
+            let ways = [
+                each(|l| fused::<I>(beta, of_first[l], of_second[l])),
+                each(|l| -fused::<I>(beta, of_second[l], of_first[l])),
+            ];
+            single = [each(|l| single[0][l] + c[l]), each(|l| single[1][l] - s[l])];
+            for (sums, way) in sums.iter_mut().zip(&ways) {
+                let re = each(|l| fused::<I>(even, s[l], way[l] * slope_re[l]));
+                let im = each(|l| fused::<I>(even, c[l], way[l] * slope_im[l]));
+                for i in 0..3 {
+                    let (re, im) = (each(|l| re[l] * u[i][l]), each(|l| im[l] * u[i][l]));
+                    for j in 0..3 {
+                        let sum = &mut sums[i][j];
+                        *sum = [
+                            each(|l| fused::<I>(re[l], v[j][l], sum[0][l])),
+                            each(|l| fused::<I>(im[l], v[j][l], sum[1][l])),
+                        ];
+                    }
+                }
+            }
+        }
+        let total = |lanes: &[f32; LANES]| lanes.iter().map(|x| f64::from(*x)).sum::<f64>();
+        let complex = |sum: &[[f32; LANES]; 2]| Complex64::new(total(&sum[0]), total(&sum[1]));
+        let [forth, back] = sums.map(|way| way.map(|row| row.map(|sum| complex(&sum))));
+        (forth, back, complex(&single))
+    }
 }
 
 /// The rule for pairs with 0 to 3 shared corners; 4: that of three points on each.
-fn rule(shared: usize) -> &'static [PairNode] {
-    static RULES: [OnceLock<Vec<PairNode>>; 5] = [const { OnceLock::new() }; 5];
-    RULES[shared].get_or_init(|| match shared {
+fn rule(shared: usize) -> &'static [PairRun] {
+    static RULES: [OnceLock<Vec<PairRun>>; 5] = [const { OnceLock::new() }; 5];
+    let nodes = || match shared {
         0 => product(&SIX),
         4 => product(&THREE.map(|weights| (weights, 1.0 / 3.0))),
         shared => singular(shared, SINGULAR_NODES),
-    })
+    };
+    let runs = |nodes: Vec<PairNode>| {
+        let run = |nodes: &[PairNode]| {
+            // Beyond the last one is a copy of it without weight.
+            let node = |l: usize| &nodes[l.min(nodes.len() - 1)];
+            let weight = |l: usize| if l < nodes.len() { node(l).2 as f32 } else { 0.0 };
+            let own = [0, 1, 2].map(|i| each(|l| node(l).0[i] as f32));
+            (own, [0, 1, 2].map(|i| each(|l| node(l).1[i] as f32)), each(weight))
+        };
+        nodes.chunks(LANES).map(run).collect()
+    };
+    RULES[shared].get_or_init(|| runs(nodes()))
 }
 
 fn product(nodes: &[([f64; 3], f64)]) -> Vec<PairNode> {

@@ -20,39 +20,50 @@ pub(super) struct Near {
 impl Near {
     /// Corrections and the mass matrix times a factor, between nodes with these places in the sequence of the rows.
     pub fn new(wall: &Wall, facets: &[Facet], places: &[u32], mass: f64) -> Self {
+        /// Pairs whose entries are held at once.
+        const RUN: usize = 1 << 14;
         let pairs = near_pairs(facets);
-        let of_pair = |&(a, b): &(u32, u32)| {
-            let (first, second) = (&facets[a as usize], &facets[b as usize]);
-            let (good, rough) = (facets::accurate(wall, first, second), facets::rough(wall, first, second));
-            let mut entries = Vec::with_capacity(18);
-            let both = [(first, second), (second, first)];
-            for (way, (test, trial)) in both.into_iter().enumerate().take(if a == b { 1 } else { 2 }) {
-                for i in 0..3 {
-                    for j in 0..3 {
-                        let mut value = good[way][i][j] - rough[way][i][j];
-                        if a == b {
-                            value += mass * first.area * if i == j { 1.0 / 6.0 } else { 1.0 / 12.0 };
+        let (mut starts, columns) = pattern(facets, places, &pairs);
+        let mut values = vec![Complex64::ZERO; columns.len()];
+        for pairs in pairs.chunks(RUN) {
+            let of_pair = |&(a, b): &(u32, u32)| {
+                let (first, second) = (&facets[a as usize], &facets[b as usize]);
+                let (mut good, rough) =
+                    (facets::accurate(wall, first, second), facets::rough(wall, first, second));
+                for way in 0..2 {
+                    for i in 0..3 {
+                        for j in 0..3 {
+                            good[way][i][j] -= rough[way][i][j];
+                            if a == b {
+                                good[way][i][j] +=
+                                    mass * first.area * if i == j { 1.0 / 6.0 } else { 1.0 / 12.0 };
+                            }
                         }
-                        let place = |facet: &Facet, i: usize| places[facet.nodes[i] as usize];
-                        entries.push((place(test, i), place(trial, j), value));
+                    }
+                }
+                good
+            };
+            let entries: Vec<_> = pairs.par_iter().map(of_pair).collect();
+            // One after the other, so that sums do not depend on the number of threads.
+            for (&(a, b), entries) in pairs.iter().zip(&entries) {
+                let nodes =
+                    [a, b].map(|facet| facets[facet as usize].nodes.map(|node| places[node as usize]));
+                for way in 0..if a == b { 1 } else { 2 } {
+                    for i in 0..3 {
+                        let row = nodes[way][i] as usize;
+                        let first = starts[row] as usize;
+                        let own = &columns[first..starts[row + 1] as usize];
+                        for j in 0..3 {
+                            if let Ok(at) = own.binary_search(&nodes[1 - way][j]) {
+                                values[first + at] += entries[way][i][j];
+                            }
+                        }
                     }
                 }
             }
-            entries
-        };
-        let mut entries: Vec<(u32, u32, Complex64)> = pairs.par_iter().flat_map_iter(of_pair).collect();
-        // Stable, so that sums do not depend on the number of threads.
-        entries.par_sort_by_key(|&(row, column, _)| (row, column));
-        let (mut starts, mut columns, mut values) = (vec![0; places.len() + 1], Vec::new(), Vec::new());
-        for run in entries.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
-            let sum: Complex64 = run.iter().map(|it| it.2).sum();
-            starts[run[0].0 as usize + 1] += 1;
-            columns.push(run[0].1);
-            values.push(Complex32::new(sum.re as f32, sum.im as f32));
         }
-        for row in 0..places.len() {
-            starts[row + 1] += starts[row];
-        }
+        starts.shrink_to_fit();
+        let values = values.iter().map(|v| Complex32::new(v.re as f32, v.im as f32)).collect();
         Self { starts, columns, values }
     }
 
@@ -78,6 +89,35 @@ impl Near {
     pub fn size(&self) -> usize {
         self.values.len() * 12 + self.starts.len() * 4
     }
+}
+
+/// First entry of each row, and the columns of all entries in ascending order: nodes of near triangles.
+fn pattern(facets: &[Facet], places: &[u32], pairs: &[(u32, u32)]) -> (Vec<u32>, Vec<u32>) {
+    let mut near = vec![Vec::new(); facets.len()];
+    for &(a, b) in pairs {
+        near[a as usize].push(b);
+        if a != b {
+            near[b as usize].push(a);
+        }
+    }
+    let mut around = vec![Vec::new(); places.len()];
+    for (number, facet) in facets.iter().enumerate() {
+        facet.nodes.iter().for_each(|&node| around[places[node as usize] as usize].push(number));
+    }
+    let row = |triangles: &Vec<usize>| {
+        let near = triangles.iter().flat_map(|&triangle| &near[triangle]);
+        let nodes = near.flat_map(|&other| facets[other as usize].nodes);
+        let mut row: Vec<_> = nodes.map(|node| places[node as usize]).collect();
+        row.sort_unstable();
+        row.dedup();
+        row
+    };
+    let rows: Vec<Vec<u32>> = around.par_iter().map(row).collect();
+    let mut starts = vec![0];
+    for row in &rows {
+        starts.push(starts[starts.len() - 1] + row.len() as u32);
+    }
+    (starts, rows.concat())
 }
 
 /// All near pairs of triangles, the smaller number first, in ascending order.

@@ -7,10 +7,9 @@
 use glam::DVec3;
 
 use crate::scatter::facets::{Facet, THREE, Wall};
+use crate::scatter::waves::{LANES, Lanes, each, wave};
 use crate::simd::{Instructions, Isa, Kernel, fused};
 
-/// Triangles processed together.
-pub(super) const LANES: usize = 16;
 /// A corner outside a cluster.
 pub(super) const OUTSIDE: u32 = u32::MAX;
 
@@ -170,45 +169,6 @@ impl Kernel for Rows<'_> {
     }
 }
 
-type Lanes = [f32; LANES];
-
-#[inline(always)]
-fn each(value: impl Fn(usize) -> f32) -> Lanes {
-    let mut values = [0.0; LANES];
-    for (lane, to) in values.iter_mut().enumerate() {
-        *to = value(lane);
-    }
-    values
-}
-
-/// sin πf / f and cos πf in f², for |f| ≤ 1/2: Taylor, 6e-8 off.
-const SINE: [f32; 6] = [3.141_592_7, -5.167_712_8, 2.550_164, -0.599_264_5, 0.082_145_885, -0.007_370_431];
-const COSINE: [f32; 7] =
-    [1.0, -4.934_802, 4.058_712, -1.335_262_8, 0.235_330_63, -0.025_806_892, 0.001_929_574_3];
-/// Adding and taking away this rounds an f32 of less than 2²² to the nearest whole number.
-const ROUNDER: f32 = 12_582_912.0;
-
-/// e^{-jkR}/R in lanes: real part, minus the imaginary part, and 1/R with R.
-#[inline(always)]
-pub(super) fn wave<I: Instructions>(half_turns_per_metre: f32, r2: &Lanes) -> [Lanes; 4] {
-    let rough = I::rough_inverse_roots(r2);
-    let inverse = each(|l| rough[l] * fused::<I>(-0.5 * r2[l] * rough[l], rough[l], 1.5));
-    let r = each(|l| r2[l] * inverse[l]);
-    let half_turns = each(|l| r[l] * half_turns_per_metre);
-    let rounded = each(|l| half_turns[l] + ROUNDER);
-    let f = each(|l| half_turns[l] - (rounded[l] - ROUNDER));
-    let f2 = each(|l| f[l] * f[l]);
-    let g = each(|l| f32::from_bits(inverse[l].to_bits() ^ (rounded[l].to_bits() << 31)));
-    let (mut sine, mut cosine) = ([SINE[5]; LANES], [COSINE[6]; LANES]);
-    for term in (0..5).rev() {
-        sine = each(|l| fused::<I>(sine[l], f2[l], SINE[term]));
-    }
-    for term in (0..6).rev() {
-        cosine = each(|l| fused::<I>(cosine[l], f2[l], COSINE[term]));
-    }
-    [each(|l| g[l] * cosine[l]), each(|l| g[l] * f[l] * sine[l]), inverse, r]
-}
-
 /// The entries between one triangle's corners and those of a run of lanes, real and imaginary parts.
 #[inline(always)]
 fn block_of<I: Instructions>(
@@ -271,13 +231,14 @@ fn block_of<I: Instructions>(
     let mut entries = [[[[0f32; LANES]; 2]; 3]; 3];
     for corner in 0..3 {
         let curl = [run(&panel.curls[corner][0]), run(&panel.curls[corner][1]), run(&panel.curls[corner][2])];
-        let total = [0, 1].map(|part: usize| {
-            each(|l| {
+        let mut total = [[0f32; LANES]; 2];
+        for part in 0..2 {
+            total[part] = each(|l| {
                 (sums[0][corner][part][l] + sums[1][corner][part][l] + sums[2][corner][part][l]) * (1.0 / 6.0)
-            })
-        });
+            });
+        }
         for row in 0..3 {
-            let own = one.curls[row].map(|c| c / k);
+            let own = [one.curls[row][0] / k, one.curls[row][1] / k, one.curls[row][2] / k];
             let curls =
                 each(|l| fused::<I>(own[0], curl[0][l], fused::<I>(own[1], curl[1][l], own[2] * curl[2][l])));
             let sum = &sums[row][corner];

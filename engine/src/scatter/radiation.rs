@@ -9,8 +9,8 @@ use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
 use crate::scatter::facets::{Facet, SIX, THREE, Wall};
-use crate::scatter::pairs::wave;
 use crate::scatter::sphere::Sound;
+use crate::scatter::waves::{LANES, each, wave};
 use crate::simd::{Instructions, Isa, Kernel, fused};
 
 /// Distances from the centroid, relative to a triangle's radius, from which the rule of three points serves.
@@ -19,7 +19,6 @@ const CLEAR: f64 = 4.0;
 const PIECE_CLEAR: f64 = 2.5;
 /// Divisions of a triangle that touches the point.
 const DEEPEST: usize = 7;
-const LANES: usize = 16;
 
 /// A source of the rule of three points.
 #[derive(Clone, Copy, Debug)]
@@ -232,13 +231,4 @@ impl Kernel for Sum<'_, '_> {
         }
         all
     }
-}
-
-#[inline(always)]
-fn each(value: impl Fn(usize) -> f32) -> [f32; LANES] {
-    let mut values = [0.0; LANES];
-    for (lane, to) in values.iter_mut().enumerate() {
-        *to = value(lane);
-    }
-    values
 }
