@@ -14,7 +14,7 @@ pub mod shapes;
 mod sphere;
 mod waves;
 
-pub use boundary::{Boundary, TOLERANCE};
+pub use boundary::{BodyError, Boundary, TOLERANCE};
 pub use formats::{FormatError, obj, stl};
 pub use gmres::Outcome;
 pub use mesh::{Fault, Mesh};

@@ -13,7 +13,7 @@ use crate::scatter::mesh::Mesh;
 /// with every edge divided.
 pub fn sphere(radius: f64, edge: f64) -> Mesh {
     // Of an icosahedron with a radius of 1; the divided edges spread over its circumscribed sphere.
-    let parts = (1.1756 * radius / edge).round().max(1.0) as usize;
+    let parts = (1.1756 * radius / edge).round().max(3.0) as usize;
     geodesic(radius, parts)
 }
 
@@ -50,7 +50,7 @@ pub fn geodesic(radius: f64, parts: usize) -> Mesh {
 pub fn capsule(from: DVec3, to: DVec3, radius: f64, edge: f64) -> Mesh {
     let (axis, middle) = ((to - from).normalize_or(DVec3::Z), from.midpoint(to));
     let half = from.distance(to) / 2.0;
-    let arc = ((FRAC_PI_2 * radius / edge).round() as usize).max(2);
+    let arc = ((FRAC_PI_2 * radius / edge).round() as usize).max(3);
     let straight = (2.0 * half / (edge * 0.866)).round() as usize;
     // The meridian from pole to pole: distance from the axis and height.
     let mut meridian = Vec::new();
@@ -79,7 +79,7 @@ pub fn slab(size: DVec3, margin: f64, edge: f64) -> Mesh {
     let margin = margin.min(size.min_element() / 2.0);
     let core = size / 2.0 - DVec3::splat(margin);
     // Lines of the grid along an axis: the core evenly, and the rounding in equal steps of angle.
-    let bend = ((FRAC_PI_2 * margin / edge / 2.0).ceil() as usize).max(1);
+    let bend = ((FRAC_PI_2 * margin / edge / 2.0).ceil() as usize).max(2);
     let lines = |half: f64| -> Vec<f64> {
         let straight = ((2.0 * half / edge).round() as usize).max(1);
         let rounding = (1..=bend)
@@ -155,7 +155,7 @@ fn revolution(meridian: &[(f64, f64)], edge: f64) -> Mesh {
     let mut rings: Vec<Vec<u32>> = Vec::new();
     for (number, &(distance, height)) in meridian.iter().enumerate() {
         let is_pole = number == 0 || number + 1 == meridian.len();
-        let count = if is_pole { 1 } else { ((TAU * distance / edge).round() as usize).max(5) };
+        let count = if is_pole { 1 } else { ((TAU * distance / edge).round() as usize).max(6) };
         let ring = (0..count).map(|i| {
             let angle = TAU * (i as f64 + 0.5 * (number % 2) as f64) / count as f64;
             let distance = if is_pole { 0.0 } else { distance };
