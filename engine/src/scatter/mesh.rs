@@ -4,7 +4,7 @@
 //! outwards if the volume is positive. A point is inside if the surface covers a solid angle of 4π around it
 //! (A. Van Oosterom, J. Strackee, IEEE Trans. Biomed. Eng. 30, 125, 1983).
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::TAU;
 
 use glam::DVec3;
@@ -197,8 +197,8 @@ impl Mesh {
     }
 
     /// The triangles along every edge, by its vertices in ascending order.
-    pub(super) fn edges(&self) -> HashMap<[u32; 2], Vec<u32>> {
-        let mut edges: HashMap<[u32; 2], Vec<u32>> = HashMap::with_capacity(self.triangles.len() * 3 / 2);
+    pub(super) fn edges(&self) -> BTreeMap<[u32; 2], Vec<u32>> {
+        let mut edges: BTreeMap<[u32; 2], Vec<u32>> = BTreeMap::new();
         for (triangle, corners) in self.triangles.iter().enumerate() {
             for i in 0..3 {
                 let (a, b) = (corners[i], corners[(i + 1) % 3]);
