@@ -25,7 +25,9 @@
 use glam::DVec3;
 use num_complex::Complex64;
 use rayon::prelude::*;
+use thiserror::Error;
 
+use crate::memory;
 use crate::scatter::facets::{Facet, THREE, Wall};
 use crate::scatter::gmres::{self, Outcome};
 use crate::scatter::hierarchy::{Hierarchy, Tree};
@@ -65,6 +67,14 @@ pub struct Boundary {
     inverses: Vec<(usize, Vec<Complex64>)>,
 }
 
+/// A body with more triangles than the memory holds.
+#[derive(Clone, Copy, Debug, Error, PartialEq)]
+#[error("a body of {triangles} triangles needs {mebibytes} MiB, more than is free: choose longer edges")]
+pub struct TooLarge {
+    pub triangles: usize,
+    pub mebibytes: usize,
+}
+
 /// Bounds on errors, root mean squares: of the pressure on the surface relative to itself, and of the scattered pressure
 /// around the body relative to that on the surface.
 ///
@@ -80,7 +90,15 @@ pub struct BodyError {
 
 impl Boundary {
     /// The surface of a body with a pressure reflection, above -1 and up to 1, for a wavenumber (rad/m).
-    pub fn new(mesh: &Mesh, coefficient: f64, wavenumber: f64) -> Self {
+    ///
+    /// # Errors
+    /// A matrix larger than the free memory.
+    pub fn new(mesh: &Mesh, coefficient: f64, wavenumber: f64) -> Result<Self, TooLarge> {
+        let nodes = mesh.vertices.len() as f64;
+        // All entries, or blocks: 300 MB while they are made for 10 242 nodes.
+        let bytes = (8.0 * nodes * nodes).min(400.0 * nodes.powf(1.5)) as usize;
+        let _room = memory::reserve(bytes)
+            .ok_or(TooLarge { triangles: mesh.triangles.len(), mebibytes: bytes >> 20 })?;
         let wall = Wall { wavenumber, admittance: (1.0 - coefficient) / (1.0 + coefficient) };
         let facets = Facet::all(mesh);
         let tree = Tree::new(&mesh.vertices);
@@ -99,7 +117,7 @@ impl Boundary {
         };
         let leaves: Vec<_> = tree.leaves().collect();
         let inverses = leaves.into_par_iter().map(inverse).collect();
-        Self { wall, mesh: mesh.clone(), facets, order: tree.order, matrix, near, inverses }
+        Ok(Self { wall, mesh: mesh.clone(), facets, order: tree.order, matrix, near, inverses })
     }
 
     pub fn mesh(&self) -> &Mesh {
@@ -437,7 +455,7 @@ mod tests {
     /// Errors of a sphere on its surface and outside, and what is printed for them.
     fn sphere_errors(size: f64, edge: f64, coefficient: f64) -> ([f64; 2], BodyError) {
         let (radius, source) = (size / K, dvec3(0.02, -0.01, 0.1));
-        let boundary = Boundary::new(&shapes::sphere(radius, edge), coefficient, K);
+        let boundary = Boundary::new(&shapes::sphere(radius, edge), coefficient, K).unwrap();
         let incident = from(source);
         let solution = solve(&boundary, &incident);
         let sphere = Sphere::new(DVec3::ZERO, radius, coefficient, K);
@@ -482,7 +500,7 @@ mod tests {
     fn sources_and_microphones_can_change_places() {
         let capsule =
             shapes::capsule(dvec3(-0.004, 0.0, 0.0), dvec3(0.006, 0.003, 0.0), 0.004, WAVELENGTH / 8.0);
-        let boundary = Boundary::new(&capsule, 0.9, K);
+        let boundary = Boundary::new(&capsule, 0.9, K).unwrap();
         let [one, other] = [dvec3(0.02, -0.01, 0.1), dvec3(-0.03, 0.02, 0.06)];
         let rights = [one, other].map(|source| right_side(&boundary, &from(source)));
         let [p, _] = &boundary.solve(&rights, None, 1e-8)[..] else { panic!() };
@@ -542,7 +560,7 @@ mod tests {
         let thick = 0.6 * WAVELENGTH;
         let size = dvec3(5.0 * WAVELENGTH, 5.0 * WAVELENGTH, thick);
         let plate = shapes::slab(size, 0.2 * WAVELENGTH, WAVELENGTH / 6.0);
-        let boundary = Boundary::new(&plate, 1.0, K);
+        let boundary = Boundary::new(&plate, 1.0, K).unwrap();
         // The beam comes from above the plate, whose face is at half its thickness.
         let (face, waist) = (thick / 2.0, thick / 2.0 + 1.5 * WAVELENGTH);
         let solution = solve(&boundary, &beam(waist, -1.0));
@@ -564,7 +582,7 @@ mod tests {
             shapes::capsule(dvec3(0.0, 0.0, -0.004), dvec3(0.002, 0.0, 0.005), 0.004, WAVELENGTH / 8.0);
         let incident = from(dvec3(0.02, -0.01, 0.1));
         for coefficient in [1.0, 0.4] {
-            let boundary = Boundary::new(&mesh, coefficient, K);
+            let boundary = Boundary::new(&mesh, coefficient, K).unwrap();
             let solution = solve(&boundary, &incident);
             // Flux of conj(p) ∂p/∂r into a sphere around the body, and that of the scattered sound out of it.
             let (radius, directions) = (0.014, directions(3000));
@@ -600,7 +618,7 @@ mod tests {
         let on = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| {
-                let boundary = Boundary::new(&mesh, 1.0, K);
+                let boundary = Boundary::new(&mesh, 1.0, K).unwrap();
                 let p = solve(&boundary, &from(dvec3(0.02, -0.01, 0.1)));
                 (boundary.scattered(&p.values, &directions(40)), p)
             })
@@ -610,7 +628,7 @@ mod tests {
 
     #[test]
     fn a_warm_start_takes_fewer_steps() {
-        let boundary = Boundary::new(&shapes::sphere(0.006, WAVELENGTH / 6.0), 1.0, K);
+        let boundary = Boundary::new(&shapes::sphere(0.006, WAVELENGTH / 6.0), 1.0, K).unwrap();
         let p = solve(&boundary, &from(dvec3(0.02, -0.01, 0.1)));
         let right = right_side(&boundary, &from(dvec3(0.0202, -0.01, 0.1)));
         let warm = boundary.solve(&[right], Some(&[p.values]), TOLERANCE).remove(0);

@@ -14,9 +14,10 @@
 //! use num_complex::Complex64;
 //! use sonoglyph_engine::scatter::{Boundary, TOLERANCE, shapes};
 //!
+//! # fn main() -> Result<(), sonoglyph_engine::scatter::TooLarge> {
 //! // A plane wave along z (1 Pa, rad/m) on a rigid fingertip of 5 mm.
 //! let k = 732.0;
-//! let body = Boundary::new(&shapes::sphere(0.005, 0.0014), 1.0, k);
+//! let body = Boundary::new(&shapes::sphere(0.005, 0.0014), 1.0, k)?;
 //! let (points, normals) = body.points();
 //! let pressures: Vec<_> = points.iter().map(|at| Complex64::cis(-k * at.z)).collect();
 //! let slope = |p: &Complex64, z: f64| p * Complex64::new(0.0, -k * z);
@@ -25,6 +26,8 @@
 //! let solution = body.solve(&[right], None, TOLERANCE).remove(0);
 //! let behind = body.scattered(&solution.values, &[dvec3(0.0, 0.0, 0.01)])[0];
 //! assert!(behind.norm() > 0.2 && body.error(&solution, &pressures, &incident(&body, k)).outside < 0.05);
+//! # Ok(())
+//! # }
 //! # fn incident(body: &Boundary, k: f64) -> Vec<Complex64> {
 //! #     body.inner_points().iter().map(|at| Complex64::cis(-k * at.z)).collect()
 //! # }
@@ -44,7 +47,7 @@ pub mod shapes;
 mod sphere;
 mod waves;
 
-pub use boundary::{BodyError, Boundary, TOLERANCE};
+pub use boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
 pub use formats::{FormatError, obj, stl};
 pub use gmres::Outcome;
 pub use mesh::{Fault, Mesh};

@@ -61,11 +61,6 @@ impl Panel {
             corners,
         }
     }
-
-    /// Bytes.
-    pub fn size(&self) -> usize {
-        self.numbers.len() * 4 * 26 + self.triangles.len() * 16
-    }
 }
 
 /// Which side the many are on.
