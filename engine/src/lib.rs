@@ -13,11 +13,15 @@ pub mod gauge;
 pub mod measure;
 #[doc(hidden)]
 pub mod memory;
+#[doc(hidden)]
+pub mod mesh;
 #[cfg(test)]
 #[path = "../../tests/requirement/mod.rs"]
 mod requirement;
 #[doc(hidden)]
 pub mod rounding;
+#[doc(hidden)]
+pub mod scatter;
 pub mod scene;
 #[cfg(target_arch = "wasm32")]
 #[doc(hidden)]
@@ -27,6 +31,8 @@ pub mod simd;
 pub mod solver;
 #[doc(hidden)]
 pub mod source;
+#[doc(hidden)]
+pub mod special;
 pub mod surface;
 #[doc(hidden)]
 pub mod table;

@@ -5,10 +5,10 @@
 
 use num_complex::Complex64;
 
-use crate::acoustics::bessel;
-use crate::acoustics::gauss::legendre;
-use crate::acoustics::series::LANES;
 use crate::simd::{Instructions, Kernel, fused64, lanes};
+use crate::special::bessel;
+use crate::special::gauss_legendre as legendre;
+use crate::special::series::LANES;
 
 /// Radii from an element beyond which its wave is this sum.
 pub(super) const CLEAR: f64 = 4.0;

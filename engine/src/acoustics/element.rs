@@ -10,9 +10,9 @@ use std::sync::LazyLock;
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::gauss;
 use crate::scene::ElementModel;
 use crate::scene::directivity::{self as table, Series};
+use crate::special::gauss_legendre;
 
 /// m. Far fields diverge at the element, so heights above the array are clamped to this value. A point this little
 /// behind the array counts as in front, to be robust against rounding.
@@ -270,7 +270,7 @@ fn by_panels(near: f64, rate: f64, integrand: impl Fn(f64) -> Complex64) -> Comp
 }
 
 /// Gauss's rule for a panel.
-static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss::legendre(PANEL));
+static GAUSS: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(PANEL));
 
 /// Number of midpoint nodes for a relative error of about `error` of the piston's integral.
 ///
@@ -368,7 +368,7 @@ mod tests {
                 let part = |(x, weight): (f64, f64)| {
                     Complex64::cis(element.wavenumber * u * half * x) * weight / 2.0
                 };
-                gauss::legendre(40).into_iter().map(part).sum::<Complex64>()
+                gauss_legendre(40).into_iter().map(part).sum::<Complex64>()
             };
             let transform = along(0.004, u) * along(0.0015, v);
             let expected = spherical(element.wavenumber, 0.1) * transform;

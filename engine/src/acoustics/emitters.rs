@@ -9,9 +9,10 @@ use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::acoustics::element::{NEAREST, Radiator};
-use crate::acoustics::series::{COSINE, LANES, ROUNDER, SINE, horner, inverse_factorials};
-use crate::acoustics::{aperture::Aperture, bessel, element::Element};
+use crate::acoustics::{aperture::Aperture, element::Element};
 use crate::simd::{Instructions, Isa, Kernel, lanes, total};
+use crate::special::bessel;
+use crate::special::series::{COSINE, LANES, ROUNDER, SINE, horner, inverse_factorials};
 
 type Lanes = [f64; LANES];
 

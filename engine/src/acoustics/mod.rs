@@ -13,7 +13,6 @@
 
 mod air;
 mod aperture;
-pub(crate) mod bessel;
 mod clearance;
 #[doc(hidden)]
 pub mod course;
@@ -23,14 +22,12 @@ mod emitters;
 mod ensemble;
 mod face;
 mod far;
-mod gauss;
 mod jacobian;
 mod normal;
 mod partial;
 #[doc(hidden)]
 pub mod response;
 mod row;
-mod series;
 mod slopes;
 mod transfer;
 
@@ -46,7 +43,6 @@ pub use ensemble::Ensemble;
 pub(crate) use ensemble::Moments;
 pub use face::Face;
 pub(crate) use face::{Layout, Pose};
-pub(crate) use gauss::legendre as gauss_legendre;
 pub(crate) use jacobian::PhaseJacobian;
 #[doc(hidden)]
 pub use partial::PartialWaves;

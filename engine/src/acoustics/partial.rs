@@ -15,7 +15,8 @@ use std::sync::OnceLock;
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::{aperture::Aperture, bessel, gauss, transfer::Transfer};
+use crate::acoustics::{aperture::Aperture, transfer::Transfer};
+use crate::special::{bessel, gauss_legendre};
 
 /// Highest order.
 pub const MOST: usize = 24;
@@ -198,7 +199,7 @@ impl Shell {
     fn new(order: usize) -> Self {
         let around = 2 * order + 2;
         let (mut directions, mut areas) = (Vec::new(), Vec::new());
-        for (z, weight) in gauss::legendre(order + 1) {
+        for (z, weight) in gauss_legendre(order + 1) {
             for turn in 0..around {
                 let flat = DVec2::from_angle(TAU * turn as f64 / around as f64) * (1.0 - z * z).sqrt();
                 directions.push(flat.extend(z));

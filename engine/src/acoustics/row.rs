@@ -13,11 +13,11 @@ use crate::acoustics::{
     disk::{Disk, FromPoints},
     element::Element,
     face::Face,
-    series::{COSINE, LANES, ROUNDER, SINE, inverse_factorials, value},
     transfer::Transfer,
 };
 use crate::gauge;
 use crate::simd::{Instructions, Isa, Kernel, fused64};
+use crate::special::series::{COSINE, LANES, ROUNDER, SINE, inverse_factorials, value};
 
 /// Terms of the directivity for a ka of up to 4, 2e-16 off, and of up to 10, 4e-15 off.
 const FEW_TERMS: usize = 11;

@@ -21,8 +21,9 @@ use std::f64::consts::PI;
 use glam::{DMat3, DVec3};
 use num_complex::Complex64;
 
-use crate::acoustics::{Air, Coupling, MOST_ORDER, PartialWaves, bessel, couplings};
+use crate::acoustics::{Air, Coupling, MOST_ORDER, PartialWaves, couplings};
 use crate::scene::Bead;
+use crate::special::bessel;
 
 /// Largest ka of exact forces: up to it, the highest order of partial waves counts for nothing.
 const LARGEST: f64 = 5.0;

@@ -29,8 +29,8 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use sonoglyph_fourier::{Transform, transform};
 
-use crate::acoustics::gauss_legendre;
 use crate::scene::Skin;
+use crate::special::gauss_legendre;
 
 /// Depth in 1/k, and the same of the shear wave's decay, beyond which bone has no effect.
 const DEEP: f64 = 20.0;

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 /// Nodes in [-1, 1] and weights of Gauss's rule: Newton's method on the roots of Legendre's polynomial.
-pub(crate) fn legendre(count: usize) -> Vec<(f64, f64)> {
+pub fn legendre(count: usize) -> Vec<(f64, f64)> {
     let polynomial = |x: f64| {
         let (mut before, mut this) = (1.0, x);
         for n in 1..count {

@@ -3,8 +3,8 @@
 //!
 //! With Eₙ = Jₙ(x)/xⁿ, D = 2 E₁ and dEₙ/dw = -Eₙ₊₁/2.
 
-use crate::acoustics::series::{LANES, horner};
 use crate::simd::{Instructions, lanes};
+use crate::special::series::{LANES, horner};
 
 /// Terms of the series for x up to 4, and up to 10: 1e-15 off.
 const FEW_TERMS: usize = 16;
@@ -14,7 +14,7 @@ const SMALL: f64 = 4.0;
 
 /// D and its derivative by w, for w of at most `largest`.
 #[inline(always)]
-pub(super) fn directivity<I: Instructions>(largest: f64, w: &[f64; LANES]) -> [[f64; LANES]; 2] {
+pub(crate) fn directivity<I: Instructions>(largest: f64, w: &[f64; LANES]) -> [[f64; LANES]; 2] {
     let [e1, e2] = if largest <= 16.0 {
         [horner::<I, FEW_TERMS>(&const { series(1) }, w), horner::<I, FEW_TERMS>(&const { series(2) }, w)]
     } else if largest <= 100.0 {
