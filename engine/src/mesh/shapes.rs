@@ -130,6 +130,11 @@ pub fn slab(size: DVec3, margin: f64, edge: f64) -> Mesh {
     with_volume(body(mesh), volume, |at, out| at + (at - inner(at)).normalize() * out)
 }
 
+/// A right hand whose palm's skin has its middle in the origin and faces z, with fingers along x.
+pub fn hand(size: DVec3, _fingers: [f64; 5], edge: f64) -> Mesh {
+    slab(size, 0.5 * size.z, edge).mapped(|at| at - DVec3::Z * (size.z / 2.0))
+}
+
 /// Divides a triangle's edges into parts and adds its triangles.
 fn divide(mesh: &mut Mesh, [a, b, c]: [DVec3; 3], parts: usize) {
     let at = |i: usize, j: usize| a + ((b - a) * i as f64 + (c - a) * j as f64) / parts as f64;

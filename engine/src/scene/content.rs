@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::scene::array::Array;
 use crate::scene::bead::Bead;
 use crate::scene::board::{Board, Reflector};
+use crate::scene::body::Body;
 use crate::scene::drive::DriveFile;
 use crate::scene::liquid::Liquid;
 use crate::scene::medium::Medium;
@@ -39,6 +40,9 @@ pub struct Scene {
     pub boards: Vec<Board>,
     #[serde(rename = "reflector", skip_serializing_if = "Vec::is_empty")]
     pub reflectors: Vec<Reflector>,
+    /// What stands in the sound and scatters it.
+    #[serde(rename = "body", skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<Body>,
     #[serde(rename = "target")]
     pub targets: Vec<Target>,
     /// Quiet zones, in addition to the rest of the plane.
@@ -67,6 +71,7 @@ impl Default for Scene {
             array: Array::default(),
             boards: Vec::new(),
             reflectors: Vec::new(),
+            bodies: Vec::new(),
             targets: Vec::new(),
             quiet: Vec::new(),
             solver: Solver::default(),

@@ -19,8 +19,8 @@ use crate::scene::strict::Strict;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{
-    array::Array, bead::Bead, liquid::Liquid, medium::Medium, modulation::Modulation, motion, plane::Plane,
-    skin::Skin, solver::Solver, target::Target,
+    array::Array, bead::Bead, body::Body, liquid::Liquid, medium::Medium, modulation::Modulation, motion,
+    plane::Plane, skin::Skin, solver::Solver, target::Target,
 };
 use crate::source;
 
@@ -120,6 +120,8 @@ struct SceneTable {
     #[serde(default)]
     reflector: Vec<Reflector>,
     #[serde(default)]
+    body: Vec<Body>,
+    #[serde(default)]
     target: Vec<TargetTable>,
     #[serde(default)]
     quiet: Vec<ZoneTable>,
@@ -148,6 +150,7 @@ impl SceneTable {
             array,
             board: boards,
             reflector: reflectors,
+            body: bodies,
             target,
             quiet,
             solver,
@@ -180,6 +183,7 @@ impl SceneTable {
             array,
             boards,
             reflectors,
+            bodies,
             targets,
             quiet,
             solver,

@@ -7,6 +7,7 @@
 mod array;
 mod bead;
 mod board;
+mod body;
 #[doc(hidden)]
 pub mod chart;
 pub mod check;
@@ -51,6 +52,7 @@ mod zone;
 pub use array::{Array, ElementModel, Spread};
 pub use bead::{Bead, Material};
 pub use board::{Board, Elements, Placed, Reflector};
+pub use body::{Body, BodyKind, Surface};
 pub use content::{FORMAT, Listener, Scene};
 #[doc(hidden)]
 pub use cover::Cover;

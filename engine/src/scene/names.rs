@@ -8,6 +8,7 @@ use serde::de::{Deserialize, Deserializer, Error, Visitor};
 use serde::ser::{Serialize, Serializer};
 use strum::VariantNames;
 
+use crate::scene::body::BodyKind;
 use crate::scene::liquid::{Light, LiquidName};
 use crate::scene::motion::{Easing, MotionPath};
 use crate::scene::{
@@ -45,6 +46,7 @@ macro_rules! by_name {
 }
 
 by_name!(
+    BodyKind,
     Easing,
     Envelope,
     Light,
