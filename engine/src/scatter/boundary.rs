@@ -208,8 +208,9 @@ impl Boundary {
         points.par_iter().map(|at| radiation.sound(*at)).collect()
     }
 
-    /// The weights of the nodes' pressures in the scattered pressure at a point (m) outside.
-    pub fn weights(&self, at: DVec3) -> Vec<Complex64> {
+    /// The weights of the nodes' pressures in the scattered pressure at a point (m) outside, and in its slopes along the
+    /// axes.
+    pub fn weights(&self, at: DVec3) -> Vec<[Complex64; 4]> {
         Radiation::weights(self.wall, &self.facets, self.mesh.vertices.len(), at)
     }
 
@@ -507,7 +508,7 @@ mod tests {
         let rights = [one, other].map(|source| right_side(&boundary, &from(source)));
         let [p, _] = &boundary.solve(&rights, None, 1e-8)[..] else { panic!() };
         // By the adjoint: weights of the incident sound in the pressure at the other point, exactly those of the matrix.
-        let weights = boundary.weights(other);
+        let weights: Vec<_> = boundary.weights(other).into_iter().map(|[p, ..]| p).collect();
         let q = boundary.solve_transposed(&[weights.clone()], None, 1e-8).remove(0);
         let product =
             |a: &[Complex64], b: &[Complex64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<Complex64>();

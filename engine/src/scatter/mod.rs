@@ -34,6 +34,7 @@
 //! # }
 //! ```
 
+mod bodies;
 mod boundary;
 mod facets;
 mod gmres;
@@ -44,6 +45,7 @@ mod radiation;
 mod sphere;
 mod waves;
 
+pub use bodies::{Answer, Bodies, Incident, Skin};
 pub use boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
 pub use gmres::Outcome;
 pub use sphere::{Sound, Sphere};
