@@ -39,6 +39,8 @@ struct Solid {
     at: DVec3,
     /// Its own axes as columns.
     axes: DMat3,
+    /// m, of the smallest ball about `at` around it.
+    reach: f64,
 }
 
 /// How the sound at a body's surface is described.
@@ -293,7 +295,13 @@ impl Solid {
                 Surface::Elements(boundary)
             }
         };
-        Ok(Some(Self { surface, at, axes }))
+        let reach = match &surface {
+            Surface::Series(sphere) => sphere.radius(),
+            Surface::Elements(boundary) => {
+                boundary.mesh().vertices.iter().map(|at| at.length()).fold(0.0, f64::max)
+            }
+        };
+        Ok(Some(Self { surface, at, axes, reach }))
     }
 
     fn own(&self, at: DVec3) -> DVec3 {
@@ -301,6 +309,9 @@ impl Solid {
     }
 
     fn contains(&self, at: DVec3) -> bool {
+        if at.distance_squared(self.at) >= self.reach * self.reach {
+            return false;
+        }
         let own = self.own(at);
         match &self.surface {
             Surface::Series(sphere) => own.length() < sphere.radius(),
