@@ -96,7 +96,7 @@ pub fn is_exact(aperture: &Aperture, drive: &Drive, samples: &Samples, field: &[
 /// Complex pressure (Pa, peak) at every sample by the CPU, in f64 if `double` or where f32 declines.
 pub fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: bool) -> Vec<Complex32> {
     let in_f64 =
-        |samples: &Samples| reference::pressure(aperture, drive, samples).into_iter().map(sound::narrow);
+        |samples: &Samples| reference::of_elements(aperture, drive, samples).into_iter().map(sound::narrow);
     let mut field = match Sources::of_faces(aperture, drive, samples) {
         Some(faces) if !double => {
             let mut field = cpu::pressure(&faces, samples.len());
