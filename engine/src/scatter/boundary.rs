@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::memory;
-use crate::mesh::Mesh;
+use crate::mesh::{Inside, Mesh};
 use crate::scatter::facets::{Facet, THREE, Wall};
 use crate::scatter::gmres::{self, Outcome};
 use crate::scatter::hierarchy::{Hierarchy, Tree};
@@ -245,10 +245,11 @@ impl Boundary {
     /// would cancel the incident sound: of all parts of the surface, a few hundred at most.
     pub fn inner_points(&self) -> Vec<DVec3> {
         let step = self.facets.len().div_ceil(MOST_INNER);
+        let inside = Inside::new(&self.mesh);
         let point = |facet: &Facet| {
             // The radius of an equilateral triangle is its edge by √3.
             let at = facet.centroid - facet.normal * (0.4 * 3.0f64.sqrt() * facet.radius);
-            self.mesh.contains(at).then_some(at)
+            inside.contains(at).then_some(at)
         };
         let facets: Vec<_> = self.facets.iter().step_by(step).collect();
         facets.par_iter().filter_map(|facet| point(facet)).collect()
