@@ -35,8 +35,10 @@
 //! ```
 
 mod boundary;
+mod emission;
 mod facets;
 mod gmres;
+mod grid;
 mod hierarchy;
 mod near;
 mod pairs;
@@ -45,5 +47,8 @@ mod sphere;
 mod waves;
 
 pub use boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
+#[doc(hidden)]
+pub use emission::Emission;
 pub use gmres::Outcome;
 pub use sphere::{Sound, Sphere};
+pub(crate) use waves::{COSINE, SINE};
