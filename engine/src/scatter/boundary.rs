@@ -29,11 +29,13 @@ use thiserror::Error;
 
 use crate::memory;
 use crate::mesh::{Inside, Mesh};
+use crate::scatter::emission::Emission;
 use crate::scatter::facets::{Facet, THREE, Wall};
 use crate::scatter::gmres::{self, Outcome};
+use crate::scatter::grid::Grid;
 use crate::scatter::hierarchy::{Hierarchy, Tree};
 use crate::scatter::near::Near;
-use crate::scatter::radiation::Radiation;
+use crate::scatter::radiation::{CLEAR, Radiation};
 use crate::scatter::sphere::Sound;
 
 /// Residual at which solving ends, relative to the right side.
@@ -59,6 +61,8 @@ pub struct Boundary {
     wall: Wall,
     mesh: Mesh,
     facets: Vec<Facet>,
+    /// Finds triangles near a point.
+    grid: Grid,
     /// Vertices in the sequence of the matrix.
     order: Vec<u32>,
     matrix: Hierarchy,
@@ -118,7 +122,8 @@ impl Boundary {
         };
         let leaves: Vec<_> = tree.leaves().collect();
         let inverses = leaves.into_par_iter().map(inverse).collect();
-        Ok(Self { wall, mesh: mesh.clone(), facets, order: tree.order, matrix, near, inverses })
+        let grid = Grid::new(&facets, CLEAR);
+        Ok(Self { wall, mesh: mesh.clone(), facets, grid, order: tree.order, matrix, near, inverses })
     }
 
     pub fn mesh(&self) -> &Mesh {
@@ -199,13 +204,35 @@ impl Boundary {
 
     /// Scattered pressures (Pa) of nodes' pressures at points (m) outside, in f32.
     pub fn scattered(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {
-        Radiation::new(self.wall, &self.facets, nodal).pressures(points)
+        self.radiation(nodal).pressures(points)
+    }
+
+    /// The same with gradients (Pa/m).
+    #[doc(hidden)]
+    pub fn sounds(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
+        self.radiation(nodal).sounds(points)
+    }
+
+    /// The sources of both as plain data; [`Self::corrections`] adds what they lack near the surface.
+    #[doc(hidden)]
+    pub fn emission(&self, nodal: &[Complex64]) -> Emission {
+        self.radiation(nodal).emission()
+    }
+
+    /// What the sums of [`Self::emission`] lack at points (m) near the surface.
+    #[doc(hidden)]
+    pub fn corrections(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
+        self.radiation(nodal).corrections(points)
     }
 
     /// Scattered sound of nodes' pressures at points (m) outside, in f64.
     pub fn sound(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
-        let radiation = Radiation::new(self.wall, &self.facets, nodal);
+        let radiation = self.radiation(nodal);
         points.par_iter().map(|at| radiation.sound(*at)).collect()
+    }
+
+    fn radiation(&self, nodal: &[Complex64]) -> Radiation<'_> {
+        Radiation::new(self.wall, &self.facets, &self.grid, nodal)
     }
 
     /// The weights of the nodes' pressures in the scattered pressure at a point (m) outside, and in its slopes along the

@@ -22,6 +22,7 @@ mod reference;
 #[path = "../../../tests/requirement/mod.rs"]
 mod requirement;
 mod response;
+mod scattered;
 mod side_lobe;
 mod skin;
 mod space;
