@@ -174,18 +174,27 @@ impl Bodies {
         self.heard(answer, points, None)
     }
 
+    /// The same, in f32 far from surfaces.
+    pub fn sounds_in_f32(&self, answer: &Answer, points: &[DVec3]) -> Vec<Sound> {
+        self.heard_by(answer, points, None, false)
+    }
+
     /// The same without the direct sound of one of them.
     fn heard(&self, answer: &Answer, points: &[DVec3], but: Option<usize>) -> Vec<Sound> {
+        self.heard_by(answer, points, but, true)
+    }
+
+    fn heard_by(&self, answer: &Answer, points: &[DVec3], but: Option<usize>, double: bool) -> Vec<Sound> {
         let mut sums = vec![(Complex64::ZERO, [Complex64::ZERO; 3]); points.len()];
         for (index, (solid, own)) in self.solids.iter().zip(answer).enumerate() {
             if but != Some(index) {
-                let direct = solid.sounds(own, points);
+                let direct = solid.sounds(own, points, double);
                 sums.iter_mut().zip(direct).for_each(|(sum, own)| add(sum, own, 1.0));
             }
             for mirror in &self.mirrors {
                 let normal = mirror.normal.normalize_or_zero();
                 let there: Vec<_> = points.iter().map(|at| seen(mirror, *at)).collect();
-                for (sum, (p, gradient)) in sums.iter_mut().zip(solid.sounds(own, &there)) {
+                for (sum, (p, gradient)) in sums.iter_mut().zip(solid.sounds(own, &there, double)) {
                     let turned = along(gradient, normal) * 2.0;
                     let gradient = [0, 1, 2].map(|axis| gradient[axis] - turned * normal[axis]);
                     add(sum, (p, gradient), mirror.coefficient);
@@ -315,7 +324,7 @@ impl Solid {
         let own = self.own(at);
         match &self.surface {
             Surface::Series(sphere) => own.length() < sphere.radius(),
-            Surface::Elements(boundary) => boundary.mesh().contains(own),
+            Surface::Elements(boundary) => boundary.contains(own),
         }
     }
 
@@ -348,11 +357,12 @@ impl Solid {
         }
     }
 
-    fn sounds(&self, own: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
+    fn sounds(&self, own: &[Complex64], points: &[DVec3], double: bool) -> Vec<Sound> {
         let points: Vec<_> = points.iter().map(|at| self.own(*at)).collect();
         let sounds: Vec<_> = match &self.surface {
             Surface::Series(sphere) => points.par_iter().map(|at| sphere.scattered(own, *at)).collect(),
-            Surface::Elements(boundary) => boundary.sound(own, &points),
+            Surface::Elements(boundary) if double => boundary.sound(own, &points),
+            Surface::Elements(boundary) => boundary.sounds(own, &points),
         };
         sounds.into_iter().map(|(p, gradient)| (p, self.turned(gradient))).collect()
     }

@@ -63,6 +63,7 @@ pub struct Boundary {
     facets: Vec<Facet>,
     /// Finds triangles near a point.
     grid: Grid,
+    inside: Inside,
     /// Vertices in the sequence of the matrix.
     order: Vec<u32>,
     matrix: Hierarchy,
@@ -123,11 +124,17 @@ impl Boundary {
         let leaves: Vec<_> = tree.leaves().collect();
         let inverses = leaves.into_par_iter().map(inverse).collect();
         let grid = Grid::new(&facets, CLEAR);
-        Ok(Self { wall, mesh: mesh.clone(), facets, grid, order: tree.order, matrix, near, inverses })
+        let inside = Inside::new(mesh);
+        Ok(Self { wall, mesh: mesh.clone(), facets, grid, inside, order: tree.order, matrix, near, inverses })
     }
 
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    /// Whether a point (m) is inside.
+    pub fn contains(&self, at: DVec3) -> bool {
+        self.inside.contains(at)
     }
 
     /// Bytes of the matrix.
@@ -272,11 +279,10 @@ impl Boundary {
     /// would cancel the incident sound: of all parts of the surface, a few hundred at most.
     pub fn inner_points(&self) -> Vec<DVec3> {
         let step = self.facets.len().div_ceil(MOST_INNER);
-        let inside = Inside::new(&self.mesh);
         let point = |facet: &Facet| {
             // The radius of an equilateral triangle is its edge by √3.
             let at = facet.centroid - facet.normal * (0.4 * 3.0f64.sqrt() * facet.radius);
-            inside.contains(at).then_some(at)
+            self.contains(at).then_some(at)
         };
         let facets: Vec<_> = self.facets.iter().step_by(step).collect();
         facets.par_iter().filter_map(|facet| point(facet)).collect()

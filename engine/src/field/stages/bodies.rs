@@ -44,7 +44,10 @@ pub(super) fn add(job: &Job<'_>, drive: usize, (raster, rows): (&Raster, Range<u
         if job.key.parts == PRESSURE && !double {
             return vec![bodies.pressures(&answer, points).into_iter().map(narrow).collect()];
         }
-        let sounds = bodies.sounds(&answer, points);
+        let sounds = match double {
+            true => bodies.sounds(&answer, points),
+            false => bodies.sounds_in_f32(&answer, points),
+        };
         let of = |part: &Part| {
             let value = |(p, [x, y, z]): &(_, [_; 3])| {
                 let along = |axis: usize| {
