@@ -70,7 +70,7 @@ fn sums_of_cpu_and_gpu_are_those_of_f64_near_and_far() {
             assert!(error < AGREEMENT, "{name}: CPU {error:.1e}");
             let Some(gpu) = &gpu else { continue };
             let near = body.corrections(&nodal, &points);
-            let sums = gpu.scattered(&[&body.emission(&nodal)], &points).unwrap();
+            let sums = gpu.scattered(&[body.emission(&nodal)], &points).unwrap();
             let error = off(sums.iter().zip(&near).map(|(p, near)| wide(p) + near.0), &expected);
             println!("{name} {distances:?}: GPU {error:.2e}");
             assert!(error < AGREEMENT, "{name}: GPU {error:.1e}");
@@ -112,7 +112,6 @@ fn work_cut_for_any_adapter_gives_the_same_sums() {
     let mut dice = Dice::seeded(65);
     let emissions: Vec<_> =
         bodies().map(|(_, body)| body.emission(&random(&mut dice, body.mesh().vertices.len()))).collect();
-    let emissions: Vec<_> = emissions.iter().collect();
     let points: Vec<_> = (0..1000).map(|n| dvec3(0.0, 0.02 + 1e-4 * f64::from(n), 0.01)).collect();
     let sum =
         |gpu: &Gpu| -> Vec<_> { gpu.scattered(&emissions, &points).unwrap().iter().map(wide).collect() };
