@@ -125,3 +125,16 @@ fn work_cut_for_any_adapter_gives_the_same_sums() {
     let error = off(sum(&gpu.with_small_buffers(1 << 12)), &expected);
     assert!(error < AGREEMENT, "small buffers: {error:.1e}");
 }
+
+#[test]
+fn several_drives_together_are_those_alone() {
+    let mut dice = Dice::seeded(66);
+    let (_, body) = bodies().nth(1).unwrap();
+    let nodals: Vec<_> = (0..6).map(|_| random(&mut dice, body.mesh().vertices.len())).collect();
+    let points = around(&mut dice, body.mesh(), 100, [1e-4, 0.1]);
+    let nodals: Vec<_> = nodals.iter().map(Vec::as_slice).collect();
+    for (together, nodal) in body.scattered_by_all(&nodals, &points).into_iter().zip(nodals) {
+        let error = off(together, &body.scattered(nodal, &points));
+        assert!(error < 1e-12, "{error:.1e}");
+    }
+}
