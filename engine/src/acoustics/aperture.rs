@@ -9,6 +9,7 @@ use crate::acoustics::air::Air;
 use crate::acoustics::element::Element;
 use crate::acoustics::face;
 use crate::acoustics::face::{Face, Layout, Pose};
+use crate::acoustics::scattering::Scattering;
 use crate::scene::{Reflector, Scene};
 
 /// The array as a radiator: boards of equal elements at known positions, the driven ones, and their images in
@@ -30,6 +31,9 @@ pub struct Aperture {
     pub remainder: f64,
     /// The reflectors, behind which there is no sound.
     pub mirrors: Vec<Reflector>,
+    /// The bodies that scatter its sound.
+    #[doc(hidden)]
+    pub bodies: Scattering,
 }
 
 impl Aperture {
@@ -70,6 +74,7 @@ impl Aperture {
         let (images, remainder) = face::images(&faces, &mirrors, &standing, array.reflectivity);
         faces.extend(images);
         let all = || poses.iter().flat_map(|pose| placed.iter().map(move |it| (pose, it)));
+        let bodies = Scattering::new(&scene.bodies, element, &faces, &mirrors);
         Self {
             element,
             positions: all().map(|(pose, it)| pose.world(it.at)).collect(),
@@ -79,6 +84,7 @@ impl Aperture {
             faces,
             remainder,
             mirrors,
+            bodies,
         }
     }
 
@@ -92,6 +98,7 @@ impl Aperture {
             positions,
             remainder: 0.0,
             mirrors: Vec::new(),
+            bodies: Scattering::default(),
             ..*self
         }
     }
@@ -121,8 +128,9 @@ impl Aperture {
     pub(crate) fn incident_on(&self, mirror: &Reflector) -> Self {
         let heard = self.faces.iter().filter(|face| mirror.height(face.pose.world(DVec3::ZERO)) > 0.0);
         let gain = f64::midpoint(1.0, mirror.coefficient);
-        let faces = heard.map(|face| Face { gain: gain * face.gain, ..face.clone() }).collect();
-        Self { faces, ..self.clone() }
+        let faces: Vec<_> = heard.map(|face| Face { gain: gain * face.gain, ..face.clone() }).collect();
+        let bodies = Scattering::new(self.bodies.of(), self.element, &faces, &self.mirrors);
+        Self { faces, bodies, ..self.clone() }
     }
 
     /// m: the farthest element from the middle of its board, along x and along y of the board.

@@ -28,7 +28,9 @@ mod partial;
 #[doc(hidden)]
 pub mod response;
 mod row;
+mod scattering;
 mod slopes;
+mod total;
 mod transfer;
 
 pub use air::{Air, absorption, viscosity};
@@ -47,5 +49,7 @@ pub(crate) use jacobian::PhaseJacobian;
 #[doc(hidden)]
 pub use partial::PartialWaves;
 pub(crate) use partial::{Coupling, MOST as MOST_ORDER, couplings};
+#[doc(hidden)]
+pub use scattering::Scattering;
 pub use transfer::Transfer;
 pub(crate) use transfer::{Phasors, Sums};

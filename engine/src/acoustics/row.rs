@@ -231,18 +231,15 @@ pub struct Rows<'a> {
 }
 
 impl Aperture {
-    /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; including reflections.
-    pub fn transfer(&self, points: &[DVec3]) -> Transfer {
+    /// H without bodies.
+    pub(super) fn transfer_of_elements(&self, points: &[DVec3]) -> Transfer {
         let mut transfer = Transfer::zeros(points.len(), self.driven.len());
         Rows::new(self).fill(points, &mut transfer);
         transfer
     }
 
-    /// [`Transfer::in_turn`] at many points, without room for their transfer.
-    ///
-    /// # Panics
-    /// Other than a value per driven element and drive.
-    pub fn pressures(&self, points: &[DVec3], drives: &[Complex64]) -> Vec<Complex64> {
+    /// [`Aperture::pressures`] without bodies.
+    pub(super) fn pressures_of_elements(&self, points: &[DVec3], drives: &[Complex64]) -> Vec<Complex64> {
         /// Points per task of a thread.
         const TASK: usize = 128;
         /// Rows of some hundred elements that stay in the nearest cache, with their drive.

@@ -8,7 +8,7 @@ use num_complex::Complex64;
 
 use crate::acoustics::element::NEAREST;
 use crate::acoustics::emitters::{Emitters, Waves};
-use crate::acoustics::{aperture::Aperture, partial::PartialWaves, transfer::Transfer};
+use crate::acoustics::{aperture::Aperture, transfer::Transfer};
 
 /// Positions (steps) and weights (per step) of differences: relative error (kh)⁴/30.
 const STENCIL: [(f64, f64); 4] =
@@ -17,9 +17,8 @@ const STENCIL: [(f64, f64); 4] =
 const HAIR: f64 = 3e-4;
 
 impl Aperture {
-    /// The rows of [`Aperture::transfer`] and of its slopes along `directions` (unit vectors), Pa/m, in sequence for
-    /// every point. Slopes in an element's plane are those just above.
-    pub(crate) fn transfer_with_slopes(&self, points: &[DVec3], directions: &[DVec3]) -> Transfer {
+    /// [`Aperture::transfer_with_slopes`] without bodies.
+    pub(super) fn slopes_of_elements(&self, points: &[DVec3], directions: &[DVec3]) -> Transfer {
         let rows = 1 + directions.len();
         let mut transfer = Transfer::zeros(points.len() * rows, self.driven.len());
         let mut waves = Waves::default();
@@ -63,8 +62,8 @@ impl Aperture {
         transfer
     }
 
-    /// Pressures (Pa) of a drive at points, and their slopes along the scene's axes (Pa/m).
-    fn pressures_with_slopes(&self, points: &[DVec3], drive: &[Complex64]) -> [Vec<Complex64>; 4] {
+    /// Pressures (Pa) of a drive at points, and their slopes along the scene's axes (Pa/m), without bodies.
+    pub(super) fn pressures_with_slopes(&self, points: &[DVec3], drive: &[Complex64]) -> [Vec<Complex64>; 4] {
         let emitters = Emitters::new(self, drive);
         let sums: Option<Vec<_>> = points.iter().map(|&point| emitters.sum(point)).collect();
         if let Some(sums) = sums {
@@ -76,27 +75,13 @@ impl Aperture {
             let mut slopes = vec![Complex64::ZERO; points.len()];
             for (at, weight) in STENCIL {
                 let beside: Vec<_> = points.iter().map(|point| *point + axis * (at * step)).collect();
-                let pressures = self.pressures(&beside, drive);
+                let pressures = self.pressures_of_elements(&beside, drive);
                 slopes.iter_mut().zip(pressures).for_each(|(slope, p)| *slope += p * (weight / step));
             }
             slopes
         };
         let [x, y, z] = DVec3::AXES.map(along);
-        [self.pressures(points, drive), x, y, z]
-    }
-
-    /// The partial waves of a drive up to an order, from the sphere of a radius about a point (m), and those of its slopes
-    /// along the scene's axes: also of sound that does not quite obey the wave equation.
-    pub(crate) fn waves_with_slopes(
-        &self,
-        order: usize,
-        shell: (DVec3, f64),
-        drive: &[Complex64],
-    ) -> (PartialWaves, [PartialWaves; 3]) {
-        let all = self.pressures_with_slopes(&PartialWaves::points(order, shell), drive);
-        let [waves, x, y, z] =
-            all.map(|values| PartialWaves::new(order, self.element.wavenumber, shell, |_| values));
-        (waves, [x, y, z])
+        [self.pressures_of_elements(points, drive), x, y, z]
     }
 
     /// The wave of an exact piston and its slopes along directions.

@@ -72,7 +72,11 @@ pub fn unchecked(
 ) -> Result<Vec<Complex32>, GpuError> {
     let faces = gpu.and_then(|_| Sources::of_faces(aperture, drive, samples));
     match (gpu, faces.filter(|faces| faces.iter().all(Sources::has_no_sample_beside_rims))) {
-        (Some(gpu), Some(faces)) => gpu.pressure(&faces),
+        (Some(gpu), Some(faces)) => {
+            let mut field = gpu.pressure(&faces)?;
+            add_scattered(aperture, drive, samples, false, &mut field);
+            Ok(field)
+        }
         (_, _) => Ok(on_cpu(aperture, drive, samples, false)),
     }
 }
@@ -92,8 +96,8 @@ pub fn is_exact(aperture: &Aperture, drive: &Drive, samples: &Samples, field: &[
 /// Complex pressure (Pa, peak) at every sample by the CPU, in f64 if `double` or where f32 declines.
 pub fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: bool) -> Vec<Complex32> {
     let in_f64 =
-        |samples: &Samples| reference::pressure(aperture, drive, samples).into_iter().map(sound::narrow);
-    match Sources::of_faces(aperture, drive, samples) {
+        |samples: &Samples| reference::of_elements(aperture, drive, samples).into_iter().map(sound::narrow);
+    let mut field = match Sources::of_faces(aperture, drive, samples) {
         Some(faces) if !double => {
             let mut field = cpu::pressure(&faces, samples.len());
             let mut beside: Vec<_> = faces.iter().flat_map(Sources::beside_rims).collect();
@@ -106,7 +110,30 @@ pub fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: boo
             field
         }
         _ => in_f64(samples).collect(),
-    }
+    };
+    add_scattered(aperture, drive, samples, double, &mut field);
+    field
+}
+
+/// Adds what bodies scatter; within them nothing is a number.
+fn add_scattered(
+    aperture: &Aperture,
+    drive: &Drive,
+    samples: &Samples,
+    double: bool,
+    field: &mut [Complex32],
+) {
+    let Some((bodies, answer)) = aperture.answer(&drive.excitation(&aperture.driven)) else { return };
+    let points: Vec<_> = (0..samples.len()).map(|index| samples.point(index)).collect();
+    let scattered: Vec<_> = match double {
+        true => bodies.sounds(&answer, &points).into_iter().map(|(p, _)| p).collect(),
+        false => bodies.pressures(&answer, &points),
+    };
+    let all = field.par_iter_mut().zip(&points).zip(scattered);
+    all.for_each(|((sum, at), p)| match bodies.contains(*at) {
+        true => *sum = Complex32::new(f32::NAN, f32::NAN),
+        false => *sum += sound::narrow(p),
+    });
 }
 
 /// The largest |p| of a field, Pa.

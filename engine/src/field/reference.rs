@@ -9,8 +9,19 @@ use crate::drive::Drive;
 use crate::field::samples::Samples;
 use crate::gauge::Gauge;
 
-/// Complex pressure (Pa, peak) at every sample.
+/// Complex pressure (Pa, peak) at every sample; within bodies not a number.
 pub fn pressure(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Vec<Complex64> {
+    let mut field = of_elements(aperture, drive, samples);
+    if !aperture.bodies.is_empty() {
+        let points: Vec<_> = (0..samples.len()).map(|index| samples.point(index)).collect();
+        let scattered = aperture.scattered((&points, &[]), &drive.excitation(&aperture.driven));
+        field.iter_mut().zip(scattered.unwrap_or_default()).for_each(|(sum, p)| *sum += p);
+    }
+    field
+}
+
+/// The same without bodies.
+pub(crate) fn of_elements(aperture: &Aperture, drive: &Drive, samples: &Samples) -> Vec<Complex64> {
     let excitation = drive.excitation(&aperture.driven);
     let counter = Gauge::current().count(samples.len());
     let of_face = |face: &Face, point: DVec3| {

@@ -99,19 +99,35 @@ fn direction(part: Part, [x, y, normal]: [DVec3; 3]) -> Option<DVec3> {
 #[derive(Clone, Debug)]
 pub struct SoundTransfer {
     parts: u8,
-    /// Transfer of the pressure at each point and, if any part is one, of the slopes among the parts.
+    /// Transfer of the pressure at each point and, if any part is one, of the slopes among the parts; from the elements.
     transfer: Transfer,
+    /// What bodies scatter to the points, if there are any.
+    scattered: Option<Scattered>,
+}
+
+/// Points that bodies scatter to, and the directions of the slopes that are needed.
+#[derive(Clone, Debug)]
+struct Scattered {
+    aperture: Aperture,
+    points: Vec<DVec3>,
+    directions: Vec<DVec3>,
 }
 
 impl SoundTransfer {
     /// The transfer of these parts of the sound, along a plane's axes and its normal.
     pub fn new(aperture: &Aperture, parts: u8, axes: [DVec3; 3], points: &[DVec3]) -> Self {
         let directions: Vec<_> = Part::of(parts).filter_map(|part| direction(part, axes)).collect();
+        let elements = aperture.without_bodies();
         let transfer = match directions[..] {
-            [] => aperture.transfer(points),
-            _ => aperture.transfer_with_slopes(points, &directions),
+            [] => elements.transfer(points),
+            _ => elements.transfer_with_slopes(points, &directions),
         };
-        Self { parts, transfer }
+        let scattered = (!aperture.bodies.is_empty()).then(|| Scattered {
+            aperture: aperture.clone(),
+            points: points.to_vec(),
+            directions,
+        });
+        Self { parts, transfer, scattered }
     }
 
     /// The mean of a quantity's formula at every point over the drives with these excitations.
@@ -182,7 +198,13 @@ impl SoundTransfer {
             slopes.iter().zip(&values[1..]).for_each(|(&part, &slope)| *sound.part_mut(part) = slope);
             sound
         };
-        self.transfer.pressure(excitation).chunks_exact(1 + slopes.len()).map(sound).collect()
+        let mut values = self.transfer.pressure(excitation);
+        if let Some(Scattered { aperture, points, directions }) = &self.scattered
+            && let Some(scattered) = aperture.scattered((points, directions), excitation)
+        {
+            values.iter_mut().zip(scattered).for_each(|(sum, value)| *sum += value);
+        }
+        values.chunks_exact(1 + slopes.len()).map(sound).collect()
     }
 }
 

@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::memory;
-use crate::mesh::Mesh;
+use crate::mesh::{Inside, Mesh};
 use crate::scatter::emission::Emission;
 use crate::scatter::facets::{Facet, THREE, Wall};
 use crate::scatter::gmres::{self, Outcome};
@@ -63,6 +63,7 @@ pub struct Boundary {
     facets: Vec<Facet>,
     /// Finds triangles near a point.
     grid: Grid,
+    inside: Inside,
     /// Vertices in the sequence of the matrix.
     order: Vec<u32>,
     matrix: Hierarchy,
@@ -123,11 +124,17 @@ impl Boundary {
         let leaves: Vec<_> = tree.leaves().collect();
         let inverses = leaves.into_par_iter().map(inverse).collect();
         let grid = Grid::new(&facets, CLEAR);
-        Ok(Self { wall, mesh: mesh.clone(), facets, grid, order: tree.order, matrix, near, inverses })
+        let inside = Inside::new(mesh);
+        Ok(Self { wall, mesh: mesh.clone(), facets, grid, inside, order: tree.order, matrix, near, inverses })
     }
 
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    /// Whether a point (m) is inside.
+    pub fn contains(&self, at: DVec3) -> bool {
+        self.inside.contains(at)
     }
 
     /// Bytes of the matrix.
@@ -242,8 +249,9 @@ impl Boundary {
         Radiation::new(self.wall, &self.facets, &self.grid, nodal)
     }
 
-    /// The weights of the nodes' pressures in the scattered pressure at a point (m) outside.
-    pub fn weights(&self, at: DVec3) -> Vec<Complex64> {
+    /// The weights of the nodes' pressures in the scattered pressure at a point (m) outside, and in its slopes along the
+    /// axes.
+    pub fn weights(&self, at: DVec3) -> Vec<[Complex64; 4]> {
         Radiation::weights(self.wall, &self.facets, self.mesh.vertices.len(), at)
     }
 
@@ -281,7 +289,7 @@ impl Boundary {
         let point = |facet: &Facet| {
             // The radius of an equilateral triangle is its edge by √3.
             let at = facet.centroid - facet.normal * (0.4 * 3.0f64.sqrt() * facet.radius);
-            self.mesh.contains(at).then_some(at)
+            self.contains(at).then_some(at)
         };
         let facets: Vec<_> = self.facets.iter().step_by(step).collect();
         facets.par_iter().filter_map(|facet| point(facet)).collect()
@@ -541,7 +549,7 @@ mod tests {
         let rights = [one, other].map(|source| right_side(&boundary, &from(source)));
         let [p, _] = &boundary.solve(&rights, None, 1e-8)[..] else { panic!() };
         // By the adjoint: weights of the incident sound in the pressure at the other point, exactly those of the matrix.
-        let weights = boundary.weights(other);
+        let weights: Vec<_> = boundary.weights(other).into_iter().map(|[p, ..]| p).collect();
         let q = boundary.solve_transposed(&[weights.clone()], None, 1e-8).remove(0);
         let product =
             |a: &[Complex64], b: &[Complex64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<Complex64>();

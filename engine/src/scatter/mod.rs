@@ -34,6 +34,7 @@
 //! # }
 //! ```
 
+mod bodies;
 mod boundary;
 mod emission;
 mod facets;
@@ -46,6 +47,7 @@ mod radiation;
 mod sphere;
 mod waves;
 
+pub use bodies::{Answer, Bodies, Incident, Skin};
 pub use boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
 #[doc(hidden)]
 pub use emission::Emission;

@@ -117,14 +117,16 @@ impl<'a> Radiation<'a> {
         sum
     }
 
-    /// The weight of every node's pressure in the pressure at a point, by the same rules.
-    pub fn weights(wall: Wall, facets: &[Facet], nodes: usize, at: DVec3) -> Vec<Complex64> {
-        let mut weights = vec![Complex64::ZERO; nodes];
+    /// The weight of every node's pressure in the pressure at a point, and in its slopes along the axes, by the same rules.
+    pub fn weights(wall: Wall, facets: &[Facet], nodes: usize, at: DVec3) -> Vec<[Complex64; 4]> {
+        let mut weights = vec![[Complex64::ZERO; 4]; nodes];
         for facet in facets {
             for corner in 0..3 {
                 let mut unit = [Complex64::ZERO; 3];
                 unit[corner] = Complex64::ONE;
-                weights[facet.nodes[corner] as usize] += of_facet(&wall, facet, unit, at).0;
+                let (p, [x, y, z]) = of_facet(&wall, facet, unit, at);
+                let to = &mut weights[facet.nodes[corner] as usize];
+                to.iter_mut().zip([p, x, y, z]).for_each(|(sum, weight)| *sum += weight);
             }
         }
         weights

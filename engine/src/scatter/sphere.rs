@@ -66,6 +66,11 @@ impl Sphere {
         Self { centre, radius, wavenumber, scattered, surface }
     }
 
+    /// m
+    pub fn radius(&self) -> f64 {
+        self.radius
+    }
+
     pub fn order(&self) -> usize {
         self.scattered.len() - 1
     }
@@ -146,19 +151,48 @@ impl Sphere {
     /// Scattered sound at a point (m) outside.
     pub fn scattered(&self, coefficients: &[Complex64], at: DVec3) -> Sound {
         let way = at - self.centre;
-        let (r, order) = (way.length(), self.order());
-        let x = self.wavenumber * r;
+        let r = way.length();
+        self.sum(coefficients, way / r, r, self.radial(r))
+    }
+
+    /// The weights of the coefficients in the scattered pressure at a point (m) outside, and in its slopes along the axes.
+    pub fn weights(&self, at: DVec3) -> Vec<[Complex64; 4]> {
+        let way = at - self.centre;
+        let (r, direction) = (way.length(), way.normalize_or(DVec3::Z));
+        let (harmonics, slopes) = harmonics(self.order(), direction);
+        let mut weights = Vec::with_capacity(harmonics.len());
+        for [value, slope] in self.radial(r) {
+            let (first, degrees) = (weights.len(), 2 * weights.len().isqrt() + 1);
+            let own = first..first + degrees;
+            weights.extend(harmonics[own.clone()].iter().zip(&slopes[own]).map(|(y, along)| {
+                let gradient =
+                    [0, 1, 2].map(|axis| slope * (y * direction[axis]) + value * (along[axis] / r));
+                [value * y, gradient[0], gradient[1], gradient[2]]
+            }));
+        }
+        weights.resize(harmonics.len(), [Complex64::ZERO; 4]);
+        weights
+    }
+
+    /// The outgoing wave of every order at a radius (m) and its slope, as far as the range of f64 goes.
+    fn radial(&self, r: f64) -> impl Iterator<Item = [Complex64; 2]> {
+        let (order, x) = (self.order(), self.wavenumber * r);
         let (j, y) = (bessel::spherical(order + 1, x), bessel::spherical_second(order + 1, x));
-        let hankel = |n: usize| Complex64::new(j[n], -y[n]);
-        self.sum(coefficients, way / r, r, |n| {
+        let hankel = move |n: usize| Complex64::new(j[n], -y[n]);
+        let own = move |n: usize| {
             let s = self.scattered[n];
             [s * hankel(n), s * (hankel(n) * (n as f64 / x) - hankel(n + 1)) * self.wavenumber]
+        };
+        // Beyond it the waves of an order are without weight.
+        (0..=order).map(own).take_while(|[value, slope]| {
+            [value.re, value.im, slope.re, slope.im].iter().all(|part| part.is_finite())
         })
     }
 
     /// The total pressure (Pa) on the surface in a direction (a unit vector) from the centre.
     pub fn on_surface(&self, coefficients: &[Complex64], direction: DVec3) -> Complex64 {
-        self.sum(coefficients, direction, self.radius, |n| [self.surface[n], Complex64::ZERO]).0
+        let radial = self.surface.iter().map(|value| [*value, Complex64::ZERO]);
+        self.sum(coefficients, direction, self.radius, radial).0
     }
 
     /// The sum of harmonics with a factor and its radial slope (1/m) for each order.
@@ -167,16 +201,11 @@ impl Sphere {
         coefficients: &[Complex64],
         direction: DVec3,
         r: f64,
-        radial: impl Fn(usize) -> [Complex64; 2],
+        radial: impl Iterator<Item = [Complex64; 2]>,
     ) -> Sound {
         let (harmonics, slopes) = harmonics(self.order(), direction);
         let (mut p, mut gradient) = (Complex64::ZERO, [Complex64::ZERO; 3]);
-        for n in 0..=self.order() {
-            let [value, slope] = radial(n);
-            // Beyond the range of f64 the waves of an order are without weight.
-            if !(value.re.is_finite() && value.im.is_finite()) {
-                break;
-            }
+        for (n, [value, slope]) in radial.enumerate() {
             let degrees = n * n..(n + 1) * (n + 1);
             for ((a, y), along) in
                 coefficients[degrees.clone()].iter().zip(&harmonics[degrees.clone()]).zip(&slopes[degrees])

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod bodies;
 mod caustic;
 mod depression;
 #[path = "../../../tests/dice/mod.rs"]

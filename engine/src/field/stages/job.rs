@@ -20,6 +20,8 @@ pub(super) struct Job<'a> {
     /// The pixels that do not count for the peak.
     pub(super) left_out: &'a LeftOut,
     pub(super) probes: &'a Probes,
+    /// The pixels within bodies, ascending.
+    pub(super) within: &'a [usize],
     /// Excitations u of every element, for each drive that counts.
     pub(super) excitations: &'a Arc<Vec<Vec<Complex64>>>,
 }

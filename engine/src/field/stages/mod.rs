@@ -26,6 +26,7 @@
 //! *Liquids.* The pressure at the cells becomes a depth ([`Tank`]), in f64 on the CPU. A moving surface is a
 //! request with the depth of every cell and uses the same later stages.
 
+mod bodies;
 mod caustic;
 mod depression;
 mod force;
@@ -110,7 +111,7 @@ struct Ground {
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
     /// The request of the last refinement, so that maps do not depend on history.
     refined: Option<Request>,
-    frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes)>>,
+    frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes, Vec<usize>)>>,
     /// Excitations of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
     work: Work,
@@ -157,13 +158,14 @@ impl Ground {
             *made = Frame::new(key, site, request.size).map(|frame| {
                 let left_out = frame.left_out(&key.setting.aperture);
                 let probes = Probes::new(key, site, (request.size, &left_out), is_pressed);
-                (frame, left_out, probes)
+                let within = frame.within(&key.setting.aperture);
+                (frame, left_out, probes, within)
             });
         });
-        let (frame, left_out, probes) = frame.as_ref().ok_or(FieldError::NoPlane)?;
+        let (frame, left_out, probes, within) = frame.as_ref().ok_or(FieldError::NoPlane)?;
         let sounding = (request.counted(), request.aperture.driven.clone());
         let excitations = excitations.update(&sounding, |made| *made = request.excitations());
-        Ok(Job { request, key, site, frame, left_out, probes, excitations })
+        Ok(Job { request, key, site, frame, left_out, probes, within, excitations })
     }
 }
 
@@ -323,7 +325,9 @@ impl Stages {
         let (wanted, request) = (request, &Request { spread: Spread::default(), ..request.clone() });
         let job = ground.job(request, *exact, costs)?;
         let progress = match gpu {
-            Some(gpu) if declined.as_ref() != Some(request) => gpu.map(&job, wait)?,
+            Some(gpu) if declined.as_ref() != Some(request) && request.aperture.bodies.is_empty() => {
+                gpu.map(&job, wait)?
+            }
             Some(_) | None => Progress::Declined,
         };
         map.value = match progress {
@@ -570,5 +574,7 @@ impl Job<'_> {
 
 /// Whether a map is finished on the GPU: neither a vector nor a mean over arrays, whose values are made on the CPU.
 fn is_coloured_on_gpu(request: &Request) -> bool {
-    request.quantity.declaration().has_formula() && !request.is_of_many_arrays()
+    request.quantity.declaration().has_formula()
+        && !request.is_of_many_arrays()
+        && request.aperture.bodies.is_empty()
 }

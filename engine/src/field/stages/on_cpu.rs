@@ -10,6 +10,7 @@ use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::plan::F32_ERROR;
 use crate::field::quantity::{Declaration, Norm, PRESSURE, Part, Sound};
 use crate::field::slope::{SoundTransfer, part_on_cpu};
+use crate::field::stages::bodies;
 use crate::field::stages::caustic::Caustic;
 use crate::field::stages::depression::Depression;
 use crate::field::stages::job::{FormedKey, Job};
@@ -123,7 +124,7 @@ impl OnCpu {
         self.enter(job.key);
         let (width, height) = job.request.size;
         values.resize(width * height, 0.0);
-        match job.frame {
+        let made = match job.frame {
             Frame::Pixels { raster, weights: None } if double && (has_differences(job) || is_mean(job)) => {
                 self.work.superposition += 1;
                 self.work.forming += 1;
@@ -133,7 +134,9 @@ impl OnCpu {
                 self.by_pixels(job, (raster, weights.as_ref()), double, values)
             }
             Frame::Cells { to_pixels } => self.by_cells(job, to_pixels, double, values),
-        }
+        };
+        job.within.iter().for_each(|pixel| values[*pixel] = f32::NAN);
+        made
     }
 
     /// Forms values from the sound at the pixels.
@@ -247,6 +250,19 @@ impl OnCpu {
         (raster, weights): (&Raster, Option<&Weights>),
         rows: Range<usize>,
     ) {
+        self.fill_pixels_by_elements(job, drive, key, (raster, weights), rows.clone());
+        bodies::add(job, drive, (raster, rows), &mut self.at_pixels.value);
+    }
+
+    /// The same without bodies.
+    fn fill_pixels_by_elements(
+        &mut self,
+        job: &Job<'_>,
+        drive: usize,
+        key: &SampledKey,
+        (raster, weights): (&Raster, Option<&Weights>),
+        rows: Range<usize>,
+    ) {
         let parts = job.key.parts;
         let Self { superposition, samples, at_pixels, between, work, .. } = self;
         let width = raster.width;
@@ -259,7 +275,7 @@ impl OnCpu {
             let places = raster.pixel_rows(direct.clone());
             for (part, values) in Part::of(parts).zip(&mut at_pixels.value.0) {
                 let sound = part_on_cpu(
-                    &job.request.aperture,
+                    &job.request.aperture.without_bodies(),
                     &job.request.drives[drive],
                     &places,
                     part,
@@ -369,6 +385,8 @@ impl OnCpu {
                     return;
                 }
                 *cells = job.means(0..job.excitations.len(), points.len(), |cell| points.point(cell));
+                // Nothing presses on a surface within a body.
+                cells.iter_mut().filter(|cell| cell.is_nan()).for_each(|cell| *cell = 0.0);
                 return;
             };
             cells.clear();

@@ -63,10 +63,14 @@ impl Probes {
         is_pressed: bool,
     ) -> Self {
         let plane = &key.setting.plane;
+        let aperture = &key.setting.aperture;
         let (mut places, mut points) = (Vec::new(), Vec::new());
         let mut add = |place: usize, x: f64, y: f64| {
-            places.push(place);
-            points.push(plane.centre + site.axes[0] * x + site.axes[1] * y);
+            let at = plane.centre + site.axes[0] * x + site.axes[1] * y;
+            if !aperture.bodies.contains(at) {
+                places.push(place);
+                points.push(at);
+            }
         };
         match &site.cells {
             Some(filled) if is_pressed => {
@@ -95,7 +99,6 @@ impl Probes {
                 }
             }
         }
-        let aperture = &key.setting.aperture;
         let sound = SoundTransfer::new(aperture, key.parts, site.axes, &points);
         let counts = places.iter().map(|&place| !left_out.contains(place)).collect();
         Self { places, counts, farthest: farthest(aperture, plane), sound }

@@ -68,7 +68,7 @@ impl Superposition {
     ) -> Vec<Vec<Complex32>> {
         let Self { pressure, normal, work } = self;
         work.superposition += 1;
-        let aperture = &job.request.aperture;
+        let aperture = &job.request.aperture.without_bodies();
         let played = &job.request.counted()[drives.clone()];
         let gauge = Gauge::current();
         let each = |(index, drive): (usize, &Drive)| {
@@ -82,7 +82,8 @@ impl Superposition {
             Part::Pressure | Part::AlongX | Part::AlongY => (pressure, None),
             Part::Normal => (normal, Some(job.site.axes[2])),
         };
-        let key = TableKey { aperture: job.key.setting.aperture.clone(), grid: grid.clone(), direction };
+        let key =
+            TableKey { aperture: job.key.setting.aperture.without_bodies(), grid: grid.clone(), direction };
         let tables = kept.update(&key, |tables| {
             let old = std::mem::take(tables);
             if key.fits() {

@@ -15,6 +15,7 @@ use crate::field::interpolation::Resampling;
 use crate::field::plan::{Costs, Grid};
 use crate::field::quantity::{ALONG, NORMAL, Norm, PRESSURE, Part};
 use crate::field::slope::FINEST_IN_F32;
+use crate::field::stages::bodies;
 use crate::field::stages::request::{FieldError, Request, Setting};
 use crate::field::vicinity::{LeftOut, Vicinity};
 use crate::field::{plan::Plan, raster::Raster};
@@ -112,6 +113,12 @@ impl SiteKey {
         let is_direct = exact || request.plane.tolerance == 0.0;
         let is_sum = request.drives.len() > 1 || declaration.parts.count_ones() > 1;
         let by_cells = declaration.is_square && (declaration.is_pressed() || (is_sum && !is_direct));
+        // Squares cannot be interpolated across the surfaces of bodies.
+        let is_open = request.aperture.bodies.is_empty();
+        if by_cells && !is_open && declaration.is_pressed() {
+            return Self::by_cells(request, exact).direct();
+        }
+        let by_cells = by_cells && is_open;
         if by_cells { Self::by_cells(request, exact) } else { Self::by_pixels(request, exact) }
     }
 
@@ -239,6 +246,14 @@ impl Frame {
         let weights =
             grid.map(|grid| Weights::new(grid, key.parts, [&mut (0..width).map(column), &mut rows.map(row)]));
         Some(Self::Pixels { raster, weights })
+    }
+
+    /// The pixels within bodies.
+    pub(super) fn within(&self, aperture: &Aperture) -> Vec<usize> {
+        match self {
+            Self::Pixels { raster, .. } => bodies::within(aperture, raster),
+            Self::Cells { .. } => Vec::new(),
+        }
     }
 
     /// The pixels that do not count for the peak; cells are farther than a wavelength from all elements.

@@ -1,0 +1,184 @@
+//! The sound that bodies scatter, at the pixels of a map.
+//!
+//! At a surface the formula of scattered sound jumps, so it cannot pass through the window of the samples. It is
+//! evaluated at the nodes of a finer lattice, and polynomials through six by six nodes give the pixels between them. A
+//! pixel with a node of its own within a body is evaluated for itself.
+
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+use glam::DVec3;
+use num_complex::Complex32;
+use rayon::prelude::*;
+
+use crate::acoustics::Aperture;
+use crate::field::interpolation::{Between, Resampling, interpolate};
+use crate::field::quantity::{PRESSURE, Part};
+use crate::field::raster::Raster;
+use crate::field::sound::narrow;
+use crate::field::stages::job::Job;
+use crate::field::stages::lattice::Lattice;
+
+/// Nodes along each side of a polynomial.
+const TAPS: usize = 6;
+/// The error of a polynomial through so many nodes for e^{jkx}, over (kh)^6: the product of the distances to the nodes
+/// by 6!, along both axes.
+const OF_POLYNOMIALS: f64 = 2.0 * 3.52 / 720.0;
+/// The scattered sound's part of the tolerance.
+const SHARE: f64 = 0.25;
+
+/// The pixels of a frame that are within bodies.
+pub(super) fn within(aperture: &Aperture, raster: &Raster) -> Vec<usize> {
+    let Some(bodies) = aperture.bodies.bodies() else { return Vec::new() };
+    let pixels = raster.pixels();
+    (0..pixels.len()).into_par_iter().filter(|&pixel| bodies.contains(pixels.point(pixel))).collect()
+}
+
+/// Adds the scattered sound of a drive to some rows of pixels; within bodies there is none.
+pub(super) fn add(job: &Job<'_>, drive: usize, (raster, rows): (&Raster, Range<usize>), to: &mut Lattice) {
+    let aperture = &job.key.setting.aperture;
+    let Some((bodies, answer)) = aperture.answer(&job.excitations[drive]) else { return };
+    let parts: Vec<_> = Part::of(job.key.parts).collect();
+    let double = job.key.is_direct();
+    let sounds = |points: &[DVec3]| -> Vec<Vec<Complex32>> {
+        if job.key.parts == PRESSURE && !double {
+            return vec![bodies.pressures(&answer, points).into_iter().map(narrow).collect()];
+        }
+        let sounds = match double {
+            true => bodies.sounds(&answer, points),
+            false => bodies.sounds_in_f32(&answer, points),
+        };
+        let of = |part: &Part| {
+            let value = |(p, [x, y, z]): &(_, [_; 3])| {
+                let along = |axis: usize| {
+                    let to = job.site.axes[axis];
+                    x * to.x + y * to.y + z * to.z
+                };
+                narrow(match part {
+                    Part::Pressure => *p,
+                    Part::AlongX => along(0),
+                    Part::AlongY => along(1),
+                    Part::Normal => along(2),
+                })
+            };
+            sounds.iter().map(value).collect()
+        };
+        parts.iter().map(of).collect()
+    };
+    let pixels = raster.pixel_rows(rows.clone());
+    let first = rows.start * raster.width;
+    let last = rows.end * raster.width;
+    let from = job.within.partition_point(|pixel| *pixel < first);
+    let until = job.within.partition_point(|pixel| *pixel < last);
+    let mut is_direct = vec![true; pixels.len()];
+    if let Some(nodes) = Nodes::new(job, raster, rows) {
+        let points: Vec<_> = (0..nodes.count()).map(|node| nodes.point(node)).collect();
+        let is_within: Vec<_> = points.par_iter().map(|at| bodies.contains(*at)).collect();
+        let outside: Vec<_> = (0..points.len()).filter(|node| !is_within[*node]).collect();
+        let heard = sounds(&outside.iter().map(|node| points[*node]).collect::<Vec<_>>());
+        nodes.mark(&is_within, &mut is_direct);
+        let (mut between, mut at_pixels) = (Between::default(), vec![Complex32::ZERO; pixels.len()]);
+        for (values, heard) in to.0.iter_mut().zip(heard) {
+            let mut at_nodes = vec![Complex32::ZERO; points.len()];
+            outside.iter().zip(heard).for_each(|(node, value)| at_nodes[*node] = value);
+            interpolate(&at_nodes, nodes.counts[0], &nodes.across, &nodes.up, &mut between, &mut at_pixels);
+            let sums = values.iter_mut().zip(&at_pixels).zip(&is_direct);
+            sums.filter(|(_, is_direct)| !**is_direct).for_each(|((sum, value), _)| *sum += value);
+        }
+    }
+    for pixel in &job.within[from..until] {
+        is_direct[pixel - first] = false;
+        to.0.iter_mut().for_each(|values| values[pixel - first] = Complex32::ZERO);
+    }
+    let direct: Vec<_> = (0..pixels.len()).filter(|pixel| is_direct[*pixel]).collect();
+    let heard = sounds(&direct.iter().map(|pixel| pixels.point(*pixel)).collect::<Vec<_>>());
+    for (values, heard) in to.0.iter_mut().zip(heard) {
+        direct.iter().zip(heard).for_each(|(pixel, value)| values[*pixel] += value);
+    }
+}
+
+/// A lattice over some rows of pixels.
+struct Nodes {
+    origin: DVec3,
+    /// From node to node.
+    steps: [DVec3; 2],
+    counts: [usize; 2],
+    across: Resampling,
+    up: Resampling,
+}
+
+impl Nodes {
+    /// `None` where every pixel is to be evaluated, or nodes would be hardly fewer.
+    fn new(job: &Job<'_>, raster: &Raster, rows: Range<usize>) -> Option<Self> {
+        let plane = &job.key.setting.plane;
+        if job.key.is_direct() {
+            return None;
+        }
+        let reach = (SHARE * plane.tolerance / OF_POLYNOMIALS).powf(1.0 / TAPS as f64);
+        let step = reach * job.key.setting.aperture.wavelength() / TAU;
+        let sizes = [plane.size.x / raster.width as f64, plane.size.y / raster.height as f64];
+        if 1.5 * sizes[0] * sizes[1] > step * step {
+            return None;
+        }
+        let pixel = |axis: usize, index: usize| {
+            sizes[axis] * (index as f64 + 0.5) - [plane.size.x, plane.size.y][axis] / 2.0
+        };
+        let along = |axis: usize, pixels: Range<usize>| {
+            let margin = TAPS / 2 - 1;
+            let begin = pixel(axis, pixels.start) - step * margin as f64;
+            let mut resampling = Resampling { taps: TAPS, first: Vec::new(), weights: Vec::new() };
+            for index in pixels {
+                let place = (pixel(axis, index) - begin) / step;
+                let first = (place.floor() as usize).saturating_sub(margin);
+                resampling.first.push(first as u32);
+                let own = place - first as f64;
+                let weight = |tap: usize| {
+                    let others = (0..TAPS).filter(|other| *other != tap);
+                    others.map(|other| (own - other as f64) / (tap as f64 - other as f64)).product::<f64>()
+                        as f32
+                };
+                resampling.weights.extend((0..TAPS).map(weight));
+            }
+            let count = resampling.first.last().map_or(0, |first| *first as usize + TAPS);
+            (begin, count, resampling)
+        };
+        let [x, y, _] = job.site.axes;
+        let (left, columns, across) = along(0, 0..raster.width);
+        let (low, lines, up) = along(1, rows);
+        let origin = plane.centre + x * left + y * low;
+        Some(Self { origin, steps: [x * step, y * step], counts: [columns, lines], across, up })
+    }
+
+    fn count(&self) -> usize {
+        self.counts[0] * self.counts[1]
+    }
+
+    fn point(&self, node: usize) -> DVec3 {
+        let [column, row] = [node % self.counts[0], node / self.counts[0]];
+        self.origin + self.steps[0] * column as f64 + self.steps[1] * row as f64
+    }
+
+    /// Unmarks the pixels all of whose nodes are outside.
+    fn mark(&self, is_within: &[bool], is_direct: &mut [bool]) {
+        let [columns, rows] = self.counts;
+        // Of nodes within, at rows and columns before.
+        let mut sums = vec![0u32; (columns + 1) * (rows + 1)];
+        for row in 0..rows {
+            for column in 0..columns {
+                let before =
+                    |up: usize, left: usize| sums[(row + 1 - up) * (columns + 1) + column + 1 - left];
+                let own = u32::from(is_within[row * columns + column]);
+                let sum = own + before(1, 0) + before(0, 1) - before(1, 1);
+                sums[(row + 1) * (columns + 1) + column + 1] = sum;
+            }
+        }
+        let width = self.across.first.len();
+        for (pixel, is_direct) in is_direct.iter_mut().enumerate() {
+            let (column, row) = (self.across.first[pixel % width], self.up.first[pixel / width]);
+            let [left, low] = [column as usize, row as usize];
+            let at = |row: usize, column: usize| sums[row * (columns + 1) + column];
+            let inner = at(low + TAPS, left + TAPS) + at(low, left);
+            *is_direct = inner != at(low, left + TAPS) + at(low + TAPS, left);
+        }
+    }
+}
