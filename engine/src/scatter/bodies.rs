@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::mesh::Mesh;
 use crate::scatter::boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
+use crate::scatter::emission::Emission;
 use crate::scatter::gmres::{self, Outcome};
 use crate::scatter::sphere::{Sound, Sphere};
 use crate::scene::{Body, BodyKind, Reflector};
@@ -206,13 +207,48 @@ impl Bodies {
 
     /// Scattered pressures (Pa) at points (m) outside, in f32 far from surfaces.
     pub fn pressures(&self, answer: &Answer, points: &[DVec3]) -> Vec<Complex64> {
+        self.with_images(answer, points, Solid::pressures)
+    }
+
+    /// The sources of all surfaces of triangles and of their images; [`Self::remainder`] is what their sums lack.
+    #[doc(hidden)]
+    pub fn emissions(&self, answer: &Answer) -> Vec<Emission> {
+        let mut all = Vec::new();
+        for (solid, own) in self.solids.iter().zip(answer) {
+            let Surface::Elements(boundary) = &solid.surface else { continue };
+            let emission = boundary.emission(own).placed(solid.axes, solid.at, 1.0);
+            let image = |mirror: &Reflector| {
+                let origin = seen(mirror, DVec3::ZERO);
+                let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| seen(mirror, axis) - origin);
+                emission.placed(DMat3::from_cols(axes[0], axes[1], axes[2]), origin, mirror.coefficient)
+            };
+            all.extend(self.mirrors.iter().map(image));
+            all.push(emission);
+        }
+        all
+    }
+
+    /// Scattered pressures (Pa) at points (m) outside without the sums over [`Self::emissions`]: corrections near
+    /// surfaces of triangles, and the sound of spheres.
+    #[doc(hidden)]
+    pub fn remainder(&self, answer: &Answer, points: &[DVec3]) -> Vec<Complex64> {
+        self.with_images(answer, points, Solid::remainder)
+    }
+
+    /// The sum of what all bodies and their images do at points.
+    fn with_images(
+        &self,
+        answer: &Answer,
+        points: &[DVec3],
+        of: impl Fn(&Solid, &[Complex64], &[DVec3]) -> Vec<Complex64>,
+    ) -> Vec<Complex64> {
         let mut all = vec![Complex64::ZERO; points.len()];
         for (solid, own) in self.solids.iter().zip(answer) {
-            let direct = solid.pressures(own, points);
+            let direct = of(solid, own, points);
             all.iter_mut().zip(direct).for_each(|(sum, p)| *sum += p);
             for mirror in &self.mirrors {
                 let there: Vec<_> = points.iter().map(|at| seen(mirror, *at)).collect();
-                let echo = solid.pressures(own, &there);
+                let echo = of(solid, own, &there);
                 all.iter_mut().zip(echo).for_each(|(sum, p)| *sum += p * mirror.coefficient);
             }
         }
@@ -379,6 +415,17 @@ impl Solid {
             }
             Surface::Elements(boundary) => {
                 boundary.scattered(own, &points.iter().map(|at| self.own(*at)).collect::<Vec<_>>())
+            }
+        }
+    }
+
+    /// What [`Boundary::emission`] lacks.
+    fn remainder(&self, own: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {
+        match &self.surface {
+            Surface::Series(_) => self.pressures(own, points),
+            Surface::Elements(boundary) => {
+                let points: Vec<_> = points.iter().map(|at| self.own(*at)).collect();
+                boundary.corrections(own, &points).into_iter().map(|(p, _)| p).collect()
             }
         }
     }

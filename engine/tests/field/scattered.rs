@@ -5,7 +5,8 @@ use num_complex::{Complex32, Complex64};
 use sonoglyph::field::Gpu;
 use sonoglyph::field::gpu::Tuning;
 use sonoglyph_engine::mesh::{Mesh, shapes};
-use sonoglyph_engine::scatter::{Boundary, Sound};
+use sonoglyph_engine::scatter::{Bodies, Boundary, Incident, Sound};
+use sonoglyph_engine::scene::{Body, BodyKind, Reflector};
 
 use crate::dice::Dice;
 use crate::gpu;
@@ -137,4 +138,35 @@ fn several_drives_together_are_those_alone() {
         let error = off(together, &body.scattered(nodal, &points));
         assert!(error < 1e-12, "{error:.1e}");
     }
+}
+
+#[test]
+fn sums_of_the_gpu_and_their_remainder_are_the_sound_of_all_bodies_and_their_images() {
+    let Some(gpu) = gpu() else { return };
+    let capsule = Body {
+        kind: BodyKind::Capsule,
+        at: dvec3(0.02, 0.01, 0.03),
+        x_axis: dvec3(1.0, 0.5, 0.2),
+        radius: 0.003,
+        length: 0.012,
+        coefficient: 0.8,
+        ..Body::default()
+    };
+    let sphere = Body { at: dvec3(-0.02, 0.0, 0.04), radius: 0.005, ..Body::default() };
+    let mirror = Reflector { point: DVec3::ZERO, normal: dvec3(0.1, 0.0, 1.0), coefficient: 0.7 };
+    let bodies = Bodies::new(&[capsule, sphere], &[mirror], WAVENUMBER).unwrap();
+    let mut dice = Dice::seeded(68);
+    let count = bodies.points().0.len();
+    let incident = Incident { pressures: random(&mut dice, count), slopes: vec![Complex64::ZERO; count] };
+    let answer = bodies.answers(&[incident], None).remove(0);
+    let points: Vec<_> = (0..500)
+        .map(|_| dvec3(dice.unit() - 0.5, dice.unit() - 0.5, 0.5 + dice.unit()) * 0.08)
+        .filter(|at| !bodies.contains(*at))
+        .collect();
+    let emissions = bodies.emissions(&answer);
+    let sums = gpu.scattered(&emissions.iter().collect::<Vec<_>>(), &points).unwrap();
+    let remainder = bodies.remainder(&answer, &points);
+    let expected: Vec<_> = bodies.sounds(&answer, &points).into_iter().map(|(p, _)| p).collect();
+    let error = off(sums.iter().zip(remainder).map(|(p, rest)| wide(p) + rest), &expected);
+    assert!(error < AGREEMENT, "{error:.1e}");
 }
