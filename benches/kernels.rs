@@ -166,7 +166,7 @@ fn scattered(criterion: &mut Criterion) {
         body.mesh().vertices.iter().map(|at| Complex64::cis(turn - k * at.z)).collect()
     };
     let emissions: Vec<_> = (0..4).map(|drive| body.emission(&nodal(f64::from(drive)))).collect();
-    let emissions: Vec<_> = emissions.iter().collect();
+    let all: Vec<_> = emissions.iter().collect();
     let place = |n: usize| 0.1 * ((n as f64 + 0.5) / 64.0 - 0.5);
     let points: Vec<_> = (0..64 * 64).map(|n| DVec3::new(place(n % 64), place(n / 64), 0.03)).collect();
 
@@ -175,7 +175,7 @@ fn scattered(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements((emissions[0].sources.len() * points.len()) as u64));
     group.bench_function("pressures", |bencher| bencher.iter(|| emissions[0].pressures(black_box(&points))));
     group.bench_function("pressures of four drives", |bencher| {
-        bencher.iter(|| Emission::pressures_of_all(&emissions, black_box(&points)));
+        bencher.iter(|| Emission::pressures_of_all(&all, black_box(&points)));
     });
     group.bench_function("with slopes", |bencher| bencher.iter(|| emissions[0].sounds(black_box(&points))));
     group.bench_function("corrections", |bencher| {

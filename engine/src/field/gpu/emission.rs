@@ -20,7 +20,7 @@ impl Gpu {
     ///
     /// # Errors
     /// The device was lost or has not enough memory.
-    pub fn scattered(&self, emissions: &[&Emission], points: &[DVec3]) -> Result<Vec<Complex32>, GpuError> {
+    pub fn scattered(&self, emissions: &[Emission], points: &[DVec3]) -> Result<Vec<Complex32>, GpuError> {
         let mut all = Vec::with_capacity(points.len());
         for points in points.chunks((self.buffer_limit / POINT) as usize) {
             let out = self.storage("scattered", points.len() as u64 * 8);
