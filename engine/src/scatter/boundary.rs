@@ -211,10 +211,17 @@ impl Boundary {
 
     /// Scattered pressures (Pa) of nodes' pressures at points (m) outside, in f32.
     pub fn scattered(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {
-        self.radiation(nodal).pressures(points)
+        self.scattered_by_all(&[nodal], points).remove(0)
     }
 
-    /// The same with gradients (Pa/m).
+    /// The same of several, each with a pressure per node: four cost as much as two alone.
+    #[doc(hidden)]
+    pub fn scattered_by_all(&self, nodals: &[&[Complex64]], points: &[DVec3]) -> Vec<Vec<Complex64>> {
+        let radiations: Vec<_> = nodals.iter().map(|nodal| self.radiation(nodal)).collect();
+        Radiation::pressures(&radiations, points)
+    }
+
+    /// Pressures and gradients (Pa/m), likewise.
     #[doc(hidden)]
     pub fn sounds(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
         self.radiation(nodal).sounds(points)

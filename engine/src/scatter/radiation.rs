@@ -83,15 +83,19 @@ impl<'a> Radiation<'a> {
         self.facets.iter().map(|facet| facet.radius).fold(f64::INFINITY, f64::min)
     }
 
-    /// Pressures (Pa), in f32 where no triangle is near; relative to their largest about 1e-5 off.
-    pub fn pressures(&self, points: &[DVec3]) -> Vec<Complex64> {
-        let mut all = self.emission().pressures(points);
-        let least = self.least();
-        all.par_iter_mut().zip(points).for_each(|(sum, at)| *sum += self.near(*at, least).0);
-        all
+    /// Pressures (Pa) of several on one surface, in f32 where no triangle is near; relative to their largest about 1e-5
+    /// off.
+    pub fn pressures(all: &[Self], points: &[DVec3]) -> Vec<Vec<Complex64>> {
+        let emissions: Vec<_> = all.iter().map(Self::emission).collect();
+        let mut heard = Emission::pressures_of_all(&emissions.iter().collect::<Vec<_>>(), points);
+        for (radiation, heard) in all.iter().zip(&mut heard) {
+            let least = radiation.least();
+            heard.par_iter_mut().zip(points).for_each(|(sum, at)| *sum += radiation.near(*at, least).0);
+        }
+        heard
     }
 
-    /// The same with gradients (Pa/m).
+    /// Pressures and gradients (Pa/m), likewise.
     pub fn sounds(&self, points: &[DVec3]) -> Vec<Sound> {
         let mut all = self.emission().sounds(points);
         all.iter_mut().zip(self.corrections(points)).for_each(|(sum, near)| add(sum, near));
