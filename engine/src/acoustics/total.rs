@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::acoustics::partial::PartialWaves;
 use crate::acoustics::{aperture::Aperture, transfer::Transfer};
-use crate::scatter::{Answer, Bodies, BodyError, Incident, Skin};
+use crate::scatter::{Answer, Bodies, BodyError, Incident, Rows, Skin};
 
 /// Points whose transfer is in memory at the same time.
 const RUN: usize = 64;
@@ -100,6 +100,13 @@ impl Aperture {
     #[doc(hidden)]
     pub fn prepare(&self) {
         self.bodies.columns(|bodies| self.answers(bodies));
+    }
+
+    /// The scattered sound of every element at points (m) outside, once the answers to all are known, as far as there is
+    /// memory.
+    pub(crate) fn table_of_bodies(&self, points: &[DVec3]) -> Option<Rows> {
+        let (bodies, columns) = self.bodies.known_columns()?;
+        bodies.table(columns, points)
     }
 
     /// Scattered pressures (Pa) of a drive and their slopes along directions, in sequence for every point (m).

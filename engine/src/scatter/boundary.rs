@@ -22,6 +22,8 @@
 //! near pairs, and the mass. Generalised minimal residuals solve with it, prepared by the inverses of the blocks on the
 //! diagonal. It belongs to shape, admittance and wavenumber: a body that moves keeps it.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -36,7 +38,10 @@ use crate::scatter::grid::Grid;
 use crate::scatter::hierarchy::{Hierarchy, Tree};
 use crate::scatter::near::Near;
 use crate::scatter::radiation::{CLEAR, Radiation};
+use crate::scatter::rows::{Columns, Rows, Run, lanes_of};
 use crate::scatter::sphere::Sound;
+use crate::scatter::waves::LANES;
+use crate::simd::Isa;
 
 /// Residual at which solving ends, relative to the right side.
 pub const TOLERANCE: f64 = 1e-5;
@@ -231,6 +236,30 @@ impl Boundary {
     #[doc(hidden)]
     pub fn emission(&self, nodal: &[Complex64]) -> Emission {
         self.radiation(nodal).emission()
+    }
+
+    /// Adds the sound of nodes' pressures for every element to a table's rows at points (m) outside, times a gain.
+    pub(super) fn tabulate(&self, columns: &Columns, points: &[DVec3], gain: f32, table: &mut Rows) {
+        let middle = self.facets.iter().map(|facet| facet.centroid).sum::<DVec3>() / self.facets.len() as f64;
+        let sources = Radiation::sources(&self.wall, &self.facets, self.mesh.vertices.len(), middle);
+        let per_metre = self.wall.wavenumber / PI;
+        let runs = table.each_mut().chunks(LANES).zip(points.par_chunks(LANES));
+        runs.for_each(|(rows, points)| {
+            let lacks = |(lane, at): (usize, &DVec3)| {
+                let own = Radiation::lacks(&self.wall, &self.facets, &self.grid, *at);
+                own.into_iter().map(move |(node, lack)| (lane, node, lack))
+            };
+            let corrections: Vec<_> = points.iter().enumerate().flat_map(lacks).collect();
+            let places = lanes_of(points, middle, per_metre);
+            let run = Run { sources: &sources, columns, places, corrections: &corrections };
+            let sums = Isa::best().run(run);
+            for (lane, (re, im)) in rows.into_iter().enumerate() {
+                for ((re, im), [a, b]) in re.iter_mut().zip(im).zip(&sums) {
+                    *re += gain * a[lane];
+                    *im += gain * b[lane];
+                }
+            }
+        });
     }
 
     /// What the sums of [`Self::emission`] lack at points (m) near the surface.

@@ -44,6 +44,7 @@ mod hierarchy;
 mod near;
 mod pairs;
 mod radiation;
+mod rows;
 mod sphere;
 mod waves;
 
@@ -52,5 +53,6 @@ pub use boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
 #[doc(hidden)]
 pub use emission::Emission;
 pub use gmres::Outcome;
+pub use rows::Rows;
 pub use sphere::{Sound, Sphere};
 pub(crate) use waves::{COSINE, SINE};

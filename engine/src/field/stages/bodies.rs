@@ -21,7 +21,7 @@ use crate::field::sound::narrow;
 use crate::field::stages::job::Job;
 use crate::field::stages::lattice::Lattice;
 use crate::field::stages::site::Weights;
-use crate::scatter::{Answer, Bodies};
+use crate::scatter::{Answer, Bodies, Rows};
 
 /// Nodes along each side of a polynomial.
 const TAPS: usize = 6;
@@ -58,6 +58,8 @@ pub(super) struct Places {
     samples: Vec<usize>,
     nodes: Vec<usize>,
     lattice: Option<Nodes>,
+    /// The sound of every element at the points, where it is worth the memory.
+    table: Option<Rows>,
 }
 
 /// Rows of a raster, and the weights of its interpolated rows.
@@ -119,6 +121,13 @@ impl Places {
         places
     }
 
+    /// Prepares more drives at the same places, if the answers to all elements are known.
+    pub(super) fn tabulate(&mut self, job: &Job<'_>) {
+        if self.table.is_none() {
+            self.table = job.key.setting.aperture.table_of_bodies(&self.points);
+        }
+    }
+
     fn pixels_by(&self, by: By) -> impl Iterator<Item = usize> {
         (0..self.pixels.len()).filter(move |pixel| self.pixels[*pixel] == by)
     }
@@ -143,8 +152,14 @@ pub(super) fn add(
     (places, band): (&Places, Band<'_>),
     to: &mut Lattice,
 ) {
-    let Some((bodies, answer)) = job.key.setting.aperture.answer(&job.excitations[drive]) else { return };
-    let heard = heard((job, gpu), bodies, &answer, &places.points);
+    let heard = match &places.table {
+        Some(table) => vec![table.pressures(&job.excitations[drive])],
+        None => {
+            let answer = job.key.setting.aperture.answer(&job.excitations[drive]);
+            let Some((bodies, answer)) = answer else { return };
+            heard((job, gpu), bodies, &answer, &places.points)
+        }
+    };
     let width = band.raster.width;
     let mut between = Between::default();
     for (part, (values, heard)) in Part::of(job.key.parts).zip(to.0.iter_mut().zip(&heard)) {

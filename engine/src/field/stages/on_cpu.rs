@@ -261,9 +261,13 @@ impl OnCpu {
         self.fill_pixels_by_elements(job, drive, key, (raster, weights), rows.clone());
         if !job.key.setting.aperture.bodies.is_empty() {
             let band = Band { raster, weights, rows: (rows.start, rows.end) };
-            let places = self.places.update(&(job.key.clone(), job.request.size, band.rows), |places| {
-                *places = Places::new(job, band);
-            });
+            let key = (job.key.clone(), job.request.size, band.rows);
+            let is_again = self.places.is_of(&key);
+            self.places.update(&key, |places| *places = Places::new(job, band));
+            let places = &mut self.places.value;
+            if is_again && job.key.parts == PRESSURE && !key.0.is_direct() {
+                places.tabulate(job);
+            }
             bodies::add((job, gpu), drive, (places, band), &mut self.at_pixels.value);
         }
     }
