@@ -343,7 +343,7 @@ impl Boundary {
 
     fn product(&self, vectors: &[Vec<Complex64>], is_transposed: bool) -> Vec<Vec<Complex64>> {
         let mut sums = self.matrix.times(vectors, is_transposed);
-        sums.par_iter_mut().zip(vectors).for_each(|(sum, x)| self.near.add(x, is_transposed, sum));
+        self.near.add(vectors, is_transposed, &mut sums);
         sums
     }
 

@@ -42,6 +42,7 @@ mod near;
 mod pairs;
 mod radiation;
 mod sphere;
+mod table;
 mod waves;
 
 pub use boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
