@@ -500,6 +500,26 @@ mod tests {
     }
 
     #[test]
+    fn a_triangle_without_area_does_no_harm() {
+        let mesh = shapes::sphere(0.004, WAVELENGTH / 6.0);
+        // A vertex in the middle of an edge, on one side only: a flat triangle closes the gap.
+        let mut gap = mesh.clone();
+        let [a, b, c] = mesh.triangles[7];
+        let middle = mesh.vertices.len() as u32;
+        gap.vertices.push(mesh.vertices[a as usize].midpoint(mesh.vertices[b as usize]));
+        gap.triangles[7] = [a, middle, c];
+        gap.triangles.extend([[middle, b, c], [a, b, middle]]);
+        let gap = gap.closed().unwrap();
+        let incident = from(dvec3(0.02, -0.01, 0.1));
+        let points: Vec<_> = directions(50).into_iter().map(|direction| direction * 0.008).collect();
+        let [one, other] = [mesh, gap].map(|mesh| {
+            let boundary = Boundary::new(&mesh, 1.0, K).unwrap();
+            boundary.scattered(&solve(&boundary, &incident).values, &points)
+        });
+        assert!(off(&other, &one) < 0.01, "{}", off(&other, &one));
+    }
+
+    #[test]
     fn sources_and_microphones_can_change_places() {
         let capsule =
             shapes::capsule(dvec3(-0.004, 0.0, 0.0), dvec3(0.006, 0.003, 0.0), 0.004, WAVELENGTH / 8.0);
