@@ -47,7 +47,7 @@ const LEFT_FACTOR: f64 = 3.0;
 /// Errors of corrected values relative to the correction.
 const CHANGE_FACTOR: f64 = 0.35;
 /// Errors by flat triangles on a round body, relative to the phase of their distance from it.
-const FACETS_FACTOR: f64 = 0.9;
+const FACETS_FACTOR: f64 = 1.3;
 /// Angle between normals (rad) from which an edge is meant to be sharp.
 const SHARP: f64 = 1.05;
 /// Cosine between normals of triangles around a node up to which the surface is smooth there.
