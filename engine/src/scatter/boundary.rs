@@ -47,7 +47,7 @@ const LEFT_FACTOR: f64 = 3.0;
 /// Errors of corrected values relative to the correction.
 const CHANGE_FACTOR: f64 = 0.35;
 /// Errors by flat triangles on a round body, relative to the phase of their distance from it.
-const FACETS_FACTOR: f64 = 1.3;
+const FACETS_FACTOR: f64 = 1.4;
 /// Angle between normals (rad) from which an edge is meant to be sharp.
 const SHARP: f64 = 1.05;
 /// Cosine between normals of triangles around a node up to which the surface is smooth there.
@@ -81,8 +81,9 @@ pub struct TooLarge {
 /// The solution's sound does not quite cancel the incident sound inside. What is left just below the surface is the
 /// error of the boundary condition between the nodes. Values at vertices are off by a part of their correction
 /// ([`Boundary::surface`]), too, and flat triangles by their distance from the round body that they stand for. The factors
-/// of these three parts come from 198 random spheres, capsules and slabs with edges of λ/4 to λ/12: with two thirds of the
-/// last one, three slabs exceeded their bounds, by a ninth at most.
+/// of these three parts come from 386 random spheres, capsules, slabs, small hands and joined capsules with edges of λ/4
+/// to λ/12: with 0.9 for the last one, bounds were 2.3 times the error on the surface and 3.8 times that outside by the
+/// median, and four were exceeded, by four tenths at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyError {
     pub surface: f64,
@@ -489,7 +490,7 @@ mod tests {
             let ([surface, outside], printed) = sphere_errors(size, WAVELENGTH / 6.0, coefficient);
             assert!(surface < 0.02 && outside < 0.02, "{size} {coefficient}: {surface} {outside}");
             assert!(surface < printed.surface && outside < printed.outside, "{size}: {printed:?}");
-            assert!(printed.surface < 0.1 && printed.outside < 0.1, "{size}: {printed:?}");
+            assert!(printed.surface < 0.12 && printed.outside < 0.12, "{size}: {printed:?}");
         }
     }
 
