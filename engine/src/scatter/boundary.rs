@@ -81,9 +81,9 @@ pub struct TooLarge {
 /// The solution's sound does not quite cancel the incident sound inside. What is left just below the surface is the
 /// error of the boundary condition between the nodes. Values at vertices are off by a part of their correction
 /// ([`Boundary::surface`]), too, and flat triangles by their distance from the round body that they stand for. The factors
-/// of these three parts come from 386 random spheres, capsules, slabs, small hands and joined capsules with edges of λ/4
+/// of these three parts come from 435 random spheres, capsules, slabs, small hands and joined capsules with edges of λ/4
 /// to λ/12: with 0.9 for the last one, bounds were 2.3 times the error on the surface and 3.8 times that outside by the
-/// median, and four were exceeded, by four tenths at most.
+/// median, and six were exceeded, by four tenths at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyError {
     pub surface: f64,
