@@ -102,7 +102,7 @@ impl Scattering {
     }
 
     /// Whether the answers to all elements are known.
-    pub(super) fn has_columns(&self) -> bool {
+    pub(crate) fn has_columns(&self) -> bool {
         self.0.as_ref().is_some_and(|it| it.columns.get().is_some())
     }
 

@@ -5,6 +5,8 @@
 //! sixteenth of a wavelength away on either side. One table of these differences is used like that of the pressure.
 //! Near the array, without interpolation, all slopes are such differences.
 
+use std::sync::OnceLock;
+
 use glam::DVec3;
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
@@ -111,6 +113,8 @@ struct Scattered {
     aperture: Aperture,
     points: Vec<DVec3>,
     directions: Vec<DVec3>,
+    /// The total transfer, once the answers of bodies to all elements are known.
+    total: OnceLock<Transfer>,
 }
 
 impl SoundTransfer {
@@ -126,6 +130,7 @@ impl SoundTransfer {
             aperture: aperture.clone(),
             points: points.to_vec(),
             directions,
+            total: OnceLock::new(),
         });
         Self { parts, transfer, scattered }
     }
@@ -190,6 +195,19 @@ impl SoundTransfer {
         self.transfer.rows().step_by(1 + slopes)
     }
 
+    /// The transfer with what bodies scatter, if that costs a drive less; within a body nothing is a number, but rows are 0.
+    fn total(&self) -> Option<&Transfer> {
+        let Scattered { aperture, points, directions, total } = self.scattered.as_ref()?;
+        let is_known =
+            aperture.bodies.has_columns() && !points.iter().any(|at| aperture.bodies.contains(*at));
+        is_known.then(|| {
+            total.get_or_init(|| match directions[..] {
+                [] => aperture.transfer(points),
+                _ => aperture.transfer_with_slopes(points, directions),
+            })
+        })
+    }
+
     /// The sound of one drive at every point.
     pub fn sounds(&self, excitation: &[Complex64]) -> Vec<Sound<f64>> {
         let slopes: Vec<_> = Part::of(self.parts).filter(|part| *part != Part::Pressure).collect();
@@ -198,8 +216,10 @@ impl SoundTransfer {
             slopes.iter().zip(&values[1..]).for_each(|(&part, &slope)| *sound.part_mut(part) = slope);
             sound
         };
-        let mut values = self.transfer.pressure(excitation);
-        if let Some(Scattered { aperture, points, directions }) = &self.scattered
+        let total = self.total();
+        let mut values = total.unwrap_or(&self.transfer).pressure(excitation);
+        if let Some(Scattered { aperture, points, directions, .. }) = &self.scattered
+            && total.is_none()
             && let Some(scattered) = aperture.scattered((points, directions), excitation)
         {
             values.iter_mut().zip(scattered).for_each(|(sum, value)| *sum += value);
