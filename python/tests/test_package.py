@@ -275,7 +275,7 @@ def test_classes_have_the_keys_of_the_scene_file():
     tables = {
         "medium": sg.Medium, "array": sg.Array, "board": sg.Board, "reflector": sg.Reflector, "solver": sg.Solver,
         "plane": sg.Plane, "liquid": sg.Liquid, "bead": sg.Bead, "modulation": sg.Modulation, "motion": sg.MotionPath,
-        "listener": sg.Listener, "quiet": sg.Quiet,
+        "listener": sg.Listener, "quiet": sg.Quiet, "body": sg.Body,
     }  # fmt: skip
     def keys(table):
         return {field.name.rstrip("_") for field in dataclasses.fields(table)}
