@@ -3,6 +3,7 @@
 mod closed;
 mod formats;
 mod remesh;
+mod section;
 pub mod shapes;
 
 pub(crate) use closed::area_vector;
