@@ -14,12 +14,13 @@ use crate::app::mapping::Mapping;
 use crate::app::screen::Screen;
 use crate::drive::Drive;
 use crate::field::gpu::{SpacePainting, Texture as OnGpu};
-use crate::field::volume::scenery::Shot;
+use crate::field::volume::scenery::{Item, Shot};
 use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
 use crate::field::{Gpu, GpuError};
 use crate::picture::Picture;
 use crate::studio::later::Later;
 use crate::studio::space::{self, Prospect};
+use crate::ui::bodies;
 use crate::ui::part::wake;
 use crate::ui::space::{SpaceShown, Stage};
 use crate::ui::{Editor, Shown, Texture};
@@ -76,6 +77,7 @@ pub struct Spacing {
     fine: Kept,
     pictures: Later<Wanted, Drawing>,
     fields: Later<Sounding, Arc<Volume>>,
+    skins: Later<(Aperture, Vec<Drive>), Arc<Vec<Item>>>,
     /// The displayed picture, and whether it is coarse.
     drawn: Option<(Wanted, bool)>,
     painting: SpacePainting,
@@ -84,12 +86,12 @@ pub struct Spacing {
 
 impl Spacing {
     pub fn is_running(&self) -> bool {
-        self.pictures.is_running() || self.fields.is_running()
+        self.pictures.is_running() || self.fields.is_running() || self.skins.is_running()
     }
 
     /// Collects finished values, and returns whether there were any.
     pub fn collect(&mut self) -> bool {
-        let came = [self.pictures.collect(), self.fields.collect()];
+        let came = [self.pictures.collect(), self.fields.collect(), self.skins.collect()];
         came.contains(&true)
     }
 
@@ -116,6 +118,7 @@ impl Spacing {
             look: space::Look { is_light, ..editor.space.look(&editor.view, 1.0) },
             points: DVec2::new(size.x.into(), size.y.into()),
             volume: fine.map(|(_, volume)| Arc::clone(volume)),
+            skins: self.skins.get(&(sounding.aperture.clone(), sounding.drives.clone())).cloned(),
         })
     }
 
@@ -143,6 +146,7 @@ impl Spacing {
         };
         let sounding =
             Sounding { aperture: sound.aperture.clone(), drives: sound.heard.clone(), block: stage.block };
+        let skins = self.skins(editor, &sounding, ctx);
         let wanted = |most: f64| {
             let points = stage.rect.size();
             let scale = f64::from(ctx.pixels_per_point());
@@ -155,6 +159,7 @@ impl Spacing {
                 (&sound.aperture, sound.drive()),
                 &sound.foci,
                 (&stage.block, &stage.clip),
+                &skins,
                 &look,
             );
             let size = (side(points.x), side(points.y));
@@ -198,6 +203,22 @@ impl Spacing {
             });
         }
         Ok(())
+    }
+
+    /// The surfaces of bodies: with the newest pressures on them, or grey until these are there.
+    fn skins(&mut self, editor: &Editor, sounding: &Sounding, ctx: &Context) -> Arc<Vec<Item>> {
+        if sounding.aperture.bodies.is_empty() {
+            return Arc::default();
+        }
+        let key = (sounding.aperture.clone(), sounding.drives.clone());
+        self.skins.ask(&key, wake(ctx), |(aperture, drives)| Arc::new(space::skins(aperture, drives)));
+        if self.skins.latest().is_some_and(|(aperture, _)| *aperture == key.0)
+            && let Some(newest) = self.skins.newest()
+        {
+            return Arc::clone(newest);
+        }
+        let grey = bodies::placed(editor).into_iter().flat_map(|mesh| space::facets(&mesh, None));
+        Arc::new(grey.collect())
     }
 
     /// The field immediately: the fine one if available, otherwise a coarse one.

@@ -99,6 +99,7 @@ pub fn prospect(solved: &Solved, look: &still::Look, wish: &Wish) -> anyhow::Res
         look: wish.look.clone(),
         points: DVec2::new(width as f64, height as f64) / scale,
         volume: None,
+        skins: None,
         block,
         aperture,
     })
