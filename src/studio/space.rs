@@ -483,3 +483,43 @@ pub fn labels(block: &Block, projection: &Projection, scale: f64) -> Vec<Label> 
     }
     labels
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Body;
+    use crate::studio::probe;
+
+    #[test]
+    fn the_pressure_on_a_body_is_that_of_the_air_just_before_it() {
+        let body = Body { at: DVec3::new(0.004, 0.0, 0.09), radius: 0.006, ..Body::default() };
+        let scene = Scene { bodies: vec![body.clone()], ..Scene::default() };
+        let aperture = Aperture::new(&scene);
+        let count = aperture.positions.len();
+        let drive = |step: f64| Drive {
+            amplitudes: vec![1.0; count],
+            phases: (0..count).map(|n| (n as f64 * step).sin()).collect(),
+        };
+        let drives = [drive(0.7), drive(1.9)];
+        let items = skins(&aperture, &drives);
+        assert!(items.len() > 500);
+        let Item::Facet { .. } = items[0] else { panic!("{:?}", items[0]) };
+        let mut largest = 0.0f64;
+        for item in items.iter().step_by(97) {
+            let Item::Facet { corners, normals, pressures: Some(pressures) } = item else {
+                panic!("{item:?}")
+            };
+            let before = corners.map(|at| at + (at - body.at) * 1e-6);
+            let sums = probe::pressures(&aperture, &drives, &before);
+            for i in 0..3 {
+                let expected = sums[i].norm() / std::f64::consts::SQRT_2;
+                largest = largest.max(expected);
+                assert!((f64::from(pressures[i]) / expected - 1.0).abs() < 0.02, "{item:?}: {expected}");
+                let outwards = (corners[i] - body.at).normalize();
+                assert!(normals[i].as_dvec3().distance(outwards) < 0.1);
+            }
+        }
+        assert!(largest > 10.0);
+        assert_eq!(facets(&body.solid(0.002).expect("a sphere"), None).len() % 20, 0);
+    }
+}

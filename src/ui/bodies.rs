@@ -71,6 +71,29 @@ pub fn placed(editor: &Editor) -> Vec<Mesh> {
     editor.scene().bodies.iter().enumerate().filter_map(of).collect()
 }
 
+/// The nearest body that a ray meets: its start (m) and direction.
+pub fn hit(editor: &Editor, (start, direction): (DVec3, DVec3)) -> Option<usize> {
+    let depth = |index: usize| {
+        let body = &editor.scene().bodies[index];
+        let (axes, mesh) = (body.axes()?, solid(editor, index)?);
+        let inverse = axes.transpose();
+        let ray = (inverse * (start - body.at), inverse * direction);
+        let met = (0..mesh.triangles.len()).filter_map(|triangle| meets(mesh.corners(triangle), ray));
+        met.min_by(f64::total_cmp)
+    };
+    let hits = (0..editor.scene().bodies.len()).filter_map(|index| Some((index, depth(index)?)));
+    hits.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
+}
+
+/// Depth along a ray, in its direction's length, at which it meets a triangle.
+fn meets([a, b, c]: [DVec3; 3], (start, direction): (DVec3, DVec3)) -> Option<f64> {
+    let (first, second, off) = (b - a, c - a, start - a);
+    let (across, round) = (direction.cross(second), off.cross(first));
+    let scale = first.dot(across);
+    let [s, t, depth] = [off.dot(across), direction.dot(round), second.dot(round)].map(|part| part / scale);
+    (s >= 0.0 && t >= 0.0 && s + t <= 1.0 && depth > 0.0).then_some(depth)
+}
+
 /// A body on a plane.
 pub fn outline_on(editor: &Editor, index: usize, axes: &Axes) -> Option<Outline> {
     let body = editor.scene().bodies.get(index)?;
@@ -193,8 +216,9 @@ pub fn beside(scene: &Scene, body: &Body, axes: &Axes) -> Body {
     const TRIED: i32 = 12;
     let reach = body.reach();
     let is_free = |body: &Body| {
-        let near = |at: DVec3| at.distance(body.at) <= reach + scene.wavelength();
-        let on_target = scene.targets.iter().any(|target| near(outline::centre(&target.shape)));
+        let near = |at: &DVec3| at.distance(body.at) <= reach + scene.wavelength();
+        let meets = |target| outline::strokes(target).is_ok_and(|lines| lines.iter().flatten().any(near));
+        let on_target = scene.targets.iter().any(meets);
         let bodies = scene.bodies.iter().chain([body]).cloned().collect();
         !on_target && check::check(&Scene { bodies, ..scene.clone() }).is_ok()
     };

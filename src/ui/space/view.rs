@@ -105,11 +105,12 @@ pub enum Handle {
 pub enum Held {
     Orbit,
     Pan,
-    /// Grabbed point (m), and the targets before.
+    /// Grabbed point (m), and the targets, or the body with its place, before.
     Targets {
         handle: Handle,
         from: DVec3,
         before: Vec<(usize, Target)>,
+        body: Option<(usize, DVec3)>,
     },
     /// Offset of the grabbed point from the handle along its axis, m.
     Slide {
