@@ -14,8 +14,7 @@ use crate::ui::{editor::Editor, handle, theme};
 
 /// Corners of a circle.
 const CORNERS: usize = 96;
-/// Points of the screen: from hatch to hatch, of dashes and gaps, and from an outline to the handle that turns it.
-const HATCH: f32 = 9.0;
+/// Points of the screen: of dashes and gaps, and from an outline to the handle that turns it.
 const DASH: [f32; 2] = [7.0, 5.0];
 const ABOVE: f32 = 30.0;
 /// Steps of turning with Shift, rad.
@@ -237,9 +236,6 @@ pub fn paint(editor: &Editor, painter: &Painter, lens: &Lens) {
             lines.iter().map(|line| line.iter().map(|at| lens.screen(*at)).collect()).collect();
         let (ink, edge) = (theme::line(editor.view.is_light, 210), theme::line(!editor.view.is_light, 130));
         let colour = if chosen == Some(index) { theme::CHOSEN } else { ink };
-        if is_cut {
-            hatch(&lines, painter, Stroke::new(1.0, theme::line(editor.view.is_light, 90)));
-        }
         for mut line in lines {
             line.extend(line.first().copied());
             if is_cut {
@@ -255,39 +251,6 @@ pub fn paint(editor: &Editor, painter: &Painter, lens: &Lens) {
     if let Some((rect, at)) = turner(editor, &axes, lens) {
         painter.line_segment([rect.center_top(), at], Stroke::new(1.0, theme::CHOSEN.gamma_multiply(0.7)));
         painter.circle(at, handle::HALF, theme::MARK, Stroke::new(1.5, theme::ACCENT));
-    }
-}
-
-/// Hatches the inside of closed lines.
-fn hatch(lines: &[Vec<Pos2>], painter: &Painter, stroke: Stroke) {
-    let clip = painter.clip_rect();
-    // Hatches run along x of axes turned by an eighth.
-    let to = |at: Pos2| DVec2::new(f64::from(at.x + at.y), f64::from(at.y - at.x));
-    let from = |at: DVec2| pos2(((at.x - at.y) / 2.0) as f32, ((at.x + at.y) / 2.0) as f32);
-    let turned: Vec<Vec<_>> = lines.iter().map(|line| line.iter().map(|at| to(*at)).collect()).collect();
-    let corners = [clip.left_top(), clip.right_bottom(), clip.left_bottom(), clip.right_top()].map(to);
-    let seen = corners.iter().map(|at| at.y);
-    let (low, high) = (seen.clone().fold(f64::MAX, f64::min), seen.fold(f64::MIN, f64::max));
-    let ys = turned.iter().flatten().map(|at| at.y);
-    let (first, last) = (ys.clone().fold(f64::MAX, f64::min).max(low), ys.fold(f64::MIN, f64::max).min(high));
-    // Both coordinates are longer by the root of 2.
-    let step = f64::from(HATCH) * std::f64::consts::SQRT_2;
-    let mut row = (first / step).ceil();
-    while row * step < last {
-        let y = row * step;
-        let edges =
-            turned.iter().flat_map(|line| (0..line.len()).map(|i| (line[i], line[(i + 1) % line.len()])));
-        let mut met: Vec<_> = edges.filter_map(|ends| crossing(ends, y)).collect();
-        met.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut turns = 0;
-        for pair in met.windows(2) {
-            turns += pair[0].1;
-            if turns != 0 {
-                let ends = [pair[0].0, pair[1].0].map(|x| from(DVec2::new(x, y)));
-                painter.line_segment(ends, stroke);
-            }
-        }
-        row += 1.0;
     }
 }
 
