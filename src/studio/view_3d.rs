@@ -6,6 +6,7 @@ use web_time::Instant;
 use anyhow::bail;
 use glam::DVec2;
 
+use crate::acoustics::Aperture;
 use crate::field::gpu::SpacePainting;
 use crate::field::volume::camera::Standard;
 use crate::field::volume::scenery::{Body, Shot};
@@ -133,7 +134,7 @@ pub fn draw(
     );
     let mut picture = Picture { width, height, rgba };
     let look = &prospect.look;
-    let what = describe(look.body, &volume);
+    let what = describe(look.body, &volume) + remark(&prospect.aperture);
     let scale = width as f64 / prospect.points.x;
     let labels = prospect.labels((width, height), scale).into_iter();
     let words = Words {
@@ -184,6 +185,11 @@ pub fn describe(body: Body, volume: &Volume) -> String {
         Body::Hidden => format!("RMS pressure; peak {}", words(peak)),
     };
     format!("{text}{remark}")
+}
+
+/// What the field in the box lacks.
+pub fn remark(aperture: &Aperture) -> &'static str {
+    if aperture.bodies.is_empty() { "" } else { "; without the sound that bodies scatter, which is on them" }
 }
 
 /// The colours of slices and projections.
