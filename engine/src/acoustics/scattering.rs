@@ -101,10 +101,15 @@ impl Scattering {
         self.0.as_ref().map_or(&[], |it| &it.bodies)
     }
 
+    /// Whether the answers to all elements are known.
+    pub(super) fn has_columns(&self) -> bool {
+        self.0.as_ref().is_some_and(|it| it.columns.get().is_some())
+    }
+
     /// Whether the answers to all elements are there, after which that to a drive is a sum.
     pub(super) fn is_prepared(&self) -> bool {
         let is_ready = |it: &Surroundings| match it.made.get() {
-            Some(made) => made.is_err() || it.columns.get().is_some(),
+            Some(made) => made.is_err() || self.has_columns(),
             None => false,
         };
         self.0.as_deref().is_none_or(is_ready)
@@ -154,7 +159,12 @@ impl Scattering {
 
 impl Surroundings {
     fn made(&self) -> &Result<Bodies, TooLarge> {
-        self.made.get_or_init(|| Bodies::new(&self.bodies, &self.mirrors, self.element.wavenumber))
+        self.made.get_or_init(|| {
+            let own =
+                |face: &Face| face.layout.positions.iter().map(|at| face.pose.world(*at)).collect::<Vec<_>>();
+            let sources: Vec<_> = self.faces.iter().flat_map(own).collect();
+            Bodies::new(&self.bodies, &self.mirrors, self.element.wavenumber, &sources)
+        })
     }
 }
 

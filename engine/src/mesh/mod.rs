@@ -2,6 +2,9 @@
 
 mod closed;
 mod formats;
+mod hand;
+mod inside;
+mod march;
 mod remesh;
 mod section;
 pub mod shapes;
@@ -9,3 +12,4 @@ pub mod shapes;
 pub(crate) use closed::area_vector;
 pub use closed::{Fault, Mesh};
 pub use formats::{FormatError, obj, stl};
+pub(crate) use inside::Inside;
