@@ -17,6 +17,7 @@ use crate::field::gpu::{SpacePainting, Texture as OnGpu};
 use crate::field::volume::scenery::{Item, Shot};
 use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
 use crate::field::{Gpu, GpuError};
+use crate::gauge::Gauge;
 use crate::picture::Picture;
 use crate::studio::later::Later;
 use crate::studio::space::{self, Prospect};
@@ -181,6 +182,9 @@ impl Spacing {
             self.drawn = Some((best, false));
             return Ok(());
         }
+        if let Some(volume) = self.fields.get(&sounding) {
+            self.fine = Some((sounding.clone(), Arc::clone(volume)));
+        }
         let soon = wanted(SOON);
         if self.drawn.as_ref().is_none_or(|(drawn, is_coarse)| !(*is_coarse && *drawn == soon)) {
             let start = Instant::now();
@@ -191,8 +195,12 @@ impl Spacing {
             tell(shown, &volume, true, [sampled, start.elapsed().as_secs_f64() * 1e3 - sampled]);
             self.drawn = Some((soon, true));
         }
-        if is_still {
-            let known = self.fine.clone().filter(|(of, _)| *of == sounding).map(|(_, volume)| volume);
+        let known = self.fine.clone().filter(|(of, _)| *of == sounding).map(|(_, volume)| volume);
+        let waits = known.is_none() && !sounding.aperture.bodies.is_empty();
+        if is_still && waits {
+            // It takes long enough for several pictures.
+            self.refine(&sounding, ctx);
+        } else if is_still {
             self.pictures.ask(&best, wake(ctx), move |wanted| {
                 let start = Instant::now();
                 let volume = known.unwrap_or_else(|| wanted.sounding.volume(false));
@@ -219,6 +227,14 @@ impl Spacing {
         }
         let grey = bodies::placed(editor).into_iter().flat_map(|mesh| space::facets(&mesh, None));
         Arc::new(grey.collect())
+    }
+
+    /// Requests the fine field.
+    fn refine(&mut self, sounding: &Sounding, ctx: &Context) {
+        self.fields.keep(Some(sounding));
+        self.fields.ask_with(sounding, wake(ctx), |sounding, answer| {
+            Gauge::default().until(&answer.cancel).lead(|| sounding.volume(false))
+        });
     }
 
     /// The field immediately: the fine one if available, otherwise a coarse one.
@@ -249,7 +265,7 @@ impl Spacing {
         if let Some(volume) = self.fields.get(sounding) {
             self.fine = Some((sounding.clone(), Arc::clone(volume)));
         } else if is_still {
-            self.fields.ask(sounding, wake(ctx), |sounding| sounding.volume(false));
+            self.refine(sounding, ctx);
         }
         let is_fine = self.fine.as_ref().is_some_and(|(of, _)| of == sounding);
         if self.drawn.as_ref().is_some_and(|(drawn, is_coarse)| *is_coarse != is_fine && *drawn == wanted) {
@@ -285,12 +301,13 @@ fn put(shown: &mut Shown, rgba: &[u8], (width, height): (usize, usize), stage: &
 }
 
 fn blank(texture: Texture, stage: &Stage) -> SpaceShown {
-    SpaceShown { texture, stage: stage.clone(), peak: 0.0, is_coarse: false, milliseconds: [0.0; 2] }
+    let stage = stage.clone();
+    SpaceShown { texture, stage, peak: 0.0, is_incident: false, is_coarse: false, milliseconds: [0.0; 2] }
 }
 
 fn tell(shown: &mut Shown, volume: &Volume, is_coarse: bool, milliseconds: [f64; 2]) {
     if let Some(picture) = &mut shown.space {
-        (picture.peak, picture.is_coarse, picture.milliseconds) =
-            (volume.peak.into(), is_coarse, milliseconds);
+        (picture.peak, picture.is_incident) = (volume.peak.into(), volume.is_incident);
+        (picture.is_coarse, picture.milliseconds) = (is_coarse, milliseconds);
     }
 }

@@ -6,7 +6,6 @@ use web_time::Instant;
 use anyhow::bail;
 use glam::DVec2;
 
-use crate::acoustics::Aperture;
 use crate::field::gpu::SpacePainting;
 use crate::field::volume::camera::Standard;
 use crate::field::volume::scenery::{Body, Shot};
@@ -26,6 +25,8 @@ use crate::studio::still::{self, Diagram, Size, Solved};
 /// Default size of a picture in pixels, and its limit.
 pub const USUAL: usize = 900;
 const MOST_PIXELS: usize = 1 << 25;
+/// What the field in the box lacks where that would take too long.
+const LACKING: &str = "; without what bodies scatter, except on them";
 /// Reference height at which a point of the screen is a pixel.
 const HEIGHT: f64 = 760.0;
 
@@ -134,7 +135,7 @@ pub fn draw(
     );
     let mut picture = Picture { width, height, rgba };
     let look = &prospect.look;
-    let what = describe(look.body, &volume) + remark(&prospect.aperture);
+    let what = describe(look.body, &volume);
     let scale = width as f64 / prospect.points.x;
     let labels = prospect.labels((width, height), scale).into_iter();
     let words = Words {
@@ -173,7 +174,10 @@ pub fn describe(body: Body, volume: &Volume) -> String {
         return "no sound in the box".to_owned();
     }
     let words = |value: f64| format!("{} RMS", Quantity::Rms.with_unit(value));
-    let remark = if volume.loudest > volume.peak { format!(", {}", map::LARGER) } else { String::new() };
+    let mut remark = if volume.loudest > volume.peak { format!(", {}", map::LARGER) } else { String::new() };
+    if volume.is_incident {
+        remark.push_str(LACKING);
+    }
     let text = match body {
         Body::Surface(part) => format!(
             "Surface at −{:.1} dB of the peak: {}; peak {}",
@@ -185,11 +189,6 @@ pub fn describe(body: Body, volume: &Volume) -> String {
         Body::Hidden => format!("RMS pressure; peak {}", words(peak)),
     };
     format!("{text}{remark}")
-}
-
-/// What the field in the box lacks.
-pub fn remark(aperture: &Aperture) -> &'static str {
-    if aperture.bodies.is_empty() { "" } else { "; without the sound that bodies scatter, which is on them" }
 }
 
 /// The colours of slices and projections.

@@ -353,8 +353,11 @@ fn over_threshold(level: f64) -> String {
 
 fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
     let quantity = map.quantity;
-    let reading = probe::reading(&sound.aperture, &sound.heard, point);
     let value = map.number(uv).or_else(|| sound.value(map, point));
+    if value.is_some_and(f64::is_nan) {
+        return "inside a body".to_owned();
+    }
+    let reading = probe::reading(&sound.aperture, &sound.heard, point);
     if quantity.declaration().is_level() {
         return value.map_or_else(String::new, over_threshold);
     }

@@ -167,6 +167,8 @@ pub struct SpaceShown {
     pub stage: Stage,
     /// Pa RMS: the largest value in the box.
     pub peak: f64,
+    /// The field lacks what bodies scatter.
+    pub is_incident: bool,
     /// A finer one is on its way.
     pub is_coarse: bool,
     /// Times of the picture and, if recomputed, its field, ms.
