@@ -192,7 +192,8 @@ fn meet(thing: Thing, at: vec2f, ray: Ray) -> Hit {
             let rest = 1.0 - s - t;
             let pressure = rest * thing.first.w + s * thing.second.w + t * thing.colour.x;
             let light = rest * thing.colour.y + s * thing.colour.z + t * thing.colour.w;
-            let coloured = mix(tint(pressure * params.per_peak), vec3f(SKIN), SKIN_PART);
+            let part = clamp(pressure * params.per_peak, 0.0, 1.0);
+            let coloured = mix(tint(part), vec3f(SKIN), SKIN_PART * (1.0 - part));
             return Hit(depth, vec4f(select(coloured, vec3f(SKIN), thing.colour.x < 0.0) * light, 1.0));
         }
         return nothing;

@@ -18,10 +18,13 @@ pub struct Preparing {
 }
 
 impl Preparing {
-    /// Begins the search when it is time. A page would stand still.
+    /// Begins the search when it is time. A page would stand still, and bodies that hear each other or mirrors take minutes.
     pub fn update(&mut self, aperture: Option<&Aperture>, rests: bool, ctx: &Context) {
         self.found.collect();
-        let lacks = |aperture: &&Aperture| rests && !cfg!(target_arch = "wasm32") && !aperture.is_prepared();
+        let is_quick = |aperture: &Aperture| aperture.bodies.of().len() < 2 && aperture.mirrors.is_empty();
+        let lacks = |aperture: &&Aperture| {
+            rests && !cfg!(target_arch = "wasm32") && is_quick(aperture) && !aperture.is_prepared()
+        };
         let Some(aperture) = aperture.filter(lacks) else {
             self.since = None;
             return;

@@ -30,9 +30,9 @@ pub const OPAQUE: f32 = 0.6;
 pub const FAINT: f32 = 0.4;
 /// Overlap of facets relative to their sides, so that no ray passes between them.
 pub const OVERLAP: f32 = 2e-3;
-/// Grey of a body, and its part in the colours of pressures, so that silent ones are seen.
+/// Grey of a body, and its part in the colour of no pressure, so that silent ones are seen.
 pub const SKIN: f32 = 0.62;
-pub const SKIN_PART: f32 = 0.15;
+pub const SKIN_PART: f32 = 0.55;
 /// Difference of neighbours, of 255, above which a pixel gets more rays.
 const CONTRAST: u8 = 10;
 /// Opacity that hides everything behind it.
@@ -248,7 +248,8 @@ impl Painter<'_> {
                     let pressure = rest * d + s * second.w + t * colour.x;
                     let light = rest * colour.y + s * colour.z + t * colour.w;
                     let grey = Vec3::splat(SKIN);
-                    let tint = self.tint(pressure * self.params.per_peak).lerp(grey, SKIN_PART);
+                    let part = (pressure * self.params.per_peak).clamp(0.0, 1.0);
+                    let tint = self.tint(part).lerp(grey, SKIN_PART * (1.0 - part));
                     (depth, (if colour.x < 0.0 { grey } else { tint } * light).extend(1.0))
                 })
             }
