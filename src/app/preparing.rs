@@ -1,4 +1,4 @@
-//! The answers of bodies to all elements, found once nothing has changed for a while: then a new drive costs a sum.
+//! The answers of a body to all elements, found once nothing has changed for a while: then a new drive costs a sum.
 
 use egui::Context;
 
@@ -18,7 +18,8 @@ pub struct Preparing {
 }
 
 impl Preparing {
-    /// Begins the search when it is time. A page would stand still, and bodies that hear each other or mirrors take minutes.
+    /// Begins the search when it is time. A page would stand still, and bodies that hear each other or mirrors take
+    /// minutes.
     pub fn update(&mut self, aperture: Option<&Aperture>, rests: bool, ctx: &Context) {
         self.found.collect();
         let is_quick = |aperture: &Aperture| aperture.bodies.of().len() < 2 && aperture.mirrors.is_empty();

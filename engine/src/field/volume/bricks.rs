@@ -18,6 +18,7 @@ pub struct Volume {
     pub peak: f32,
     pub loudest: f32,
     /// Whether it lacks what bodies scatter.
+    #[doc(hidden)]
     pub is_incident: bool,
     /// The largest value of every brick of [`BRICK`]³ cells.
     pub(crate) bricks: Vec<f32>,

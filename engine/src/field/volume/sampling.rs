@@ -44,8 +44,8 @@ impl Fineness {
 }
 
 impl Volume {
-    /// The RMS pressure of drives in turn in a box; at rest with what bodies scatter, within which it is 0. A cancelled step
-    /// ends early.
+    /// The RMS pressure of drives in turn in a box; at rest with what bodies scatter, and 0 within them. A cancelled
+    /// step ends early.
     pub fn new(aperture: &Aperture, drives: &[Drive], block: &Block, fineness: Fineness) -> Self {
         let has_bodies = !aperture.bodies.is_empty();
         let is_at_rest = fineness == FINE;
@@ -196,8 +196,8 @@ fn values<'a>(
     values
 }
 
-/// The pressures that bodies scatter at all points, of every drive; not a number within bodies. `None` without bodies, or
-/// if it would take too long.
+/// The pressures that bodies scatter at all points, of every drive; not a number within bodies. `None` without bodies,
+/// or if it would take too long.
 fn scattered(aperture: &Aperture, drives: &[Drive], lattice: &Lattice) -> Option<Vec<Vec<Complex32>>> {
     /// Pairs of points and triangles' sources.
     const MOST: f64 = 4e10;
