@@ -50,7 +50,7 @@ const OSCILLATION_PERIOD: f64 = 2.0;
 const OSCILLATION_STEP: Duration = Duration::from_millis(33);
 
 const BEING_SOLVED: &str = "Solving… the map still shows the previous drawing.";
-const AFTER_DRAG: &str = "The map shows the drive before, until the body rests.";
+const AFTER_DRAG: &str = "Solving waits until nothing is dragged… the map still shows the previous drive.";
 const AT_REST: &str = "Solving the frames of the motion… the map shows the scene at rest.";
 const BEFORE: &str = "Solving the frames of the motion… the map still shows the previous ones.";
 

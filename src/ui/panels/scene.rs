@@ -11,10 +11,8 @@ use crate::acoustics::Air;
 use crate::echo;
 use crate::scene::{Array, ElementModel, Fluid, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
-use crate::ui::panels::form::{caption, choice, count, given, heading, remark, value};
-use crate::ui::panels::{
-    DEGREES, MM, PERCENT, PLAIN, Unit, boards, bodies, fact, form, modulation, number, target,
-};
+use crate::ui::panels::form::{caption, choice, count, fact, form, given, heading, number, remark, value};
+use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, bodies, modulation, target};
 use crate::ui::parts::levitation;
 use crate::ui::{clipboard, command::Purpose, dialog::state::Dialog, edit, editor::Editor};
 use crate::ui::{element_map, group, shown::Shown, theme, ticks};
