@@ -88,7 +88,7 @@ fn numbers_of_a_body_are_typed() {
     assert!((body(&screen).length - 0.01).abs() < 1e-9, "twice the radius at least");
     rest(&mut screen);
     let error = figures(&screen).errors[0].outside;
-    assert!(error > 0.0 && error < 0.05 && figures(&screen).triangles > 50, "{error}");
+    assert!(error > 0.0 && error < 0.2 && figures(&screen).triangles > 50, "{error}");
     assert!(screen.query_by_label_contains("scattered sound within").is_some());
     pick(&mut screen, "Kind", "Mesh");
     assert!(matches!(
