@@ -19,6 +19,8 @@ use sonoglyph::scene::{ElementModel, Scene, Shape, Target};
 use sonoglyph::simd::Isa;
 use sonoglyph::solver;
 use sonoglyph::studio::space::{Look, scenery};
+use sonoglyph_engine::mesh::shapes;
+use sonoglyph_engine::scatter::{Boundary, Emission};
 
 fn kernels(criterion: &mut Criterion) {
     let gpu = adapter::open_best(true).ok();
@@ -156,5 +158,36 @@ fn space(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, kernels, stages, space);
+/// The sound that a ball of 4 cm scatters to a plane: pairs of sources and points.
+fn scattered(criterion: &mut Criterion) {
+    let (k, edge) = (732.0, 0.0014);
+    let body = Boundary::new(&shapes::sphere(0.02, edge), 1.0, k).expect("room for a small body");
+    let nodal = |turn: f64| -> Vec<_> {
+        body.mesh().vertices.iter().map(|at| Complex64::cis(turn - k * at.z)).collect()
+    };
+    let emissions: Vec<_> = (0..4).map(|drive| body.emission(&nodal(f64::from(drive)))).collect();
+    let all: Vec<_> = emissions.iter().collect();
+    let place = |n: usize| 0.1 * ((n as f64 + 0.5) / 64.0 - 0.5);
+    let points: Vec<_> = (0..64 * 64).map(|n| DVec3::new(place(n % 64), place(n / 64), 0.03)).collect();
+
+    let mut group = criterion.benchmark_group("scattered");
+    group.sample_size(10);
+    group.throughput(Throughput::Elements((emissions[0].sources.len() * points.len()) as u64));
+    group.bench_function("pressures", |bencher| bencher.iter(|| emissions[0].pressures(black_box(&points))));
+    group.bench_function("pressures of four drives", |bencher| {
+        bencher.iter(|| Emission::pressures_of_all(&all, black_box(&points)));
+    });
+    group.bench_function("with slopes", |bencher| bencher.iter(|| emissions[0].sounds(black_box(&points))));
+    group.bench_function("corrections", |bencher| {
+        bencher.iter(|| body.corrections(&nodal(0.0), black_box(&points)));
+    });
+    if let Ok(gpu) = adapter::open_best(true) {
+        group.bench_function(BenchmarkId::new("GPU", &gpu.info().name), |bencher| {
+            bencher.iter(|| gpu.scattered(&emissions[..1], black_box(&points)));
+        });
+    }
+    group.finish();
+}
+
+criterion_group!(benches, kernels, stages, space, scattered);
 criterion_main!(benches);

@@ -114,7 +114,7 @@ fn faulty_meshes_are_refused_with_a_remedy() {
     ]);
     fs::create_dir(folder.path().join("folder.stl")).unwrap();
     for (keys, line, said) in [
-        ("file = \"none.stl\"", 6, "none.stl: No such file"),
+        ("file = \"none.stl\"", 6, "none.stl: no such file"),
         ("file = \"folder.stl\"", 6, "folder.stl: "),
         ("file = \"open.obj\"", 6, "3 of its edges are on one triangle only"),
         ("file = \"open.obj\"", 6, "a body needs a closed surface: repair the mesh"),

@@ -124,6 +124,11 @@ impl Scattering {
         self.is_prepared() || self.0.as_deref().is_none_or(is_kept)
     }
 
+    /// The answers to all elements, if they are known.
+    pub(super) fn known_columns(&self) -> Option<(&Bodies, &[Answer])> {
+        Some((self.bodies()?, self.0.as_ref()?.columns.get()?))
+    }
+
     /// The answers to all elements, found by `find` if nobody did.
     pub(super) fn columns(&self, find: impl FnOnce(&Bodies) -> Vec<Answer>) -> Option<(&Bodies, &[Answer])> {
         let (own, bodies) = (self.0.as_ref()?, self.bodies()?);

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::acoustics::partial::PartialWaves;
 use crate::acoustics::{aperture::Aperture, transfer::Transfer};
-use crate::scatter::{Answer, Bodies, BodyError, Incident, Skin};
+use crate::scatter::{Answer, Bodies, BodyError, Incident, Rows, Skin};
 
 /// Points whose transfer is in memory at the same time.
 const RUN: usize = 64;
@@ -114,6 +114,13 @@ impl Aperture {
     pub fn knows(&self, drives: &[Complex64]) -> bool {
         let count = self.driven.len().max(1);
         self.is_prepared() || drives.chunks(count).all(|drive| self.bodies.knows(&self.of_all(drive)))
+    }
+
+    /// The scattered sound of every element at points (m) outside, once the answers to all are known, as far as there is
+    /// memory.
+    pub(crate) fn table_of_bodies(&self, points: &[DVec3]) -> Option<Rows> {
+        let (bodies, columns) = self.bodies.known_columns()?;
+        bodies.table(columns, points)
     }
 
     /// Scattered pressures (Pa) of a drive and their slopes along directions, in sequence for every point (m).

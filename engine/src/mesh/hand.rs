@@ -12,7 +12,7 @@
 
 use glam::{DQuat, DVec2, DVec3, dvec2, dvec3};
 
-use crate::mesh::closed::Mesh;
+use crate::mesh::closed::{Mesh, area_vector};
 use crate::mesh::march;
 
 /// Parts of a bend by which the three bones of a digit are turned, the base's first.
@@ -74,7 +74,7 @@ pub(super) fn mesh(size: DVec3, bends: [f64; 5], edge: f64) -> Mesh {
     // Fine enough for the gaps between fingers; what is finer yet is divided.
     let side = (1.2 * edge).clamp((high - low).max_element() / 500.0, hand.scale * 0.003);
     let mesh = march::surface(|at| hand.distance(at), hand.steepest(), (low, high), side);
-    mesh.with_edges(edge).mapped(|at| hand.on_skin(at, 0.2 * edge))
+    hand.around(mesh.with_edges(edge).mapped(|at| hand.on_skin(at, 0.2 * edge)))
 }
 
 impl Hand {
@@ -167,6 +167,27 @@ impl Hand {
         let of_little = cone(at, ends, [0.0135 * self.scale, 0.012 * self.scale]);
         let groove = self.scale * PALM;
         united(united(slab, of_thumb, 1.3 * groove), of_little, groove)
+    }
+
+    /// The mesh with vertices moved off the skin until its triangles are as much inside as outside: with vertices on the skin
+    /// those of round parts would be inside, and the hand too small.
+    fn around(&self, mut mesh: Mesh) -> Mesh {
+        let mut moves = vec![DVec3::ZERO; mesh.vertices.len()];
+        let mut areas = vec![DVec3::ZERO; mesh.vertices.len()];
+        for (triangle, vertices) in mesh.triangles.iter().enumerate() {
+            let [a, b, c] = mesh.corners(triangle);
+            let area = area_vector([a, b, c]);
+            let middles = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
+            let depth = -middles.map(|at| self.distance(at)).iter().sum::<f64>() / 3.0;
+            for &vertex in vertices {
+                moves[vertex as usize] += area * depth;
+                areas[vertex as usize] += area;
+            }
+        }
+        for ((at, moved), area) in mesh.vertices.iter_mut().zip(moves).zip(areas) {
+            *at += moved / area.length().max(f64::MIN_POSITIVE);
+        }
+        mesh
     }
 
     /// A place on the skin near a point, at most a distance (m) away.

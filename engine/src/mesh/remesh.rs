@@ -23,6 +23,8 @@ const OFF: f64 = 0.1;
 const LEAST_COSINE: f64 = 0.4;
 /// Cosine of the angle by which a triangle of a smooth part may turn.
 const SMOOTH: f64 = 0.8;
+/// Area of a triangle whose normal says little, relative to the square of the wanted edge.
+const SLIVER: f64 = 1e-3;
 /// Rounds of collapses.
 const ROUNDS: usize = 40;
 /// Rounds of flips, moves and collapses.
@@ -254,7 +256,7 @@ impl Coarsening {
         let old = [[pa, pb, pc], [pb, pa, pd]].map(area_vector);
         let new = [[pa, pd, pc], [pb, pc, pd]].map(area_vector);
         // A sliver has no normal worth a comparison.
-        let least = 1e-3 * self.edge.powi(2);
+        let least = SLIVER * self.edge.powi(2);
         let is_alike = |new: DVec3| {
             let alike = |old: &DVec3| old.dot(new) > SMOOTH * old.length() * new.length();
             new.length() > least && old.iter().all(|own| own.length() < least || alike(own))
@@ -287,7 +289,8 @@ impl Coarsening {
             let longest = LONGEST * self.edge;
             let fits = |&triangle: &u32| {
                 let [old, new] = self.turned(triangle, |corner| corner == vertex, to);
-                new.dot(old) > SMOOTH * new.length() * old.length() && new.length() > 1e-3 * self.edge.powi(2)
+                new.dot(old) > SMOOTH * new.length() * old.length()
+                    && new.length() > SLIVER * self.edge.powi(2)
             };
             if self.quadrics[vertex as usize].at(to) < (OFF / 2.0 * self.edge).powi(2)
                 && neighbours.iter().all(|&other| self.place(other).distance(to) <= longest)
@@ -319,13 +322,14 @@ impl Coarsening {
             return false;
         }
         let shared = self.beside(a, b);
+        let least = SLIVER * self.edge.powi(2);
         for &triangle in self.around[a as usize].iter().chain(&self.around[b as usize]) {
             if shared.contains(&triangle) {
                 continue;
             }
             let [old, new] = self.turned(triangle, |corner| corner == a || corner == b, to);
             if new.dot(old) < LEAST_COSINE * new.length() * old.length()
-                || new.length() < 1e-3 * self.edge.powi(2)
+                || (new.length() < least && new.length() < old.length() / 2.0)
             {
                 return false;
             }

@@ -15,6 +15,7 @@ use crate::mesh::Mesh;
 use crate::scatter::boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
 use crate::scatter::emission::Emission;
 use crate::scatter::gmres::{self, Outcome};
+use crate::scatter::rows::{Columns, Rows};
 use crate::scatter::sphere::{Sound, Sphere};
 use crate::scene::{Body, BodyKind, Reflector};
 
@@ -22,6 +23,8 @@ use crate::scene::{Body, BodyKind, Reflector};
 const EDGE: f64 = 1.0 / 6.0;
 const MANY: f64 = 12_000.0;
 const LONGEST_EDGE: f64 = 0.3;
+/// Bytes of a table.
+const MOST_TABLE: usize = 256 << 20;
 /// Steps of the bodies' answers to each other, and their residual.
 const MOST_ECHOES: usize = 60;
 const ECHOED: f64 = 1e-5;
@@ -244,6 +247,20 @@ impl Bodies {
         self.solids.iter().zip(answer).flat_map(of).collect()
     }
 
+    /// The scattered sound of every element at points (m) outside, from the answers to each; `None` if it is too large.
+    pub fn table(&self, columns: &[Answer], points: &[DVec3]) -> Option<Rows> {
+        let mut table = Rows::zeros(columns.len(), points.len(), MOST_TABLE)?;
+        for (index, solid) in self.solids.iter().enumerate() {
+            let own: Vec<_> = columns.iter().map(|column| &column[index][..]).collect();
+            solid.tabulate(&own, points, 1.0, &mut table);
+            for mirror in &self.mirrors {
+                let there: Vec<_> = points.iter().map(|at| seen(mirror, *at)).collect();
+                solid.tabulate(&own, &there, mirror.coefficient as f32, &mut table);
+            }
+        }
+        Some(table)
+    }
+
     /// What the sums of [`Self::emissions`] lack at points (m): near triangles, and the sound of spheres.
     pub fn corrections(&self, answer: &Answer, points: &[DVec3]) -> Vec<Complex64> {
         let mut all = vec![Complex64::ZERO; points.len()];
@@ -424,6 +441,23 @@ impl Solid {
     /// A gradient in the scene's axes.
     fn turned(&self, gradient: [Complex64; 3]) -> [Complex64; 3] {
         [0, 1, 2].map(|axis| along(gradient, self.axes.row(axis)))
+    }
+
+    fn tabulate(&self, columns: &[&[Complex64]], points: &[DVec3], gain: f32, table: &mut Rows) {
+        let points: Vec<_> = points.iter().map(|at| self.own(*at)).collect();
+        match &self.surface {
+            Surface::Series(sphere) => table.each_mut().zip(&points).for_each(|((re, im), at)| {
+                let weights = sphere.weights(*at);
+                for ((re, im), column) in re.iter_mut().zip(im).zip(columns) {
+                    let sum: Complex64 = weights.iter().zip(*column).map(|([w, ..], value)| w * value).sum();
+                    *re += gain * sum.re as f32;
+                    *im += gain * sum.im as f32;
+                }
+            }),
+            Surface::Elements(boundary) => {
+                boundary.tabulate(&Columns::new(columns.iter().copied()), &points, gain, table);
+            }
+        }
     }
 
     fn corrections(&self, own: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {

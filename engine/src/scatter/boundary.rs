@@ -22,6 +22,8 @@
 //! near pairs, and the mass. Generalised minimal residuals solve with it, prepared by the inverses of the blocks on the
 //! diagonal. It belongs to shape, admittance and wavenumber: a body that moves keeps it.
 
+use std::f64::consts::PI;
+
 use glam::DVec3;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -36,7 +38,10 @@ use crate::scatter::grid::Grid;
 use crate::scatter::hierarchy::{Hierarchy, Tree};
 use crate::scatter::near::Near;
 use crate::scatter::radiation::{CLEAR, Radiation};
+use crate::scatter::rows::{Columns, Rows, Run, lanes_of};
 use crate::scatter::sphere::Sound;
+use crate::scatter::waves::LANES;
+use crate::simd::Isa;
 
 /// Residual at which solving ends, relative to the right side.
 pub const TOLERANCE: f64 = 1e-5;
@@ -49,7 +54,7 @@ const LEFT_FACTOR: f64 = 3.0;
 /// Errors of corrected values relative to the correction.
 const CHANGE_FACTOR: f64 = 0.35;
 /// Errors by flat triangles on a round body, relative to the phase of their distance from it.
-const FACETS_FACTOR: f64 = 0.9;
+const FACETS_FACTOR: f64 = 1.4;
 /// Angle between normals (rad) from which an edge is meant to be sharp.
 const SHARP: f64 = 1.05;
 /// Cosine between normals of triangles around a node up to which the surface is smooth there.
@@ -86,8 +91,9 @@ pub struct TooLarge {
 /// The solution's sound does not quite cancel the incident sound inside. What is left just below the surface is the
 /// error of the boundary condition between the nodes. Values at vertices are off by a part of their correction
 /// ([`Boundary::surface`]), too, and flat triangles by their distance from the round body that they stand for. The factors
-/// of these three parts come from 198 random spheres, capsules and slabs with edges of λ/4 to λ/12: with two thirds of the
-/// last one, three slabs exceeded their bounds, by a ninth at most.
+/// of these three parts come from 435 random spheres, capsules, slabs, small hands and joined capsules with edges of λ/4
+/// to λ/12: with 0.9 for the last one, bounds were 2.3 times the error on the surface and 3.8 times that outside by the
+/// median, and six were exceeded, by four tenths at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyError {
     pub surface: f64,
@@ -211,10 +217,17 @@ impl Boundary {
 
     /// Scattered pressures (Pa) of nodes' pressures at points (m) outside, in f32.
     pub fn scattered(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {
-        self.radiation(nodal).pressures(points)
+        self.scattered_by_all(&[nodal], points).remove(0)
     }
 
-    /// The same with gradients (Pa/m).
+    /// The same of several, each with a pressure per node: four cost as much as two alone.
+    #[doc(hidden)]
+    pub fn scattered_by_all(&self, nodals: &[&[Complex64]], points: &[DVec3]) -> Vec<Vec<Complex64>> {
+        let radiations: Vec<_> = nodals.iter().map(|nodal| self.radiation(nodal)).collect();
+        Radiation::pressures(&radiations, points)
+    }
+
+    /// Pressures and gradients (Pa/m), likewise.
     #[doc(hidden)]
     pub fn sounds(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
         self.radiation(nodal).sounds(points)
@@ -224,6 +237,30 @@ impl Boundary {
     #[doc(hidden)]
     pub fn emission(&self, nodal: &[Complex64]) -> Emission {
         self.radiation(nodal).emission()
+    }
+
+    /// Adds the sound of nodes' pressures for every element to a table's rows at points (m) outside, times a gain.
+    pub(super) fn tabulate(&self, columns: &Columns, points: &[DVec3], gain: f32, table: &mut Rows) {
+        let middle = self.facets.iter().map(|facet| facet.centroid).sum::<DVec3>() / self.facets.len() as f64;
+        let sources = Radiation::sources(&self.wall, &self.facets, self.mesh.vertices.len(), middle);
+        let per_metre = self.wall.wavenumber / PI;
+        let runs = table.each_mut().chunks(LANES).zip(points.par_chunks(LANES));
+        runs.for_each(|(rows, points)| {
+            let lacks = |(lane, at): (usize, &DVec3)| {
+                let own = Radiation::lacks(&self.wall, &self.facets, &self.grid, *at);
+                own.into_iter().map(move |(node, lack)| (lane, node, lack))
+            };
+            let corrections: Vec<_> = points.iter().enumerate().flat_map(lacks).collect();
+            let places = lanes_of(points, middle, per_metre);
+            let run = Run { sources: &sources, columns, places, corrections: &corrections };
+            let sums = Isa::best().run(run);
+            for (lane, (re, im)) in rows.into_iter().enumerate() {
+                for ((re, im), [a, b]) in re.iter_mut().zip(im).zip(&sums) {
+                    *re += gain * a[lane];
+                    *im += gain * b[lane];
+                }
+            }
+        });
     }
 
     /// What the sums of [`Self::emission`] lack at points (m) near the surface.
@@ -377,7 +414,7 @@ impl Boundary {
 
     fn product(&self, vectors: &[Vec<Complex64>], is_transposed: bool) -> Vec<Vec<Complex64>> {
         let mut sums = self.matrix.times(vectors, is_transposed);
-        sums.par_iter_mut().zip(vectors).for_each(|(sum, x)| self.near.add(x, is_transposed, sum));
+        self.near.add(vectors, is_transposed, &mut sums);
         sums
     }
 
@@ -523,7 +560,7 @@ mod tests {
             let ([surface, outside], printed) = sphere_errors(size, WAVELENGTH / 6.0, coefficient);
             assert!(surface < 0.02 && outside < 0.02, "{size} {coefficient}: {surface} {outside}");
             assert!(surface < printed.surface && outside < printed.outside, "{size}: {printed:?}");
-            assert!(printed.surface < 0.1 && printed.outside < 0.1, "{size}: {printed:?}");
+            assert!(printed.surface < 0.12 && printed.outside < 0.12, "{size}: {printed:?}");
         }
     }
 
@@ -531,6 +568,26 @@ mod tests {
     fn half_the_edge_leaves_a_quarter_of_the_error() {
         let [coarse, fine] = [4.0, 8.0].map(|part| sphere_errors(4.0, 1.1756 * 4.0 / K / part, 1.0).0);
         assert!(fine[0] < coarse[0] / 3.0 && fine[1] < coarse[1] / 4.0, "{coarse:?} {fine:?}");
+    }
+
+    #[test]
+    fn a_triangle_without_area_does_no_harm() {
+        let mesh = shapes::sphere(0.004, WAVELENGTH / 6.0);
+        // A vertex in the middle of an edge, on one side only: a flat triangle closes the gap.
+        let mut gap = mesh.clone();
+        let [a, b, c] = mesh.triangles[7];
+        let middle = mesh.vertices.len() as u32;
+        gap.vertices.push(mesh.vertices[a as usize].midpoint(mesh.vertices[b as usize]));
+        gap.triangles[7] = [a, middle, c];
+        gap.triangles.extend([[middle, b, c], [a, b, middle]]);
+        let gap = gap.closed().unwrap();
+        let incident = from(dvec3(0.02, -0.01, 0.1));
+        let points: Vec<_> = directions(50).into_iter().map(|direction| direction * 0.008).collect();
+        let [one, other] = [mesh, gap].map(|mesh| {
+            let boundary = Boundary::new(&mesh, 1.0, K).unwrap();
+            boundary.scattered(&solve(&boundary, &incident).values, &points)
+        });
+        assert!(off(&other, &one) < 0.01, "{}", off(&other, &one));
     }
 
     #[test]

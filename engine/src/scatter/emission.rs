@@ -62,14 +62,27 @@ impl Emission {
 
     /// Pressures (Pa) at points (m): within 1e-5 of the largest.
     pub fn pressures(&self, points: &[DVec3]) -> Vec<Complex64> {
-        let mut all = vec![Complex64::ZERO; points.len()];
-        all.par_chunks_mut(LANES).zip(points.par_chunks(LANES)).for_each(|(to, points)| {
-            let sums = Isa::best().run(Pressures { emission: self, places: &self.places(points) });
-            for (lane, to) in to.iter_mut().enumerate() {
-                *to = Complex64::new(sums[0][lane], sums[1][lane]);
-            }
+        Self::pressures_of_all(&[self], points).remove(0)
+    }
+
+    /// Those of a surface with several pressures on it, one after the other: four cost as much as two alone.
+    ///
+    /// # Panics
+    /// Other than a strength of each per source.
+    pub fn pressures_of_all(all: &[&Self], points: &[DVec3]) -> Vec<Vec<Complex64>> {
+        let (fours, rest) = all.as_chunks::<4>();
+        let fours = fours.iter().flat_map(|four| Self::pressures_of(four, points));
+        fours.chain(rest.iter().flat_map(|one| Self::pressures_of(&[one], points))).collect()
+    }
+
+    fn pressures_of<const N: usize>(all: &[&Self; N], points: &[DVec3]) -> [Vec<Complex64>; N] {
+        let lanes = points.par_chunks(LANES).flat_map_iter(|points| {
+            let sums = Isa::best().run(Pressures { all, places: &all[0].places(points) });
+            (0..points.len())
+                .map(move |lane| std::array::from_fn(|n| Complex64::new(sums[n][0][lane], sums[n][1][lane])))
         });
-        all
+        let together: Vec<[Complex64; N]> = lanes.collect();
+        std::array::from_fn(|n| together.iter().map(|pressures| pressures[n]).collect())
     }
 
     /// Pressures (Pa) and gradients (Pa/m) at points (m): within 1e-5 of the largest.
@@ -93,37 +106,45 @@ impl Emission {
     }
 }
 
-/// The pressures of all sources at a run of points.
-struct Pressures<'a> {
-    emission: &'a Emission,
+/// The pressures of all sources, for each of several strengths, at a run of points.
+struct Pressures<'a, const N: usize> {
+    /// Of one surface.
+    all: &'a [&'a Emission; N],
     places: &'a [Lanes; 3],
 }
 
-impl Kernel for Pressures<'_> {
-    type Output = [[f64; LANES]; 2];
+impl<const N: usize> Kernel for Pressures<'_, N> {
+    type Output = [[[f64; LANES]; 2]; N];
 
     #[inline(always)]
     fn run<I: Instructions>(self) -> Self::Output {
-        let Self { emission, places: [xs, ys, zs] } = self;
-        let (leak, nearest) = (emission.leak, emission.least * emission.least);
-        let mut all = [[0.0; LANES]; 2];
-        for sources in emission.sources.chunks(RUN) {
-            let mut sums = [[0.0; LANES]; 2];
-            for &[x, y, z, u, nx, ny, nz, v] in sources {
+        let Self { all, places: [xs, ys, zs] } = self;
+        let (leak, nearest) = (all[0].leak, all[0].least * all[0].least);
+        let mut totals = [[[0.0; LANES]; 2]; N];
+        for first in (0..all[0].sources.len()).step_by(RUN) {
+            let run = first..all[0].sources.len().min(first + RUN);
+            let runs = all.map(|emission| &emission.sources[run.clone()]);
+            let mut sums = [[[0.0; LANES]; 2]; N];
+            for (n, &[x, y, z, _, nx, ny, nz, _]) in runs[0].iter().enumerate() {
                 let [dx, dy, dz] = [lanes(|l| x - xs[l]), lanes(|l| y - ys[l]), lanes(|l| z - zs[l])];
                 let Wave { inverse, g, cosine, sine, .. } = wave::<I>([&dx, &dy, &dz], nearest);
                 let along = lanes(|l| fused::<I>(dx[l], nx, fused::<I>(dy[l], ny, dz[l] * nz)) * inverse[l]);
-                // -g (cosine - j sine) (a + j b)
+                // (a + j b) (cosine - j sine)
                 let a = lanes(|l| -along[l] * inverse[l] * g[l]);
                 let b = lanes(|l| -fused::<I>(along[l], PI, leak) * g[l]);
                 let re = lanes(|l| fused::<I>(a[l], cosine[l], b[l] * sine[l]));
                 let im = lanes(|l| fused::<I>(b[l], cosine[l], -(a[l] * sine[l])));
-                sums[0] = lanes(|l| fused::<I>(u, re[l], fused::<I>(-v, im[l], sums[0][l])));
-                sums[1] = lanes(|l| fused::<I>(u, im[l], fused::<I>(v, re[l], sums[1][l])));
+                for (sums, run) in sums.iter_mut().zip(runs) {
+                    let [_, _, _, u, _, _, _, v] = run[n];
+                    sums[0] = lanes(|l| fused::<I>(u, re[l], fused::<I>(-v, im[l], sums[0][l])));
+                    sums[1] = lanes(|l| fused::<I>(u, im[l], fused::<I>(v, re[l], sums[1][l])));
+                }
             }
-            accumulate(&mut all, &sums);
+            for (totals, sums) in totals.iter_mut().zip(&sums) {
+                accumulate(totals, sums);
+            }
         }
-        all
+        totals
     }
 }
 

@@ -50,13 +50,15 @@ impl Facet {
         let of = |triangle: usize| {
             let corners = mesh.corners(triangle);
             let (vector, centroid) = (area_vector(corners), corners.iter().sum::<DVec3>() / 3.0);
-            let area = vector.length();
+            let radius = corners.iter().map(|corner| corner.distance(centroid)).fold(0.0, f64::max);
+            // Files have triangles whose corners are in a line: their curls stay finite.
+            let area = vector.length().max(1e-6 * radius * radius);
             let curl = |c: usize| (corners[(c + 2) % 3] - corners[(c + 1) % 3]) / (2.0 * area);
             Self {
                 nodes: mesh.triangles[triangle],
                 corners,
                 centroid,
-                radius: corners.iter().map(|corner| corner.distance(centroid)).fold(0.0, f64::max),
+                radius,
                 normal: vector / area,
                 area,
                 curls: [curl(0), curl(1), curl(2)],

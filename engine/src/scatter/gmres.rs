@@ -5,6 +5,7 @@
 //! through the caches once for all of them.
 
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 /// What an iteration reached.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,11 +70,10 @@ pub(super) fn solve(
             break;
         }
         let products = apply(&prepare(&newest));
-        for (system, product) in systems.iter_mut().filter(|it| !it.is_done).zip(products) {
-            system.take(product, tolerance);
-        }
+        let open: Vec<_> = systems.iter_mut().filter(|it| !it.is_done).zip(products).collect();
+        open.into_par_iter().for_each(|(system, product)| system.take(product, tolerance));
     }
-    let combined: Vec<_> = systems.iter().map(System::combination).collect();
+    let combined: Vec<_> = systems.par_iter().map(System::combination).collect();
     let prepared = prepare(&combined);
     let outcome = |(system, correction): (&System, Vec<Complex64>)| Outcome {
         values: system.start.iter().zip(correction).map(|(x, c)| x + c).collect(),

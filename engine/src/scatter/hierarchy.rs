@@ -13,7 +13,8 @@ use rayon::prelude::*;
 
 use crate::scatter::facets::{Facet, Wall};
 use crate::scatter::pairs::{self, Many, OUTSIDE, One, Panel};
-use crate::simd::{Instructions, Isa, Kernel, fused};
+use crate::scatter::table::{Add, Dot, LANES, Sixteen, Sums, Table, by_sixteen, rounded};
+use crate::simd::Isa;
 
 /// Most nodes of a cluster that is not halved.
 const LEAF: usize = 64;
@@ -21,6 +22,8 @@ const LEAF: usize = 64;
 const FEWEST: usize = 64;
 /// Relative error (Frobenius) of approximated blocks.
 const TOLERANCE: f32 = 1e-3;
+/// Fewest vectors that are worth a product of sixteen.
+const SEVERAL: usize = 4;
 
 /// A node of the tree.
 #[derive(Clone, Debug)]
@@ -85,93 +88,6 @@ impl Tree {
     }
 }
 
-/// Rows of complex numbers, real parts of a row before its imaginary parts.
-#[derive(Clone, Debug, Default)]
-struct Table {
-    rows: usize,
-    columns: usize,
-    values: Vec<f32>,
-}
-
-impl Table {
-    fn of(rows: &[[Vec<f32>; 2]]) -> Self {
-        let columns = rows.first().map_or(0, |row| row[0].len());
-        let values = rows.iter().flat_map(|[re, im]| re.iter().chain(im).copied()).collect();
-        Self { rows: rows.len(), columns, values }
-    }
-
-    fn row(&self, row: usize) -> [&[f32]; 2] {
-        let (re, im) =
-            self.values[2 * row * self.columns..2 * (row + 1) * self.columns].split_at(self.columns);
-        [re, im]
-    }
-
-    /// A x.
-    fn times(&self, x: &[Complex32]) -> Vec<Complex32> {
-        let (re, im): (Vec<f32>, Vec<f32>) = x.iter().map(|x| (x.re, x.im)).unzip();
-        (0..self.rows).map(|row| Isa::best().run(Dot { row: self.row(row), x: [&re, &im] })).collect()
-    }
-
-    /// Aᵀ x.
-    fn transposed_times(&self, x: &[Complex32]) -> Vec<Complex32> {
-        let (mut re, mut im) = (vec![0.0; self.columns], vec![0.0; self.columns]);
-        for (row, x) in x.iter().enumerate() {
-            Isa::best().run(Add { row: self.row(row), x: *x, to: [&mut re, &mut im] });
-        }
-        re.into_iter().zip(im).map(|(re, im)| Complex32::new(re, im)).collect()
-    }
-}
-
-const LANES: usize = 16;
-
-/// Σ a x.
-struct Dot<'a> {
-    row: [&'a [f32]; 2],
-    x: [&'a [f32]; 2],
-}
-
-impl Kernel for Dot<'_> {
-    type Output = Complex32;
-
-    #[inline(always)]
-    fn run<I: Instructions>(self) -> Complex32 {
-        let (a, b) = (self.row.map(|a| a.as_chunks::<LANES>()), self.x.map(|x| x.as_chunks::<LANES>()));
-        let (mut re, mut im) = ([0f32; LANES], [0f32; LANES]);
-        for i in 0..a[0].0.len() {
-            let (ar, ai, br, bi) = (&a[0].0[i], &a[1].0[i], &b[0].0[i], &b[1].0[i]);
-            for l in 0..LANES {
-                re[l] = fused::<I>(ar[l], br[l], fused::<I>(-ai[l], bi[l], re[l]));
-                im[l] = fused::<I>(ar[l], bi[l], fused::<I>(ai[l], br[l], im[l]));
-            }
-        }
-        let mut sum = Complex32::new(re.iter().sum(), im.iter().sum());
-        for i in 0..a[0].1.len() {
-            sum += Complex32::new(a[0].1[i], a[1].1[i]) * Complex32::new(b[0].1[i], b[1].1[i]);
-        }
-        sum
-    }
-}
-
-/// to += a x.
-struct Add<'a> {
-    row: [&'a [f32]; 2],
-    x: Complex32,
-    to: [&'a mut [f32]; 2],
-}
-
-impl Kernel for Add<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<I: Instructions>(self) {
-        let Self { row: [a_re, a_im], x, to: [re, im] } = self;
-        for ((re, im), (a_re, a_im)) in re.iter_mut().zip(im).zip(a_re.iter().zip(a_im)) {
-            *re = fused::<I>(*a_re, x.re, fused::<I>(-a_im, x.im, *re));
-            *im = fused::<I>(*a_re, x.im, fused::<I>(*a_im, x.re, *im));
-        }
-    }
-}
-
 /// A block: whole, or a sum of crosses, Aᵀ B.
 #[derive(Clone, Debug)]
 enum Content {
@@ -187,6 +103,23 @@ struct Block {
 }
 
 impl Block {
+    /// Nodes of the product and of the vector.
+    fn sides(&self, is_transposed: bool) -> (Range<usize>, Range<usize>) {
+        match is_transposed {
+            false => (self.rows.clone(), self.columns.clone()),
+            true => (self.columns.clone(), self.rows.clone()),
+        }
+    }
+
+    /// The first step of crosses.
+    fn by_crosses(&self, x: &[Sixteen], is_transposed: bool) -> Option<Vec<Sixteen>> {
+        let Content::Crosses { columns, rows } = &self.content else { return None };
+        let first = if is_transposed { columns } else { rows };
+        let mut sums = vec![[[0.0; LANES]; 2]; first.rows];
+        first.add_times(0..first.rows, x, &mut sums);
+        Some(rounded(&sums))
+    }
+
     fn times(&self, x: &[Complex32], is_transposed: bool) -> Vec<Complex32> {
         match (&self.content, is_transposed) {
             (Content::Whole(table), false) => table.times(x),
@@ -201,6 +134,7 @@ impl Block {
 #[derive(Clone, Debug)]
 pub(super) struct Hierarchy {
     count: usize,
+    leaves: Vec<Range<usize>>,
     blocks: Vec<Block>,
 }
 
@@ -222,33 +156,85 @@ impl Hierarchy {
         let mut pairs = Vec::new();
         source.pairs((0, 0), &mut pairs);
         let blocks = pairs.into_par_iter().flat_map_iter(|pair| source.blocks(pair)).collect();
-        Self { count: tree.order.len(), blocks }
+        Self { count: tree.order.len(), leaves: tree.leaves().collect(), blocks }
     }
 
     /// A x or Aᵀ x for several x.
     pub fn times(&self, vectors: &[Vec<Complex64>], is_transposed: bool) -> Vec<Vec<Complex64>> {
+        if vectors.len() >= SEVERAL {
+            return self.times_by_sixteen(vectors, is_transposed);
+        }
         let short: Vec<Vec<_>> = vectors
             .iter()
             .map(|x| x.iter().map(|x| Complex32::new(x.re as f32, x.im as f32)).collect())
             .collect();
-        let sides = |block: &Block| match is_transposed {
-            false => (block.rows.clone(), block.columns.clone()),
-            true => (block.columns.clone(), block.rows.clone()),
-        };
         let of_block = |block: &Block| {
-            let (_, from) = sides(block);
+            let (_, from) = block.sides(is_transposed);
             short.iter().map(|x| block.times(&x[from.clone()], is_transposed)).collect::<Vec<_>>()
         };
         let products: Vec<_> = self.blocks.par_iter().map(of_block).collect();
         let mut sums = vec![vec![Complex64::ZERO; self.count]; vectors.len()];
         for (block, products) in self.blocks.iter().zip(products) {
-            let (to, _) = sides(block);
+            let (to, _) = block.sides(is_transposed);
             for (sum, product) in sums.iter_mut().zip(products) {
                 let pairs = sum[to.clone()].iter_mut().zip(product);
                 pairs.for_each(|(sum, p)| *sum += Complex64::new(p.re.into(), p.im.into()));
             }
         }
         sums
+    }
+
+    fn times_by_sixteen(&self, vectors: &[Vec<Complex64>], is_transposed: bool) -> Vec<Vec<Complex64>> {
+        let groups = by_sixteen(vectors);
+        // Crosses in two steps, the second together with whole blocks for each leaf's part of the result.
+        let between = |block: &Block| -> Vec<Vec<Sixteen>> {
+            let (_, from) = block.sides(is_transposed);
+            let of_group = |x: &Vec<Sixteen>| block.by_crosses(&x[from.clone()], is_transposed);
+            groups.iter().filter_map(of_group).collect()
+        };
+        let between: Vec<_> = self.blocks.par_iter().map(between).collect();
+        let mut of_leaf = vec![Vec::new(); self.leaves.len()];
+        for (number, block) in self.blocks.iter().enumerate() {
+            let (to, _) = block.sides(is_transposed);
+            let first = self.leaves.partition_point(|leaf| leaf.end <= to.start);
+            let leaves = self.leaves.iter().enumerate().skip(first);
+            leaves
+                .take_while(|(_, leaf)| leaf.start < to.end)
+                .for_each(|(leaf, _)| of_leaf[leaf].push(number));
+        }
+        let sums = |(leaf, numbers): (&Range<usize>, &Vec<usize>)| -> Vec<Vec<Sums>> {
+            let mut sums = vec![vec![[[0.0; LANES]; 2]; leaf.len()]; groups.len()];
+            for &number in numbers {
+                let block = &self.blocks[number];
+                let (to, from) = block.sides(is_transposed);
+                // A block's side holds a leaf, or is a part of it.
+                let nodes = leaf.start.max(to.start)..leaf.end.min(to.end);
+                for (group, x) in groups.iter().enumerate() {
+                    let sums = &mut sums[group][nodes.start - leaf.start..nodes.end - leaf.start];
+                    let own = nodes.start - to.start..nodes.end - to.start;
+                    match (&block.content, is_transposed) {
+                        (Content::Whole(table), false) => table.add_times(own, &x[from.clone()], sums),
+                        (Content::Whole(table), true) => {
+                            table.add_transposed_times(own, &x[from.clone()], sums);
+                        }
+                        (Content::Crosses { columns, .. }, false) => {
+                            columns.add_transposed_times(own, &between[number][group], sums);
+                        }
+                        (Content::Crosses { rows, .. }, true) => {
+                            rows.add_transposed_times(own, &between[number][group], sums);
+                        }
+                    }
+                }
+            }
+            sums
+        };
+        let sums: Vec<_> = self.leaves.par_iter().zip(&of_leaf).map(sums).collect();
+        let vector = |number: usize| {
+            let (group, lane) = (number / LANES, number % LANES);
+            let number = |sums: &Sums| Complex64::new(sums[0][lane], sums[1][lane]);
+            sums.iter().flat_map(|leaf| leaf[group].iter().map(number)).collect()
+        };
+        (0..vectors.len()).into_par_iter().map(vector).collect()
     }
 
     /// The whole block between the nodes of a leaf, row by row.
@@ -510,11 +496,18 @@ mod tests {
         }
         let sorted: Vec<_> = tree.order.iter().map(|&node| x[node as usize]).collect();
         for (is_transposed, expected) in [(false, &expected[0]), (true, &expected[1])] {
-            let product = matrix.times(&[sorted.clone()], is_transposed).remove(0);
-            let pairs = || tree.order.iter().zip(&product).map(|(&node, own)| (expected[node as usize], own));
-            let off: f64 = pairs().map(|(expected, own)| (own - expected).norm_sqr()).sum();
-            let all: f64 = pairs().map(|(expected, _)| expected.norm_sqr()).sum();
-            assert!((off / all).sqrt() < 2e-3, "{is_transposed}: {}", (off / all).sqrt());
+            let all: f64 = expected.iter().map(Complex64::norm_sqr).sum();
+            for several in [1, 18] {
+                let vectors: Vec<Vec<_>> =
+                    (1..=several).map(|n| sorted.iter().map(|x| x * f64::from(n)).collect()).collect();
+                for (n, product) in (1..).zip(matrix.times(&vectors, is_transposed)) {
+                    let pairs = tree.order.iter().zip(&product);
+                    let off: f64 = pairs
+                        .map(|(&node, own)| (own / f64::from(n) - expected[node as usize]).norm_sqr())
+                        .sum();
+                    assert!((off / all).sqrt() < 2e-3, "{is_transposed} {several}: {}", (off / all).sqrt());
+                }
+            }
         }
     }
 }

@@ -7,6 +7,7 @@ use std::collections::HashMap;
 use glam::DVec3;
 
 use crate::scatter::facets::{self, Facet, Wall};
+use crate::simd::{Instructions, Isa, Kernel, fused64};
 
 /// A sparse matrix by rows.
 #[derive(Clone, Debug)]
@@ -74,20 +75,70 @@ impl Near {
         entries.map(|(&column, v)| (column as usize, Complex64::new(v.re.into(), v.im.into())))
     }
 
-    /// Adds A x or Aᵀ x.
-    pub fn add(&self, x: &[Complex64], is_transposed: bool, sum: &mut [Complex64]) {
-        for row in 0..x.len() {
-            if is_transposed {
-                self.row(row).for_each(|(column, value)| sum[column] += value * x[row]);
-            } else {
-                sum[row] += self.row(row).map(|(column, value)| value * x[column]).sum::<Complex64>();
+    /// Adds A x or Aᵀ x for several x.
+    pub fn add(&self, vectors: &[Vec<Complex64>], is_transposed: bool, sums: &mut [Vec<Complex64>]) {
+        let groups = sums.par_chunks_mut(LANES).zip(vectors.par_chunks(LANES));
+        groups.for_each(|(sums, vectors)| {
+            let number = |i: usize| {
+                let mut number = [[0.0; LANES]; 2];
+                for (lane, vector) in vectors.iter().enumerate() {
+                    (number[0][lane], number[1][lane]) = (vector[i].re, vector[i].im);
+                }
+                number
+            };
+            let x: Vec<_> = (0..vectors[0].len()).map(number).collect();
+            let mut to = vec![[[0.0; LANES]; 2]; x.len()];
+            Isa::best().run(Product { near: self, x: &x, is_transposed, to: &mut to });
+            for (lane, sum) in sums.iter_mut().enumerate() {
+                let pairs = sum.iter_mut().zip(&to);
+                pairs.for_each(|(sum, part)| *sum += Complex64::new(part[0][lane], part[1][lane]));
             }
-        }
+        });
     }
 
     /// Bytes.
     pub fn size(&self) -> usize {
         self.values.len() * 12 + self.starts.len() * 4
+    }
+}
+
+/// Vectors that are taken at once.
+const LANES: usize = 8;
+
+/// Real and imaginary parts of a number of each vector.
+type Eight = [[f64; LANES]; 2];
+
+/// to += A x or Aᵀ x.
+struct Product<'a> {
+    near: &'a Near,
+    x: &'a [Eight],
+    is_transposed: bool,
+    to: &'a mut [Eight],
+}
+
+impl Kernel for Product<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<I: Instructions>(self) {
+        let Self { near, x, is_transposed, to } = self;
+        for row in 0..x.len() {
+            let own = near.starts[row] as usize..near.starts[row + 1] as usize;
+            let mut sum = [[0.0; LANES]; 2];
+            for (&column, value) in near.columns[own.clone()].iter().zip(&near.values[own]) {
+                let (column, re, im) = (column as usize, f64::from(value.re), f64::from(value.im));
+                let (x, to) = if is_transposed { (&x[row], &mut to[column]) } else { (&x[column], &mut sum) };
+                for lane in 0..LANES {
+                    to[0][lane] = fused64::<I>(re, x[0][lane], fused64::<I>(-im, x[1][lane], to[0][lane]));
+                    to[1][lane] = fused64::<I>(re, x[1][lane], fused64::<I>(im, x[0][lane], to[1][lane]));
+                }
+            }
+            for part in 0..2 {
+                for lane in 0..LANES {
+                    to[row][part][lane] += sum[part][lane];
+                }
+            }
+        }
     }
 }
 

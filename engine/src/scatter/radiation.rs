@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use crate::scatter::emission::Emission;
 use crate::scatter::facets::{Facet, SIX, THREE, Wall};
 use crate::scatter::grid::Grid;
+use crate::scatter::rows::Sources;
 use crate::scatter::sphere::Sound;
 
 /// Distances from the centroid, relative to a triangle's radius, from which the rule of three points serves.
@@ -73,25 +74,24 @@ impl<'a> Radiation<'a> {
             middle,
             per_metre,
             leak: (PI * self.wall.admittance) as f32,
-            least: (self.least() * per_metre) as f32,
+            least: (least(self.facets) * per_metre) as f32,
             sources: self.sources.iter().map(of).collect(),
         }
     }
 
-    /// Least distance (m) of sources in f32: of those that need no correction, none is nearer.
-    fn least(&self) -> f64 {
-        self.facets.iter().map(|facet| facet.radius).fold(f64::INFINITY, f64::min)
+    /// Pressures (Pa) of several on one surface, in f32 where no triangle is near; relative to their largest about 1e-5
+    /// off.
+    pub fn pressures(all: &[Self], points: &[DVec3]) -> Vec<Vec<Complex64>> {
+        let emissions: Vec<_> = all.iter().map(Self::emission).collect();
+        let mut heard = Emission::pressures_of_all(&emissions.iter().collect::<Vec<_>>(), points);
+        for (radiation, heard) in all.iter().zip(&mut heard) {
+            let least = least(radiation.facets);
+            heard.par_iter_mut().zip(points).for_each(|(sum, at)| *sum += radiation.near(*at, least).0);
+        }
+        heard
     }
 
-    /// Pressures (Pa), in f32 where no triangle is near; relative to their largest about 1e-5 off.
-    pub fn pressures(&self, points: &[DVec3]) -> Vec<Complex64> {
-        let mut all = self.emission().pressures(points);
-        let least = self.least();
-        all.par_iter_mut().zip(points).for_each(|(sum, at)| *sum += self.near(*at, least).0);
-        all
-    }
-
-    /// The same with gradients (Pa/m).
+    /// Pressures and gradients (Pa/m), likewise.
     pub fn sounds(&self, points: &[DVec3]) -> Vec<Sound> {
         let mut all = self.emission().sounds(points);
         all.iter_mut().zip(self.corrections(points)).for_each(|(sum, near)| add(sum, near));
@@ -100,7 +100,7 @@ impl<'a> Radiation<'a> {
 
     /// What the sums of [`Self::emission`] lack at points (m), of near triangles.
     pub fn corrections(&self, points: &[DVec3]) -> Vec<Sound> {
-        let least = self.least();
+        let least = least(self.facets);
         points.par_iter().map(|at| self.near(*at, least)).collect()
     }
 
@@ -128,6 +128,47 @@ impl<'a> Radiation<'a> {
         weights
     }
 
+    /// Its rule of three points without pressures.
+    pub fn sources(wall: &Wall, facets: &[Facet], nodes: usize, middle: DVec3) -> Sources {
+        let per_metre = wall.wavenumber / PI;
+        let place = |facet: &Facet, at: DVec3| {
+            let [x, y, z] = ((at - middle) * per_metre).as_vec3().to_array();
+            let [nx, ny, nz] = facet.normal.as_vec3().to_array();
+            [x, y, z, nx, ny, nz]
+        };
+        let of = |facet: &Facet| facet.points().map(|at| place(facet, at));
+        let area = |facet: &Facet| (facet.area / 3.0 / (4.0 * PI) * per_metre.powi(2)) as f32;
+        Sources {
+            places: facets.iter().flat_map(of).collect(),
+            nodes: facets.iter().map(|facet| facet.nodes).collect(),
+            areas: facets.iter().map(area).collect(),
+            leak: (PI * wall.admittance) as f32,
+            least: (least(facets) * per_metre) as f32,
+            count: nodes,
+        }
+    }
+
+    /// What the weights of nodes by [`Self::sources`] lack at a point (m), of near triangles.
+    pub fn lacks(wall: &Wall, facets: &[Facet], grid: &Grid, at: DVec3) -> Vec<(u32, Complex64)> {
+        let (mut all, least) = (Vec::new(), least(facets));
+        for facet in grid.around(at).map(|number| &facets[number]) {
+            let clear = CLEAR * facet.radius;
+            if facet.centroid.distance_squared(at) >= clear * clear {
+                continue;
+            }
+            let strength = Complex64::from(facet.area / 3.0 / (4.0 * PI));
+            let points = facet.points().map(|at| Source { at, normal: facet.normal, strength });
+            let rough = points.map(|source| heard(wall, &source, at, least).0);
+            for corner in 0..3 {
+                let mut unit = [Complex64::ZERO; 3];
+                unit[corner] = Complex64::ONE;
+                let by_rule: Complex64 = (0..3).map(|point| rough[point] * THREE[point][corner]).sum();
+                all.push((facet.nodes[corner], of_facet(wall, facet, unit, at).0 - by_rule));
+            }
+        }
+        all
+    }
+
     /// What the rule of three points lacks for near triangles, with sources that are never nearer than `least` (m).
     fn near(&self, at: DVec3, least: f64) -> Sound {
         let mut sum = (Complex64::ZERO, [Complex64::ZERO; 3]);
@@ -145,6 +186,11 @@ impl<'a> Radiation<'a> {
         }
         sum
     }
+}
+
+/// Least distance (m) of sources in f32: of those that need no correction, none is nearer.
+fn least(facets: &[Facet]) -> f64 {
+    facets.iter().map(|facet| facet.radius).fold(f64::INFINITY, f64::min)
 }
 
 /// The sound of a triangle with pressures at its corners, accurately.

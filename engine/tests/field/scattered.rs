@@ -5,7 +5,8 @@ use num_complex::{Complex32, Complex64};
 use sonoglyph::field::Gpu;
 use sonoglyph::field::gpu::Tuning;
 use sonoglyph_engine::mesh::{Mesh, shapes};
-use sonoglyph_engine::scatter::{Boundary, Sound};
+use sonoglyph_engine::scatter::{Bodies, Boundary, Incident, Sound};
+use sonoglyph_engine::scene::{Body, BodyKind, Reflector};
 
 use crate::dice::Dice;
 use crate::gpu;
@@ -123,4 +124,48 @@ fn work_cut_for_any_adapter_gives_the_same_sums() {
     }
     let error = off(sum(&gpu.with_small_buffers(1 << 12)), &expected);
     assert!(error < AGREEMENT, "small buffers: {error:.1e}");
+}
+
+#[test]
+fn several_drives_together_are_those_alone() {
+    let mut dice = Dice::seeded(66);
+    let (_, body) = bodies().nth(1).unwrap();
+    let nodals: Vec<_> = (0..6).map(|_| random(&mut dice, body.mesh().vertices.len())).collect();
+    let points = around(&mut dice, body.mesh(), 100, [1e-4, 0.1]);
+    let nodals: Vec<_> = nodals.iter().map(Vec::as_slice).collect();
+    for (together, nodal) in body.scattered_by_all(&nodals, &points).into_iter().zip(nodals) {
+        let error = off(together, &body.scattered(nodal, &points));
+        assert!(error < 1e-12, "{error:.1e}");
+    }
+}
+
+#[test]
+fn sums_of_the_gpu_with_corrections_are_the_sound_of_all_bodies_and_their_images() {
+    let Some(gpu) = gpu() else { return };
+    let capsule = Body {
+        kind: BodyKind::Capsule,
+        at: dvec3(0.02, 0.01, 0.03),
+        x_axis: dvec3(1.0, 0.5, 0.2),
+        radius: 0.003,
+        length: 0.012,
+        coefficient: 0.8,
+        ..Body::default()
+    };
+    let sphere = Body { at: dvec3(-0.02, 0.0, 0.04), radius: 0.005, ..Body::default() };
+    let mirror = Reflector { point: DVec3::ZERO, normal: dvec3(0.1, 0.0, 1.0), coefficient: 0.7 };
+    let bodies = Bodies::new(&[capsule, sphere], &[mirror], WAVENUMBER, &[]).unwrap();
+    let mut dice = Dice::seeded(68);
+    let count = bodies.points().0.len();
+    let incident = Incident { pressures: random(&mut dice, count), slopes: vec![Complex64::ZERO; count] };
+    let answer = bodies.answers(&[incident], None).remove(0);
+    let points: Vec<_> = (0..500)
+        .map(|_| dvec3(dice.unit() - 0.5, dice.unit() - 0.5, 0.5 + dice.unit()) * 0.08)
+        .filter(|at| !bodies.contains(*at))
+        .collect();
+    let emissions = bodies.emissions(&answer);
+    let sums = gpu.scattered(&emissions, &points).unwrap();
+    let rest = bodies.corrections(&answer, &points);
+    let expected: Vec<_> = bodies.sounds(&answer, &points).into_iter().map(|(p, _)| p).collect();
+    let error = off(sums.iter().zip(rest).map(|(p, rest)| wide(p) + rest), &expected);
+    assert!(error < AGREEMENT, "{error:.1e}");
 }

@@ -1,8 +1,9 @@
 //! The sound that bodies scatter, at the pixels of a map.
 //!
-//! At a surface the formula of scattered sound jumps, so it cannot pass through the window of the samples. It is
-//! evaluated at the nodes of a finer lattice, and polynomials through six by six nodes give the pixels between them. A
-//! pixel with a node of its own within a body is evaluated for itself.
+//! At a surface the formula of scattered sound jumps, so it cannot pass through a window across it. Pixels whose
+//! samples are all outside bodies are interpolated as those of other sound. Beside bodies the sound is evaluated at
+//! the nodes of a finer lattice, and polynomials through six by six of them give the pixels between. A pixel with a
+//! node of its own within a body is evaluated for itself.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -19,7 +20,8 @@ use crate::field::raster::Raster;
 use crate::field::sound::narrow;
 use crate::field::stages::job::Job;
 use crate::field::stages::lattice::Lattice;
-use crate::scatter::{Answer, Bodies};
+use crate::field::stages::site::Weights;
+use crate::scatter::{Answer, Bodies, Rows};
 
 /// Nodes along each side of a polynomial.
 const TAPS: usize = 6;
@@ -36,81 +38,198 @@ pub(super) fn within(aperture: &Aperture, raster: &Raster) -> Vec<usize> {
     (0..pixels.len()).into_par_iter().filter(|&pixel| bodies.contains(pixels.point(pixel))).collect()
 }
 
-/// Adds the scattered sound of a drive to some rows of pixels; within bodies there is none.
+/// What gives a pixel its scattered sound.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum By {
+    Samples,
+    Nodes,
+    Itself,
+    /// It is within a body.
+    Nothing,
+}
+
+/// Where the scattered sound of some rows of pixels is evaluated.
+#[derive(Debug, Default)]
+pub(super) struct Places {
+    /// m: samples and nodes outside bodies, and pixels by themselves.
+    points: Vec<DVec3>,
+    pixels: Vec<By>,
+    /// The numbers of the samples and of the nodes among the points.
+    samples: Vec<usize>,
+    nodes: Vec<usize>,
+    lattice: Option<Nodes>,
+    /// The sound of every element at the points, where it is worth the memory.
+    table: Option<Rows>,
+}
+
+/// Rows of a raster, and the weights of its interpolated rows.
+#[derive(Clone, Copy)]
+pub(super) struct Band<'a> {
+    pub(super) raster: &'a Raster,
+    pub(super) weights: Option<&'a Weights>,
+    pub(super) rows: (usize, usize),
+}
+
+impl Band<'_> {
+    /// The interpolated rows, and their part of weights along the second axis.
+    fn interpolated(&self, up: &Resampling) -> (Range<usize>, Resampling) {
+        let all = &self.raster.interpolated;
+        let own = self.rows.0.max(all.start)..self.rows.1.min(all.end).max(self.rows.0.max(all.start));
+        (own.clone(), up.part(own.start - all.start..own.end - all.start))
+    }
+}
+
+impl Places {
+    pub(super) fn new(job: &Job<'_>, band: Band<'_>) -> Self {
+        let Some(bodies) = job.key.setting.aperture.bodies.bodies() else { return Self::default() };
+        let Band { raster, weights, rows: (low, high) } = band;
+        let (width, first) = (raster.width, low * raster.width);
+        let pixels = raster.pixel_rows(low..high);
+        let outside =
+            |points: &[DVec3]| -> Vec<bool> { points.par_iter().map(|at| !bodies.contains(*at)).collect() };
+        let mut places = Self { pixels: vec![By::Itself; pixels.len()], ..Self::default() };
+        if let (Some(grid), Some(weights)) = (&job.site.plan.grid, weights) {
+            let samples: Vec<_> = (0..grid.samples.len()).map(|sample| grid.samples.point(sample)).collect();
+            let is_outside = outside(&samples);
+            let [across, up] = weights.of(Part::Pressure);
+            let (rows, up) = band.interpolated(up);
+            let clear = clear_of(&is_outside, grid.samples.columns.len(), [across, &up]);
+            let own = &mut places.pixels[(rows.start - low) * width..];
+            own.iter_mut().zip(clear).filter(|(_, is)| *is).for_each(|(by, _)| *by = By::Samples);
+            places.samples = (0..samples.len()).filter(|sample| is_outside[*sample]).collect();
+            places.points.extend(places.samples.iter().map(|sample| samples[*sample]));
+        }
+        let from = job.within.partition_point(|pixel| *pixel < first);
+        let until = job.within.partition_point(|pixel| *pixel < high * width);
+        job.within[from..until].iter().for_each(|pixel| places.pixels[pixel - first] = By::Nothing);
+        let mut lattice = places.box_of_itself(width).and_then(|near| Nodes::new(job, raster, near, low));
+        if let Some(lattice) = &mut lattice {
+            let points: Vec<_> =
+                (0..lattice.counts[0] * lattice.counts[1]).map(|n| lattice.point(n)).collect();
+            let is_outside = outside(&points);
+            let clear = clear_of(&is_outside, lattice.counts[0], [&lattice.across, &lattice.up]);
+            for (pixel, is_clear) in lattice.pixels(width).zip(clear) {
+                let by = &mut places.pixels[pixel];
+                *by = if is_clear && *by == By::Itself { By::Nodes } else { *by };
+            }
+            places.nodes = (0..points.len()).filter(|node| is_outside[*node]).collect();
+            places.points.extend(places.nodes.iter().map(|node| points[*node]));
+        }
+        places.lattice = lattice;
+        let itself: Vec<_> = places.pixels_by(By::Itself).map(|pixel| pixels.point(pixel)).collect();
+        places.points.extend(itself);
+        places
+    }
+
+    /// Prepares more drives at the same places, if the answers to all elements are known.
+    pub(super) fn tabulate(&mut self, job: &Job<'_>) {
+        if self.table.is_none() {
+            self.table = job.key.setting.aperture.table_of_bodies(&self.points);
+        }
+    }
+
+    fn pixels_by(&self, by: By) -> impl Iterator<Item = usize> {
+        (0..self.pixels.len()).filter(move |pixel| self.pixels[*pixel] == by)
+    }
+
+    /// The columns and rows of the pixels that samples do not give.
+    fn box_of_itself(&self, width: usize) -> Option<[Range<usize>; 2]> {
+        let places = self.pixels_by(By::Itself).map(|pixel| [pixel % width, pixel / width]);
+        let grow = |ranges: Option<[Range<usize>; 2]>, place: [usize; 2]| {
+            let ranges = ranges.unwrap_or(place.map(|index| index..index + 1));
+            Some(
+                [0, 1].map(|axis| ranges[axis].start.min(place[axis])..ranges[axis].end.max(place[axis] + 1)),
+            )
+        };
+        places.fold(None, grow)
+    }
+}
+
+/// Adds the scattered sound of a drive to a band of pixels; within bodies there is none.
 pub(super) fn add(
     (job, gpu): (&Job<'_>, Option<&Gpu>),
     drive: usize,
-    (raster, rows): (&Raster, Range<usize>),
+    (places, band): (&Places, Band<'_>),
     to: &mut Lattice,
 ) {
-    let aperture = &job.key.setting.aperture;
-    let Some((bodies, answer)) = aperture.answer(&job.excitations[drive]) else { return };
-    let parts: Vec<_> = Part::of(job.key.parts).collect();
-    let double = job.key.is_direct();
-    let sounds = |points: &[DVec3]| -> Vec<Vec<Complex32>> {
-        if job.key.parts == PRESSURE && !double {
-            return vec![pressures(gpu, bodies, &answer, points)];
+    let heard = match &places.table {
+        Some(table) => vec![table.pressures(&job.excitations[drive])],
+        None => {
+            let answer = job.key.setting.aperture.answer(&job.excitations[drive]);
+            let Some((bodies, answer)) = answer else { return };
+            heard((job, gpu), bodies, &answer, &places.points)
         }
-        let sounds = match double {
-            true => bodies.sounds(&answer, points),
-            false => bodies.sounds_in_f32(&answer, points),
-        };
-        let of = |part: &Part| {
-            let value = |(p, [x, y, z]): &(_, [_; 3])| {
-                let along = |axis: usize| {
-                    let to = job.site.axes[axis];
-                    x * to.x + y * to.y + z * to.z
-                };
-                narrow(match part {
-                    Part::Pressure => *p,
-                    Part::AlongX => along(0),
-                    Part::AlongY => along(1),
-                    Part::Normal => along(2),
-                })
-            };
-            sounds.iter().map(value).collect()
-        };
-        parts.iter().map(of).collect()
     };
-    let pixels = raster.pixel_rows(rows.clone());
-    let first = rows.start * raster.width;
-    let last = rows.end * raster.width;
-    let from = job.within.partition_point(|pixel| *pixel < first);
-    let until = job.within.partition_point(|pixel| *pixel < last);
-    let mut is_direct = vec![true; pixels.len()];
-    if let Some(nodes) = Nodes::new(job, raster, rows) {
-        let points: Vec<_> = (0..nodes.count()).map(|node| nodes.point(node)).collect();
-        let is_within: Vec<_> = points.par_iter().map(|at| bodies.contains(*at)).collect();
-        let outside: Vec<_> = (0..points.len()).filter(|node| !is_within[*node]).collect();
-        let heard = sounds(&outside.iter().map(|node| points[*node]).collect::<Vec<_>>());
-        nodes.mark(&is_within, &mut is_direct);
-        let (mut between, mut at_pixels) = (Between::default(), vec![Complex32::ZERO; pixels.len()]);
-        for (values, heard) in to.0.iter_mut().zip(heard) {
-            let mut at_nodes = vec![Complex32::ZERO; points.len()];
-            outside.iter().zip(heard).for_each(|(node, value)| at_nodes[*node] = value);
-            interpolate(&at_nodes, nodes.counts[0], &nodes.across, &nodes.up, &mut between, &mut at_pixels);
-            let sums = values.iter_mut().zip(&at_pixels).zip(&is_direct);
-            sums.filter(|(_, is_direct)| !**is_direct).for_each(|((sum, value), _)| *sum += value);
+    let width = band.raster.width;
+    let mut between = Between::default();
+    for (part, (values, heard)) in Part::of(job.key.parts).zip(to.0.iter_mut().zip(&heard)) {
+        let (of_samples, others) = heard.split_at(places.samples.len());
+        let (of_nodes, of_pixels) = others.split_at(places.nodes.len());
+        if let (Some(grid), Some(weights)) = (&job.site.plan.grid, band.weights) {
+            let [across, up] = weights.of(part);
+            let (rows, up) = band.interpolated(up);
+            let samples = spread_out(grid.samples.len(), &places.samples, of_samples);
+            let mut own = vec![Complex32::ZERO; rows.len() * width];
+            interpolate(&samples, grid.samples.columns.len(), across, &up, &mut between, &mut own);
+            let start = (rows.start - band.rows.0) * width;
+            let sums = values[start..].iter_mut().zip(own).zip(&places.pixels[start..]);
+            sums.filter(|(_, by)| **by == By::Samples).for_each(|((sum, value), _)| *sum += value);
         }
+        if let Some(lattice) = &places.lattice {
+            let nodes = spread_out(lattice.counts[0] * lattice.counts[1], &places.nodes, of_nodes);
+            let mut own = vec![Complex32::ZERO; lattice.across.first.len() * lattice.up.first.len()];
+            interpolate(&nodes, lattice.counts[0], &lattice.across, &lattice.up, &mut between, &mut own);
+            let all = lattice.pixels(width).zip(own);
+            all.filter(|(pixel, _)| places.pixels[*pixel] == By::Nodes)
+                .for_each(|(pixel, value)| values[pixel] += value);
+        }
+        places.pixels_by(By::Itself).zip(of_pixels).for_each(|(pixel, value)| values[pixel] += value);
+        places.pixels_by(By::Nothing).for_each(|pixel| values[pixel] = Complex32::ZERO);
     }
-    for pixel in &job.within[from..until] {
-        is_direct[pixel - first] = false;
-        to.0.iter_mut().for_each(|values| values[pixel - first] = Complex32::ZERO);
+}
+
+/// Values at their numbers, and 0 elsewhere.
+fn spread_out(count: usize, numbers: &[usize], values: &[Complex32]) -> Vec<Complex32> {
+    let mut all = vec![Complex32::ZERO; count];
+    numbers.iter().zip(values).for_each(|(number, value)| all[*number] = *value);
+    all
+}
+
+/// The parts of the scattered sound at points.
+fn heard(
+    (job, gpu): (&Job<'_>, Option<&Gpu>),
+    bodies: &Bodies,
+    answer: &Answer,
+    points: &[DVec3],
+) -> Vec<Vec<Complex32>> {
+    let double = job.key.is_direct();
+    if job.key.parts == PRESSURE && !double {
+        return vec![pressures(gpu, bodies, answer, points)];
     }
-    let direct: Vec<_> = (0..pixels.len()).filter(|pixel| is_direct[*pixel]).collect();
-    let heard = sounds(&direct.iter().map(|pixel| pixels.point(*pixel)).collect::<Vec<_>>());
-    for (values, heard) in to.0.iter_mut().zip(heard) {
-        direct.iter().zip(heard).for_each(|(pixel, value)| values[*pixel] += value);
-    }
+    let sounds = match double {
+        true => bodies.sounds(answer, points),
+        false => bodies.sounds_in_f32(answer, points),
+    };
+    let of = |part: Part| {
+        let along = |[x, y, z]: [_; 3], axis: usize| {
+            let to = job.site.axes[axis];
+            x * to.x + y * to.y + z * to.z
+        };
+        let value = |&(p, slopes): &(_, _)| match part {
+            Part::Pressure => p,
+            Part::AlongX => along(slopes, 0),
+            Part::AlongY => along(slopes, 1),
+            Part::Normal => along(slopes, 2),
+        };
+        sounds.iter().map(|sound| narrow(value(sound))).collect()
+    };
+    Part::of(job.key.parts).map(of).collect()
 }
 
 /// Scattered pressures (Pa) at points, by the GPU if there is one.
 fn pressures(gpu: Option<&Gpu>, bodies: &Bodies, answer: &Answer, points: &[DVec3]) -> Vec<Complex32> {
-    let by_gpu = gpu.and_then(|gpu| {
-        let emissions = bodies.emissions(answer);
-        // A lost device is noticed by the map itself.
-        gpu.scattered(&emissions, points).ok()
-    });
+    // A lost device is noticed by the map itself.
+    let by_gpu = gpu.and_then(|gpu| gpu.scattered(&bodies.emissions(answer), points).ok());
     let Some(mut all) = by_gpu else {
         return bodies.pressures(answer, points).into_iter().map(narrow).collect();
     };
@@ -119,8 +238,33 @@ fn pressures(gpu: Option<&Gpu>, bodies: &Bodies, answer: &Answer, points: &[DVec
     all
 }
 
-/// A lattice over some rows of pixels.
+/// The pixels all of whose samples are outside bodies.
+fn clear_of(is_outside: &[bool], columns: usize, [across, up]: [&Resampling; 2]) -> Vec<bool> {
+    let rows = is_outside.len() / columns;
+    // Samples within bodies at all columns and rows before.
+    let mut sums = vec![0u32; (columns + 1) * (rows + 1)];
+    let at = |column: usize, row: usize| row * (columns + 1) + column;
+    for row in 0..rows {
+        for column in 0..columns {
+            let own = u32::from(!is_outside[row * columns + column]);
+            sums[at(column + 1, row + 1)] =
+                own + sums[at(column, row + 1)] + sums[at(column + 1, row)] - sums[at(column, row)];
+        }
+    }
+    let is_clear = |(column, row): (u32, u32)| {
+        let [left, low] = [column as usize, row as usize];
+        let [right, high] = [left + across.taps, low + up.taps];
+        sums[at(right, high)] + sums[at(left, low)] == sums[at(left, high)] + sums[at(right, low)]
+    };
+    let pixels = up.first.iter().flat_map(|row| across.first.iter().map(move |column| (*column, *row)));
+    pixels.map(is_clear).collect()
+}
+
+/// A lattice over some columns and rows of pixels.
+#[derive(Debug)]
 struct Nodes {
+    /// Pixels, the rows from the first of a band.
+    near: [Range<usize>; 2],
     origin: DVec3,
     /// From node to node.
     steps: [DVec3; 2],
@@ -131,7 +275,7 @@ struct Nodes {
 
 impl Nodes {
     /// `None` where every pixel is to be evaluated, or nodes would be hardly fewer.
-    fn new(job: &Job<'_>, raster: &Raster, rows: Range<usize>) -> Option<Self> {
+    fn new(job: &Job<'_>, raster: &Raster, near: [Range<usize>; 2], low: usize) -> Option<Self> {
         let plane = &job.key.setting.plane;
         if job.key.is_direct() {
             return None;
@@ -142,22 +286,19 @@ impl Nodes {
         if 1.5 * sizes[0] * sizes[1] > step * step {
             return None;
         }
-        let pixel = |axis: usize, index: usize| {
-            sizes[axis] * (index as f64 + 0.5) - [plane.size.x, plane.size.y][axis] / 2.0
-        };
         let along = |axis: usize, pixels: Range<usize>| {
+            let pixel = |index: usize| sizes[axis] * (index as f64 + 0.5) - plane.size[axis] / 2.0;
             let margin = TAPS / 2 - 1;
-            let begin = pixel(axis, pixels.start) - step * margin as f64;
-            let mut resampling = Resampling { taps: TAPS, first: Vec::new(), weights: Vec::new() };
+            let begin = pixel(pixels.start) - step * margin as f64;
+            let mut resampling = Resampling { taps: TAPS, ..Resampling::default() };
             for index in pixels {
-                let place = (pixel(axis, index) - begin) / step;
+                let place = (pixel(index) - begin) / step;
                 let first = (place.floor() as usize).saturating_sub(margin);
                 resampling.first.push(first as u32);
                 let own = place - first as f64;
                 let weight = |tap: usize| {
-                    let others = (0..TAPS).filter(|other| *other != tap);
-                    others.map(|other| (own - other as f64) / (tap as f64 - other as f64)).product::<f64>()
-                        as f32
+                    let others = (0..TAPS).filter(|other| *other != tap).map(|other| other as f64);
+                    others.map(|other| (own - other) / (tap as f64 - other)).product::<f64>() as f32
                 };
                 resampling.weights.extend((0..TAPS).map(weight));
             }
@@ -165,14 +306,10 @@ impl Nodes {
             (begin, count, resampling)
         };
         let [x, y, _] = job.site.axes;
-        let (left, columns, across) = along(0, 0..raster.width);
-        let (low, lines, up) = along(1, rows);
-        let origin = plane.centre + x * left + y * low;
-        Some(Self { origin, steps: [x * step, y * step], counts: [columns, lines], across, up })
-    }
-
-    fn count(&self) -> usize {
-        self.counts[0] * self.counts[1]
+        let (left, columns, across) = along(0, near[0].clone());
+        let (bottom, lines, up) = along(1, near[1].start + low..near[1].end + low);
+        let origin = plane.centre + x * left + y * bottom;
+        Some(Self { near, origin, steps: [x * step, y * step], counts: [columns, lines], across, up })
     }
 
     fn point(&self, node: usize) -> DVec3 {
@@ -180,27 +317,9 @@ impl Nodes {
         self.origin + self.steps[0] * column as f64 + self.steps[1] * row as f64
     }
 
-    /// Unmarks the pixels all of whose nodes are outside.
-    fn mark(&self, is_within: &[bool], is_direct: &mut [bool]) {
-        let [columns, rows] = self.counts;
-        // Of nodes within, at rows and columns before.
-        let mut sums = vec![0u32; (columns + 1) * (rows + 1)];
-        for row in 0..rows {
-            for column in 0..columns {
-                let before =
-                    |up: usize, left: usize| sums[(row + 1 - up) * (columns + 1) + column + 1 - left];
-                let own = u32::from(is_within[row * columns + column]);
-                let sum = own + before(1, 0) + before(0, 1) - before(1, 1);
-                sums[(row + 1) * (columns + 1) + column + 1] = sum;
-            }
-        }
-        let width = self.across.first.len();
-        for (pixel, is_direct) in is_direct.iter_mut().enumerate() {
-            let (column, row) = (self.across.first[pixel % width], self.up.first[pixel / width]);
-            let [left, low] = [column as usize, row as usize];
-            let at = |row: usize, column: usize| sums[row * (columns + 1) + column];
-            let inner = at(low + TAPS, left + TAPS) + at(low, left);
-            *is_direct = inner != at(low, left + TAPS) + at(low + TAPS, left);
-        }
+    /// The pixels that it covers, by their numbers in a band of this width.
+    fn pixels(&self, width: usize) -> impl Iterator<Item = usize> {
+        let [columns, rows] = self.near.clone();
+        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
     }
 }

@@ -11,7 +11,7 @@ use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::plan::F32_ERROR;
 use crate::field::quantity::{Declaration, Norm, PRESSURE, Part, Sound};
 use crate::field::slope::{SoundTransfer, part_on_cpu};
-use crate::field::stages::bodies;
+use crate::field::stages::bodies::{self, Band, Places};
 use crate::field::stages::caustic::Caustic;
 use crate::field::stages::depression::Depression;
 use crate::field::stages::job::{FormedKey, Job};
@@ -49,6 +49,8 @@ pub(super) struct OnCpu {
     samples: Kept<SampledKey, Samples>,
     /// Its sound at the pixels, if it fits one band.
     at_pixels: Kept<(SampledKey, (usize, usize)), Lattice>,
+    /// Where bodies are heard in some rows of pixels.
+    places: Kept<(SiteKey, (usize, usize), (usize, usize)), Places>,
     shares: Vec<Share>,
     /// Means of the formula over the drives, per cell.
     cells: Kept<FormedKey, Vec<f64>>,
@@ -257,7 +259,17 @@ impl OnCpu {
         rows: Range<usize>,
     ) {
         self.fill_pixels_by_elements(job, drive, key, (raster, weights), rows.clone());
-        bodies::add((job, gpu), drive, (raster, rows), &mut self.at_pixels.value);
+        if !job.key.setting.aperture.bodies.is_empty() {
+            let band = Band { raster, weights, rows: (rows.start, rows.end) };
+            let key = (job.key.clone(), job.request.size, band.rows);
+            let is_again = self.places.is_of(&key);
+            self.places.update(&key, |places| *places = Places::new(job, band));
+            let places = &mut self.places.value;
+            if is_again && job.key.parts == PRESSURE && !key.0.is_direct() {
+                places.tabulate(job);
+            }
+            bodies::add((job, gpu), drive, (places, band), &mut self.at_pixels.value);
+        }
     }
 
     /// The same without bodies.
