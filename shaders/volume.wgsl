@@ -185,6 +185,19 @@ fn meet(thing: Thing, at: vec2f, ray: Ray) -> Hit {
     let normal = cross(thing.first.xyz, thing.second.xyz);
     let depth = dot(centre - ray.start, normal) / dot(ray.direction, normal);
     let point = ray.start + ray.direction * depth;
+    if kind == FACET {
+        let s = dot(point - centre, thing.first.xyz);
+        let t = dot(point - centre, thing.second.xyz);
+        if depth > 0.0 && s >= -OVERLAP && t >= -OVERLAP && s + t <= 1.0 + OVERLAP {
+            let rest = 1.0 - s - t;
+            let pressure = rest * thing.first.w + s * thing.second.w + t * thing.colour.x;
+            let light = rest * thing.colour.y + s * thing.colour.z + t * thing.colour.w;
+            let part = clamp(pressure * params.per_peak, 0.0, 1.0);
+            let coloured = mix(tint(part), vec3f(SKIN), SKIN_PART * (1.0 - part));
+            return Hit(depth, vec4f(select(coloured, vec3f(SKIN), thing.colour.x < 0.0) * light, 1.0));
+        }
+        return nothing;
+    }
     let place = abs(vec2f(dot(point - centre, thing.first.xyz), dot(point - centre, thing.second.xyz)));
     let is_met = depth > 0.0 && max(place.x, place.y) <= 1.0;
     if !is_met {

@@ -12,7 +12,7 @@ use egui::Context;
 use crate::import::Drawing;
 use crate::picture::Picture;
 use crate::scene::motion::Routes;
-use crate::scene::{Array, Curve, Directivity, DriveFile, Wave};
+use crate::scene::{Array, Curve, Directivity, DriveFile, Surface, Wave};
 use crate::studio::later;
 use crate::ui::{Folder, Purpose};
 
@@ -129,6 +129,8 @@ pub enum Outcome {
     Felt(Result<Curve, String>),
     /// Directivity of the elements, read.
     Directed(Result<Directivity, String>),
+    /// The surface of a body, or of a new one.
+    Shaped(Option<usize>, Result<Surface, String>),
     /// The path of a target's own motion, or of the scene's.
     Routed(Option<usize>, Result<Routes, String>),
     /// An array with loaded elements.

@@ -17,7 +17,9 @@ use crate::field::{Colouring, Evaluator, Request, Stages};
 use crate::import::{self, Drawing};
 use crate::picture::{Picture, export, numbers};
 use crate::scene::motion::Routes;
-use crate::scene::{Array, Curve, Directivity, ElementModel, Elements, Envelope, Motion, MotionPath};
+use crate::scene::{
+    Array, Body, BodyKind, Curve, Directivity, ElementModel, Elements, Envelope, Motion, MotionPath, Surface,
+};
 use crate::scene::{Scene, Tempo, Wave, Wires, check};
 use crate::solver::frames;
 use crate::source;
@@ -25,8 +27,9 @@ use crate::studio::animate::{self, Look};
 use crate::studio::opening::stem;
 use crate::studio::paintings::Placed;
 use crate::studio::{
-    directivity, elements, figure, link, liquid, opening, output, routes, thresholds, waveform,
+    directivity, elements, figure, link, liquid, opening, output, routes, surfaces, thresholds, waveform,
 };
+use crate::ui::bodies;
 use crate::ui::document::Document;
 use crate::ui::section::Profile;
 use crate::ui::view::Lens;
@@ -291,6 +294,39 @@ impl Window {
         (array.directivity, array.measured, array.element) = (name, measured, ElementModel::Measured);
     }
 
+    /// Reads the surface of a body, or of a new one, then applies it.
+    pub(super) fn read_surface(&mut self, body: Option<usize>, path: PathBuf, ctx: &egui::Context) {
+        self.send(ctx, move |_| Outcome::Shaped(body, surfaces::read(&path)));
+    }
+
+    fn take_surface(&mut self, body: Option<usize>, surface: Surface) {
+        /// m, of the longest side: larger bodies are in millimetres.
+        const LARGEST: f64 = 2.0;
+        let Some(file) = &surface.from else { return };
+        let file = Some(self.beside_document(file));
+        let has_scale = body.and_then(|index| self.editor.scene().bodies.get(index)?.file.as_ref()).is_some();
+        let span = surface.get().map_or(0.0, |mesh| {
+            let (low, high) = mesh.extent();
+            (high - low).max_element()
+        });
+        let scale = if span > LARGEST { 1e-3 } else { 1.0 };
+        let of = |own: &Body| {
+            let scale = if has_scale { own.scale } else { scale };
+            Body { kind: BodyKind::Mesh, file, surface, scale, ..own.clone() }
+        };
+        let own = body.and_then(|index| self.editor.document.scene.bodies.get_mut(index));
+        match (own, body) {
+            (Some(own), Some(index)) => {
+                *own = of(own);
+                self.editor.choose_body(index);
+            }
+            (None, _) | (_, None) => {
+                let body = bodies::in_plane(&self.editor, &of(&Body::default()));
+                bodies::add(&mut self.editor, body);
+            }
+        }
+    }
+
     /// Reads the path of a target's own motion, or of the scene's, then applies it.
     pub(super) fn read_routes(&mut self, target: Option<usize>, path: PathBuf, ctx: &egui::Context) {
         self.send(ctx, move |_| Outcome::Routed(target, routes::read(&path)));
@@ -368,6 +404,8 @@ impl Window {
             Outcome::Felt(Err(error)) => self.refuse("The thresholds cannot be read", &anyhow!(error)),
             Outcome::Directed(Ok(measured)) => self.take_directivity(measured),
             Outcome::Directed(Err(error)) => self.refuse("The directivity cannot be read", &anyhow!(error)),
+            Outcome::Shaped(body, Ok(surface)) => self.take_surface(body, surface),
+            Outcome::Shaped(_, Err(error)) => self.refuse("The surface cannot be read", &anyhow!(error)),
             Outcome::Routed(target, Ok(routes)) => self.take_routes(target, routes),
             Outcome::Routed(_, Err(error)) => self.refuse("The path cannot be read", &anyhow!(error)),
             Outcome::Placed(Ok(array)) => self.editor.document.scene.array = *array,

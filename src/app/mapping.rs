@@ -508,7 +508,8 @@ impl Mapping {
             (map.largest, map.error, map.how) = (figures.peak.into(), figures.error, figures.how);
             done.on_gpu = Some(seconds.map(|seconds| seconds * 1e3));
             // If one pressure determines the value, panels derive it from the sound.
-            let is_known = request.quantity.declaration().parts == PRESSURE;
+            let is_known =
+                request.quantity.declaration().parts == PRESSURE && request.aperture.bodies.is_empty();
             let has_values = figures.by != crate::field::By::Gpu;
             if has_values && !is_known {
                 map.numbers = Some(stages.map(request)?.values.clone());

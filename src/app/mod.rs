@@ -32,6 +32,7 @@ mod measuring;
 #[cfg(target_arch = "wasm32")]
 pub mod page;
 mod posing;
+mod preparing;
 mod printing;
 pub mod recovery;
 #[cfg_attr(target_arch = "wasm32", path = "no_screen.rs")]

@@ -47,14 +47,16 @@ pub fn sound(scene: &Scene, levels: Option<u32>, source: &Source) -> Sound {
         Performance::Still(_) | Performance::Motion(_) => responding(scene, drives.clone(), false),
     };
     let at_foci = |(focus, &pressure): (&Focus, _)| Reading { position: focus.position, pressure };
-    let mut readings = foci.iter().zip(pressures).map(at_foci).collect();
+    let readings = foci.iter().zip(pressures).map(at_foci).collect();
     let is_mean = matches!(source.performance, Performance::Motion(_)) && drives.len() > 1;
-    if (levels.is_some() || follows || is_mean) && drives[0].phases.len() == aperture.positions.len() {
-        readings = probe::readings_of(&aperture, &heard, foci);
-    }
+    let is_own = drives[0].phases.len() == aperture.positions.len();
     let air = Air::new(&scene.medium, scene.array.frequency);
     let (bead, spread) = (scene.bead.clone(), scene.array.spread);
-    Sound { aperture, air, bead, spread, drives, heard, foci: foci.to_vec(), readings }
+    let mut sound = Sound { aperture, air, bead, spread, drives, heard, foci: foci.to_vec(), readings };
+    if (levels.is_some() || follows || is_mean) && is_own && sound.is_at_hand() {
+        sound.readings = probe::readings_of(&sound.aperture, &sound.heard, &sound.foci);
+    }
+    sound
 }
 
 /// The foci that are the same in all frames, or else those of the first.

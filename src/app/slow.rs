@@ -35,7 +35,7 @@ pub struct SlowMaps {
 pub fn is_slow(request: &Request) -> bool {
     let declaration = request.quantity.declaration();
     let is_long = !declaration.has_formula() || declaration.of_light || request.drives.len() > MOST_DRIVES;
-    is_long && request.depth.is_none()
+    (is_long && request.depth.is_none()) || !request.aperture.bodies.is_empty()
 }
 
 impl SlowMaps {
@@ -80,6 +80,11 @@ impl SlowMaps {
 
     /// Begins a map, unless one is being made, or this one failed.
     pub fn begin(&mut self, request: &Request, ctx: &Context) {
+        let is_other_moment = |of: &Request| {
+            let Request { quantity, moment, .. } = request.clone();
+            Request { quantity, moment, ..of.clone() } == *request
+        };
+        let is_of_known_sound = self.kept.front().is_some_and(|(of, _)| is_other_moment(of));
         let stages = Arc::clone(&self.stages);
         let wake_up = wake(ctx);
         self.later.ask_with(request, wake(ctx), move |request, answer| {
@@ -97,8 +102,8 @@ impl SlowMaps {
             };
             let (width, height) = request.size;
             let size = (width.div_ceil(COARSENESS), height.div_ceil(COARSENESS));
-            // Sound of the air's whole volume takes no longer for more pixels.
-            if !request.quantity.declaration().of_volume {
+            // Sound of the air's whole volume takes no longer for more pixels, and known sound hardly.
+            if !request.quantity.declaration().of_volume && !is_of_known_sound {
                 answer.so_far(make(&Request { size, ..request.clone() }));
                 wake_up();
             }

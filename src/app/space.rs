@@ -14,12 +14,14 @@ use crate::app::mapping::Mapping;
 use crate::app::screen::Screen;
 use crate::drive::Drive;
 use crate::field::gpu::{SpacePainting, Texture as OnGpu};
-use crate::field::volume::scenery::Shot;
+use crate::field::volume::scenery::{Item, Shot};
 use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
 use crate::field::{Gpu, GpuError};
+use crate::gauge::Gauge;
 use crate::picture::Picture;
 use crate::studio::later::Later;
 use crate::studio::space::{self, Prospect};
+use crate::ui::bodies;
 use crate::ui::part::wake;
 use crate::ui::space::{SpaceShown, Stage};
 use crate::ui::{Editor, Shown, Texture};
@@ -76,6 +78,7 @@ pub struct Spacing {
     fine: Kept,
     pictures: Later<Wanted, Drawing>,
     fields: Later<Sounding, Arc<Volume>>,
+    skins: Later<(Aperture, Vec<Drive>), Arc<Vec<Item>>>,
     /// The displayed picture, and whether it is coarse.
     drawn: Option<(Wanted, bool)>,
     painting: SpacePainting,
@@ -84,12 +87,12 @@ pub struct Spacing {
 
 impl Spacing {
     pub fn is_running(&self) -> bool {
-        self.pictures.is_running() || self.fields.is_running()
+        self.pictures.is_running() || self.fields.is_running() || self.skins.is_running()
     }
 
     /// Collects finished values, and returns whether there were any.
     pub fn collect(&mut self) -> bool {
-        let came = [self.pictures.collect(), self.fields.collect()];
+        let came = [self.pictures.collect(), self.fields.collect(), self.skins.collect()];
         came.contains(&true)
     }
 
@@ -116,6 +119,7 @@ impl Spacing {
             look: space::Look { is_light, ..editor.space.look(&editor.view, 1.0) },
             points: DVec2::new(size.x.into(), size.y.into()),
             volume: fine.map(|(_, volume)| Arc::clone(volume)),
+            skins: self.skins.get(&(sounding.aperture.clone(), sounding.drives.clone())).cloned(),
         })
     }
 
@@ -143,6 +147,7 @@ impl Spacing {
         };
         let sounding =
             Sounding { aperture: sound.aperture.clone(), drives: sound.heard.clone(), block: stage.block };
+        let skins = self.skins(editor, &sounding, ctx);
         let wanted = |most: f64| {
             let points = stage.rect.size();
             let scale = f64::from(ctx.pixels_per_point());
@@ -155,6 +160,7 @@ impl Spacing {
                 (&sound.aperture, sound.drive()),
                 &sound.foci,
                 (&stage.block, &stage.clip),
+                &skins,
                 &look,
             );
             let size = (side(points.x), side(points.y));
@@ -176,6 +182,9 @@ impl Spacing {
             self.drawn = Some((best, false));
             return Ok(());
         }
+        if let Some(volume) = self.fields.get(&sounding) {
+            self.fine = Some((sounding.clone(), Arc::clone(volume)));
+        }
         let soon = wanted(SOON);
         if self.drawn.as_ref().is_none_or(|(drawn, is_coarse)| !(*is_coarse && *drawn == soon)) {
             let start = Instant::now();
@@ -186,8 +195,12 @@ impl Spacing {
             tell(shown, &volume, true, [sampled, start.elapsed().as_secs_f64() * 1e3 - sampled]);
             self.drawn = Some((soon, true));
         }
-        if is_still {
-            let known = self.fine.clone().filter(|(of, _)| *of == sounding).map(|(_, volume)| volume);
+        let known = self.fine.clone().filter(|(of, _)| *of == sounding).map(|(_, volume)| volume);
+        let waits = known.is_none() && !sounding.aperture.bodies.is_empty();
+        if is_still && waits {
+            // It takes long enough for several pictures.
+            self.refine(&sounding, ctx);
+        } else if is_still {
             self.pictures.ask(&best, wake(ctx), move |wanted| {
                 let start = Instant::now();
                 let volume = known.unwrap_or_else(|| wanted.sounding.volume(false));
@@ -198,6 +211,30 @@ impl Spacing {
             });
         }
         Ok(())
+    }
+
+    /// The surfaces of bodies: with the newest pressures on them, or grey until these are there.
+    fn skins(&mut self, editor: &Editor, sounding: &Sounding, ctx: &Context) -> Arc<Vec<Item>> {
+        if sounding.aperture.bodies.is_empty() {
+            return Arc::default();
+        }
+        let key = (sounding.aperture.clone(), sounding.drives.clone());
+        self.skins.ask(&key, wake(ctx), |(aperture, drives)| Arc::new(space::skins(aperture, drives)));
+        if self.skins.latest().is_some_and(|(aperture, _)| *aperture == key.0)
+            && let Some(newest) = self.skins.newest()
+        {
+            return Arc::clone(newest);
+        }
+        let grey = bodies::placed(editor).into_iter().flat_map(|mesh| space::facets(&mesh, None));
+        Arc::new(grey.collect())
+    }
+
+    /// Requests the fine field.
+    fn refine(&mut self, sounding: &Sounding, ctx: &Context) {
+        self.fields.keep(Some(sounding));
+        self.fields.ask_with(sounding, wake(ctx), |sounding, answer| {
+            Gauge::default().until(&answer.cancel).lead(|| sounding.volume(false))
+        });
     }
 
     /// The field immediately: the fine one if available, otherwise a coarse one.
@@ -228,7 +265,7 @@ impl Spacing {
         if let Some(volume) = self.fields.get(sounding) {
             self.fine = Some((sounding.clone(), Arc::clone(volume)));
         } else if is_still {
-            self.fields.ask(sounding, wake(ctx), |sounding| sounding.volume(false));
+            self.refine(sounding, ctx);
         }
         let is_fine = self.fine.as_ref().is_some_and(|(of, _)| of == sounding);
         if self.drawn.as_ref().is_some_and(|(drawn, is_coarse)| *is_coarse != is_fine && *drawn == wanted) {
@@ -264,12 +301,13 @@ fn put(shown: &mut Shown, rgba: &[u8], (width, height): (usize, usize), stage: &
 }
 
 fn blank(texture: Texture, stage: &Stage) -> SpaceShown {
-    SpaceShown { texture, stage: stage.clone(), peak: 0.0, is_coarse: false, milliseconds: [0.0; 2] }
+    let stage = stage.clone();
+    SpaceShown { texture, stage, peak: 0.0, is_incident: false, is_coarse: false, milliseconds: [0.0; 2] }
 }
 
 fn tell(shown: &mut Shown, volume: &Volume, is_coarse: bool, milliseconds: [f64; 2]) {
     if let Some(picture) = &mut shown.space {
-        (picture.peak, picture.is_coarse, picture.milliseconds) =
-            (volume.peak.into(), is_coarse, milliseconds);
+        (picture.peak, picture.is_incident) = (volume.peak.into(), volume.is_incident);
+        (picture.is_coarse, picture.milliseconds) = (is_coarse, milliseconds);
     }
 }

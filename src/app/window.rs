@@ -227,6 +227,7 @@ impl Window {
             Command::Waveform(target, path) => self.read_waveform(target, path, ctx),
             Command::Thresholds(path) => self.read_thresholds(path, ctx),
             Command::Directivity(path) => self.read_directivity(path, ctx),
+            Command::Body(body, path) => self.read_surface(body, path, ctx),
             Command::Path(target, path) => self.read_routes(target, path, ctx),
             Command::OpenScan(path) => self.open_scan(path),
             Command::OpenScanDrive(path) => self.editor.parts.measuring.take_drive(Some(path)),

@@ -22,6 +22,7 @@ use crate::app::comparison::{self, Comparison};
 use crate::app::job::{CompareMethods, Follow, Job, Solve};
 use crate::app::mapping::{Look, Mapping};
 use crate::app::posing::{self, Source};
+use crate::app::preparing::Preparing;
 use crate::app::screen::Screen;
 use crate::app::space::Spacing;
 use crate::field::{Evaluator, Quantity, Request, missed};
@@ -49,6 +50,7 @@ const OSCILLATION_PERIOD: f64 = 2.0;
 const OSCILLATION_STEP: Duration = Duration::from_millis(33);
 
 const BEING_SOLVED: &str = "Solving… the map still shows the previous drawing.";
+const AFTER_DRAG: &str = "Solving waits until nothing is dragged… the map still shows the previous drive.";
 const AT_REST: &str = "Solving the frames of the motion… the map shows the scene at rest.";
 const BEFORE: &str = "Solving the frames of the motion… the map still shows the previous ones.";
 
@@ -80,8 +82,8 @@ pub enum Seen<'a> {
     Space(&'a Stage),
 }
 
-/// Scene, levels and source of a sound.
-type Sounding = (Scene, Option<u32>, Source);
+/// Scene, levels and source of a sound, and whether the answers of bodies to it are known.
+type Sounding = (Scene, Option<u32>, Source, bool);
 
 #[derive(Debug)]
 pub struct Workshop {
@@ -95,6 +97,7 @@ pub struct Workshop {
     round: Later<Scene, Followed>,
     comparison: Option<Comparison>,
     pub spacing: Spacing,
+    preparing: Preparing,
     motion: Clock,
     /// Start of the board's motion (s on the window's clock), and the playback state before.
     board: Option<(f64, Playback)>,
@@ -116,6 +119,7 @@ impl Workshop {
             round: Later::default(),
             comparison: None,
             spacing: Spacing::default(),
+            preparing: Preparing::default(),
             motion: Clock::default(),
             board: None,
             sounded: None,
@@ -186,6 +190,8 @@ impl Workshop {
             }
         }
         self.update_parts(editor, shown, seen, ctx);
+        let rests = !ctx.input(|input| input.pointer.any_down()) && !editor.playback.playing;
+        self.preparing.update(shown.sound.as_ref().map(|sound| &sound.aperture), rests, ctx);
         shown.warnings = warnings(editor, shown);
         shown.warnings.extend_from_slice(self.reached(ctx));
     }
@@ -268,7 +274,9 @@ impl Workshop {
         if step == Some(Step::Quick) && self.solving.solve_at_once(&posed) {
             step = self.solving.next(&posed, rests);
         }
-        if step.is_some() {
+        // A body that moves has other answers in every frame.
+        let waits = !rests && !posed.bodies.is_empty() && !Aperture::new(&posed).is_prepared();
+        if step.is_some() && !waits {
             ask_for::<Solve>(&mut self.solved, &posed, ctx);
             if let Some(solved) = self.solved.get(&posed) {
                 self.solving.take(&posed, solved.clone());
@@ -278,7 +286,7 @@ impl Workshop {
             (shown.solving, shown.solution) = (1e3 * last.seconds, Some(last.clone()));
         }
         match self.solving.solved.as_ref().filter(|(scene, _)| *scene == posed) {
-            None => shown.pending = Some(BEING_SOLVED.to_owned()),
+            None => shown.pending = Some(if waits { AFTER_DRAG } else { BEING_SOLVED }.to_owned()),
             Some((_, Err(problem))) => shown.problem = Some(problem.clone()),
             Some((_, Ok(_))) => {}
         }
@@ -500,14 +508,18 @@ impl Workshop {
 
     /// The sound of a source.
     fn sound(&mut self, editor: &Editor, source: &Source) -> Sound {
-        let is_kept = |((scene, levels, kept), _): &&((Scene, Option<u32>, Source), Sound)| {
-            *levels == editor.levels && kept == source && scene == editor.scene()
+        let is_kept = |((scene, levels, kept, is_known), sound): &&(Sounding, Sound)| {
+            *levels == editor.levels
+                && kept == source
+                && scene == editor.scene()
+                && (*is_known || !sound.is_at_hand())
         };
         if let Some((_, sound)) = self.sounded.as_ref().filter(is_kept) {
             return sound.clone();
         }
         let sound = posing::sound(editor.scene(), editor.levels, source);
-        self.sounded = Some(((editor.scene().clone(), editor.levels, source.clone()), sound.clone()));
+        let sounding = (editor.scene().clone(), editor.levels, source.clone(), sound.is_at_hand());
+        self.sounded = Some((sounding, sound.clone()));
         sound
     }
 }
@@ -560,6 +572,7 @@ fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
     }
     warnings.extend(crate::studio::motion::remarks(editor.scene()));
     warnings.extend(shown.board.steadied.clone());
+    warnings.extend(editor.parts.scattering.newest().and_then(|found| found.problem.clone()));
     let map = shown.map.as_ref();
     let tolerance = editor.view.quantity.declaration().tolerance(editor.scene().plane.tolerance);
     warnings.extend(map.and_then(|map| missed(map.error, tolerance)));

@@ -82,7 +82,8 @@ pub enum Warning {
 
 /// Warnings about a scene's targets out of the array's reach.
 pub fn of_targets(scene: &Scene) -> Vec<Warning> {
-    let aperture = Aperture::new(scene);
+    // What a body casts its shadow on is in the array's reach.
+    let aperture = Aperture::new(scene).without_bodies();
     if aperture.driven.is_empty() {
         return Vec::new();
     }

@@ -8,6 +8,7 @@ use std::sync::Arc;
 
 use web_time::Duration;
 
+use crate::acoustics::Aperture;
 use crate::gauge::Gauge;
 use crate::scene::{Scene, Solver, check, outline};
 use crate::solver::frames::{self, Sequence};
@@ -109,7 +110,9 @@ impl Solving {
             Ok(amount) => {
                 let most = if is_shape(posed) { AT_ONCE_OF_SHAPES } else { AT_ONCE };
                 let was_slow = |(slow, solver): &(usize, Solver)| amount >= *slow && *solver == posed.solver;
-                if amount > most || self.slow.as_ref().is_some_and(was_slow) {
+                // Foci in front of bodies need the answers to all elements.
+                let lacks_answers = !posed.bodies.is_empty() && !Aperture::new(posed).is_prepared();
+                if amount > most || lacks_answers || self.slow.as_ref().is_some_and(was_slow) {
                     return false;
                 }
                 let solve = || solver::solve_on(posed, self.last.as_deref());

@@ -10,8 +10,10 @@ use crate::drive::Drive;
 use crate::field::volume::camera::Projection;
 use crate::field::volume::scenery::{Body, Item, Shot};
 use crate::field::volume::{Block, Camera, Fineness, Scenery, Volume, march};
+use crate::mesh::Mesh;
 use crate::picture::{ColourMap, Picture};
 use crate::rounding::millimetres;
+use crate::scatter::Skin;
 use crate::scene::{ElementModel, Focus, Scene, outline};
 
 /// m, sides of a box.
@@ -65,8 +67,9 @@ pub struct Prospect {
     pub look: Look,
     /// Points of the screen, width and height.
     pub points: DVec2,
-    /// The field in the box, if it is there already: it follows from the rest.
+    /// The field in the box, and the surfaces of bodies, if they are there already: they follow from the rest.
     pub volume: Option<Arc<Volume>>,
+    pub skins: Option<Arc<Vec<Item>>>,
 }
 
 impl PartialEq for Prospect {
@@ -93,7 +96,8 @@ impl Prospect {
     pub fn scenery(&self, width: usize) -> Scenery {
         let look = Look { scale: width as f64 / self.points.x, ..self.look.clone() };
         let sound = (&self.aperture, &self.drive);
-        scenery(&self.scene, sound, &self.foci, (&self.block, &self.clip), &look)
+        let skins = self.skins.clone().unwrap_or_else(|| Arc::new(skins(&self.aperture, &self.heard)));
+        scenery(&self.scene, sound, &self.foci, (&self.block, &self.clip), &skins, &look)
     }
 
     /// The picture of this many pixels, and the field in it.
@@ -184,15 +188,48 @@ const WATER: Vec3 = Vec3::new(0.16, 0.45, 0.85);
 const WALL: Vec3 = Vec3::new(0.55, 0.6, 0.68);
 const SILENT: Vec3 = Vec3::new(0.33, 0.35, 0.39);
 
-/// All objects of a scene in 3D.
+/// The surfaces of all bodies with the RMS pressure of drives in turn on them.
+pub fn skins(aperture: &Aperture, drives: &[Drive]) -> Vec<Item> {
+    /// Triangles of spheres per wavelength.
+    const FINENESS: f64 = 8.0;
+    if aperture.bodies.is_empty() {
+        return Vec::new();
+    }
+    let edge = aperture.wavelength() / FINENESS;
+    let of_drive = |drive: &Drive| aperture.skins(&drive.excitation(&aperture.driven), edge);
+    let all: Vec<_> = drives.iter().map(of_drive).collect();
+    let Some(first) = all.first() else { return Vec::new() };
+    let of_body = |(body, skin): (usize, &Skin)| {
+        let square =
+            |vertex: usize| all.iter().map(|skins| skins[body].pressures[vertex].norm_sqr()).sum::<f64>();
+        let rms = |vertex: usize| (0.5 * square(vertex) / all.len() as f64).sqrt() as f32;
+        let pressures: Vec<_> = (0..skin.mesh.vertices.len()).map(rms).collect();
+        facets(&skin.mesh, Some(&pressures))
+    };
+    first.iter().enumerate().flat_map(of_body).collect()
+}
+
+/// A surface with RMS pressures (Pa) at its vertices, or grey.
+pub fn facets(mesh: &Mesh, pressures: Option<&[f32]>) -> Vec<Item> {
+    let normals: Vec<_> = mesh.normals().into_iter().map(|normal| normal.as_vec3()).collect();
+    let facet = |(triangle, corners): (usize, &[u32; 3])| Item::Facet {
+        corners: mesh.corners(triangle),
+        normals: corners.map(|vertex| normals[vertex as usize]),
+        pressures: pressures.map(|pressures| corners.map(|vertex| pressures[vertex as usize])),
+    };
+    mesh.triangles.iter().enumerate().map(facet).collect()
+}
+
+/// All objects of a scene in 3D, with the surfaces of its bodies.
 pub fn scenery(
     scene: &Scene,
     (aperture, drive): (&Aperture, &Drive),
     foci: &[Focus],
     (block, clip): (&Block, &Block),
+    skins: &[Item],
     look: &Look,
 ) -> Scenery {
-    let mut items = Items { items: Vec::new(), look };
+    let mut items = Items { items: skins.to_vec(), look };
     if look.has_elements {
         for board in aperture.boards() {
             items.board(aperture, board, drive);
@@ -375,7 +412,10 @@ pub fn whole(block: &Block, aperture: &Aperture) -> Block {
     let rim = DVec3::splat(RIM * aperture.pitch);
     let places = aperture.boards().flat_map(|board| &aperture.positions[board.elements()]);
     let grown = |(low, high): (DVec3, DVec3), at: &DVec3| (low.min(*at - rim), high.max(*at + rim));
-    let (low, high) = places.fold((block.low(), block.high()), grown);
+    let (mut low, mut high) = places.fold((block.low(), block.high()), grown);
+    for body in aperture.bodies.of() {
+        (low, high) = (low.min(body.at - body.reach()), high.max(body.at + body.reach()));
+    }
     Block::between(low, high)
 }
 
@@ -442,4 +482,45 @@ pub fn labels(block: &Block, projection: &Projection, scale: f64) -> Vec<Label> 
         labels.push(Label { at: (a + b) / 2.0 + off * 1.35, text: name.to_owned() });
     }
     labels
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Body;
+    use crate::studio::probe;
+
+    #[test]
+    fn the_pressure_on_a_body_is_that_of_the_air_just_before_it() {
+        let body = Body { at: DVec3::new(0.004, 0.0, 0.09), radius: 0.006, ..Body::default() };
+        let scene = Scene { bodies: vec![body.clone()], ..Scene::default() };
+        let aperture = Aperture::new(&scene);
+        let count = aperture.positions.len();
+        let drive = |step: f64| Drive {
+            amplitudes: vec![1.0; count],
+            phases: (0..count).map(|n| (n as f64 * step).sin()).collect(),
+        };
+        let drives = [drive(0.7), drive(1.9)];
+        let items = skins(&aperture, &drives);
+        assert!(items.len() > 500);
+        let mut pairs = Vec::new();
+        for item in items.iter().step_by(97) {
+            let Item::Facet { corners, normals, pressures: Some(pressures) } = item else {
+                panic!("{item:?}")
+            };
+            let outwards = corners.map(|at| (at - body.at).normalize());
+            let before = outwards.map(|way| body.at + way * (body.radius * (1.0 + 1e-9)));
+            let sums = probe::pressures(&aperture, &drives, &before);
+            for i in 0..3 {
+                pairs.push((f64::from(pressures[i]), sums[i].norm() / std::f64::consts::SQRT_2));
+                assert!(normals[i].as_dvec3().distance(outwards[i]) < 0.1);
+            }
+        }
+        let largest = pairs.iter().map(|(_, expected)| *expected).fold(0.0, f64::max);
+        assert!(largest > 10.0 && pairs.len() > 15);
+        for (own, expected) in pairs {
+            assert!((own - expected).abs() < 1e-3 * largest, "{own}, not {expected} of {largest}");
+        }
+        assert_eq!(facets(&body.solid(0.002).expect("a sphere"), None).len() % 20, 0);
+    }
 }

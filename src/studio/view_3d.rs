@@ -25,6 +25,8 @@ use crate::studio::still::{self, Diagram, Size, Solved};
 /// Default size of a picture in pixels, and its limit.
 pub const USUAL: usize = 900;
 const MOST_PIXELS: usize = 1 << 25;
+/// What the field in the box lacks where that would take too long.
+const LACKING: &str = "; without what bodies scatter, except on them";
 /// Reference height at which a point of the screen is a pixel.
 const HEIGHT: f64 = 760.0;
 
@@ -99,6 +101,7 @@ pub fn prospect(solved: &Solved, look: &still::Look, wish: &Wish) -> anyhow::Res
         look: wish.look.clone(),
         points: DVec2::new(width as f64, height as f64) / scale,
         volume: None,
+        skins: None,
         block,
         aperture,
     })
@@ -171,7 +174,10 @@ pub fn describe(body: Body, volume: &Volume) -> String {
         return "no sound in the box".to_owned();
     }
     let words = |value: f64| format!("{} RMS", Quantity::Rms.with_unit(value));
-    let remark = if volume.loudest > volume.peak { format!(", {}", map::LARGER) } else { String::new() };
+    let mut remark = if volume.loudest > volume.peak { format!(", {}", map::LARGER) } else { String::new() };
+    if volume.is_incident {
+        remark.push_str(LACKING);
+    }
     let text = match body {
         Body::Surface(part) => format!(
             "Surface at −{:.1} dB of the peak: {}; peak {}",

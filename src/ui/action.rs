@@ -399,6 +399,7 @@ impl Action {
             (
                 is_one_of(&[Self::Cut, Self::Copy, Self::Duplicate, Self::Delete])
                     && editor.selection.is_empty()
+                    && !(is_one_of(&[Self::Duplicate, Self::Delete]) && editor.chosen_body().is_some())
                     && !(self == Self::Delete && way::can_delete(editor)),
                 "No target is selected",
             ),
@@ -474,7 +475,7 @@ impl Action {
             }
             Self::Copy => clipboard::copy(editor, ctx),
             Self::Paste => commands.push(Command::Paste),
-            Self::Duplicate => clipboard::duplicate(editor),
+            Self::Duplicate => clipboard::duplicate_chosen(editor),
             Self::Delete => clipboard::delete_chosen(editor),
             Self::Group => group::join(&mut editor.document.scene, &editor.selection),
             Self::Ungroup => group::rename(&mut editor.document.scene, &editor.selection, ""),

@@ -15,8 +15,8 @@ use crate::ui::playback::Moment;
 use crate::ui::tool::Tool;
 use crate::ui::view::{Lens, View};
 use crate::ui::{
-    context, cursor, editor::Editor, gallery, guides, legend, map::Map, marks, measure, path_marks, pen,
-    pointer, shown::Shown, sound::Sound, theme, ticks,
+    bodies, context, cursor, editor::Editor, gallery, guides, legend, map::Map, marks, measure, path_marks,
+    pen, pointer, shown::Shown, sound::Sound, theme, ticks,
 };
 
 /// Points of the screen around the plot.
@@ -122,6 +122,7 @@ pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, canvas: &Canvas) {
     if editor.view.grid || editor.snaps {
         guides::grid(editor.grid, editor.view.is_light, &painter, lens);
     }
+    bodies::paint(editor, &painter, lens);
     if let Some(field) = editor.parts.arrows.newest() {
         arrows::paint(field, &editor.view.axes(editor.scene()), &painter, lens);
     }
@@ -316,7 +317,8 @@ fn probe(editor: &Editor, shown: &Shown, painter: &Painter, lens: &Lens, at: Pos
     let point = editor.view.axes(editor.scene()).world(uv);
     let [x, y, z] = point.to_array().map(measure::mm);
     let mut text = format!("x {x}   y {y}   z {z} mm");
-    if let (Some(map), Some(sound)) = (&shown.map, &shown.sound) {
+    let sound = shown.sound.as_ref().filter(|sound| sound.is_at_hand());
+    if let (Some(map), Some(sound)) = (&shown.map, sound) {
         text.push_str(&format!("     {}", value(editor, map, sound, uv, point)));
     }
     // Wrapped on narrow maps, between values only.
@@ -351,8 +353,11 @@ fn over_threshold(level: f64) -> String {
 
 fn value(editor: &Editor, map: &Map, sound: &Sound, uv: DVec2, point: DVec3) -> String {
     let quantity = map.quantity;
-    let reading = probe::reading(&sound.aperture, &sound.heard, point);
     let value = map.number(uv).or_else(|| sound.value(map, point));
+    if value.is_some_and(f64::is_nan) {
+        return "inside a body".to_owned();
+    }
+    let reading = probe::reading(&sound.aperture, &sound.heard, point);
     if quantity.declaration().is_level() {
         return value.map_or_else(String::new, over_threshold);
     }

@@ -6,7 +6,7 @@ use std::path::Path;
 use egui::Context;
 
 use crate::studio::opening;
-use crate::ui::{edit, editor::Editor, way};
+use crate::ui::{bodies, edit, editor::Editor, way};
 
 pub fn copy(editor: &mut Editor, ctx: &Context) {
     if let Some((text, targets)) = edit::copied(editor.scene(), &editor.selection) {
@@ -26,18 +26,34 @@ pub fn paste(editor: &mut Editor, text: &str) {
     }
 }
 
-/// Deletes the last grabbed vertex or keyframe of a path, or else the selection.
+/// Deletes the last grabbed vertex or keyframe of a path, or else what is chosen.
 pub fn delete_chosen(editor: &mut Editor) {
-    if !way::delete(editor) {
-        delete(editor);
+    if way::delete(editor) {
+        return;
     }
+    match editor.chosen_body() {
+        Some(index) => {
+            editor.document.scene.bodies.remove(index);
+            editor.body = None;
+        }
+        None => delete(editor),
+    }
+}
+
+/// Duplicates what is chosen, beside it.
+pub fn duplicate_chosen(editor: &mut Editor) {
+    let Some(index) = editor.chosen_body() else { return duplicate(editor) };
+    let axes = editor.view.axes(editor.scene());
+    let body = &editor.scene().bodies[index];
+    let copy = bodies::beside(editor.scene(), body, &axes);
+    bodies::add(editor, copy);
 }
 
 pub fn delete(editor: &mut Editor) {
     edit::delete(&mut editor.document.scene, &mut editor.selection);
 }
 
-pub fn duplicate(editor: &mut Editor) {
+fn duplicate(editor: &mut Editor) {
     let axes = editor.view.axes(editor.scene());
     let mut selection: BTreeSet<usize> = std::mem::take(&mut editor.selection);
     edit::duplicate(&mut editor.document.scene, &mut selection, &axes);

@@ -6,7 +6,7 @@ use crate::drive;
 use crate::picture::figure::Format;
 use crate::source;
 use crate::studio::animate::Kind;
-use crate::studio::{opening, routes};
+use crate::studio::{opening, routes, surfaces};
 use crate::table::Table;
 use crate::ui::board::BoardCommand;
 
@@ -51,6 +51,8 @@ pub enum Command {
     Thresholds(PathBuf),
     /// Takes a table as the directivity of the elements.
     Directivity(PathBuf),
+    /// Takes a mesh as the surface of a body, or of a new one.
+    Body(Option<usize>, PathBuf),
     /// Reads the path of a target's own motion, or of the scene's.
     Path(Option<usize>, PathBuf),
     /// Copies the scene as a link to the clipboard.
@@ -151,6 +153,8 @@ pub enum Purpose {
     Thresholds,
     /// Directivity of an element.
     Directivity,
+    /// Surface of a body, or of a new one.
+    Body(Option<usize>),
     /// Path of a target's own motion, or of the scene's.
     Path(Option<usize>),
     Export(Export),
@@ -165,6 +169,7 @@ impl Purpose {
             table if DRIVES.contains(&table) && is_scan(path) => Self::Scan,
             table if DRIVES.contains(&table) && is_drive(path) => Self::Drive,
             table if ELEMENTS.contains(&table) => Self::Elements,
+            mesh if surfaces::ENDINGS.contains(&mesh) => Self::Body(None),
             _ => Self::Open,
         }
     }
@@ -183,6 +188,7 @@ impl Purpose {
             Self::Directivity => {
                 "Open a directivity (CSV with angle in degrees, amplitude or level in dB, and phase)"
             }
+            Self::Body(_) => "Open the surface of a body (STL or OBJ)",
             Self::Thresholds => "Open thresholds (CSV with frequency in Hz and displacement in m, peak)",
             Self::Path(_) => "Open a path (CSV with x, y, z in m and perhaps t in s, or G-code)",
             Self::Export(Export::Figure(_)) => "Export the figure",
@@ -208,6 +214,7 @@ impl Purpose {
             Self::Waveform(_) => &["wav"],
             Self::Thresholds | Self::Directivity => &["csv"],
             Self::Path(_) => routes::ENDINGS,
+            Self::Body(_) => &surfaces::ENDINGS,
             Self::Export(Export::Figure(Format::Pdf)) => &["pdf"],
             Self::Export(Export::Figure(Format::Svg)) => &["svg"],
             Self::Export(Export::Figure(Format::Png) | Export::Map | Export::Sheet) => &["png"],
@@ -234,6 +241,7 @@ impl Purpose {
                 | Self::Waveform(_)
                 | Self::Thresholds
                 | Self::Directivity
+                | Self::Body(_)
                 | Self::Path(_)
         )
     }
@@ -248,6 +256,7 @@ impl Purpose {
             | Self::Waveform(_)
             | Self::Thresholds
             | Self::Directivity
+            | Self::Body(_)
             | Self::Path(_) => "Read",
             Self::Export(_) => "Export",
         }
@@ -266,6 +275,7 @@ impl Purpose {
             Self::Waveform(target) => Command::Waveform(target, path),
             Self::Thresholds => Command::Thresholds(path),
             Self::Directivity => Command::Directivity(path),
+            Self::Body(body) => Command::Body(body, path),
             Self::Path(target) => Command::Path(target, path),
             Self::Export(export) => Command::Export(export, path),
         }

@@ -5,6 +5,7 @@ use glam::DVec2;
 use strum::VariantArray;
 
 use crate::scene::Target;
+use crate::ui::bodies;
 use crate::ui::clipboard;
 use crate::ui::edit::{self, Align};
 use crate::ui::editor::Editor;
@@ -22,8 +23,16 @@ pub fn menu(editor: &mut Editor, response: &Response, lens: &Lens) {
         let place = lens.flat(at);
         let axes = editor.view.axes(editor.scene());
         let hit = edit::target_at(editor.scene(), &axes, place, REACH * lens.window.scale);
-        if let Some(hit) = hit.filter(|hit| !editor.selection.contains(hit)) {
-            editor.selection = group::around(editor.scene(), hit);
+        match hit {
+            Some(hit) if !editor.selection.contains(&hit) => {
+                editor.selection = group::around(editor.scene(), hit);
+            }
+            Some(_) => {}
+            None => {
+                if let Some(index) = bodies::at(editor, &axes, place) {
+                    editor.choose_body(index);
+                }
+            }
         }
         editor.asked = place;
     }
@@ -32,10 +41,11 @@ pub fn menu(editor: &mut Editor, response: &Response, lens: &Lens) {
 
 fn show(editor: &mut Editor, ui: &mut Ui) {
     let chosen = editor.selection.len();
+    let any = usize::from(editor.chosen_body().is_none());
     let item =
         |ui: &mut Ui, least: usize, name: &str| ui.add_enabled(chosen >= least, Button::new(name)).clicked();
-    if item(ui, 1, "Duplicate") {
-        clipboard::duplicate(editor);
+    if item(ui, any, "Duplicate") {
+        clipboard::duplicate_chosen(editor);
     }
     if item(ui, 1, "Copy") {
         clipboard::copy(editor, ui.ctx());
@@ -43,8 +53,8 @@ fn show(editor: &mut Editor, ui: &mut Ui) {
     if ui.add_enabled(!editor.copied.is_empty(), Button::new("Paste here")).clicked() {
         paste(editor);
     }
-    if item(ui, 1, "Delete") {
-        clipboard::delete(editor);
+    if item(ui, any, "Delete") {
+        clipboard::delete_chosen(editor);
     }
     ui.separator();
     if item(ui, 2, "Group") {

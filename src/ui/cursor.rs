@@ -6,7 +6,7 @@ use glam::DVec2;
 use crate::ui::gesture::Typing;
 use crate::ui::tool::Tool;
 use crate::ui::view::Lens;
-use crate::ui::{edit, editor::Editor, group, pen, theme};
+use crate::ui::{bodies, edit, editor::Editor, group, pen, theme};
 
 /// Steps of an arrow key, with Ctrl and with Shift, m.
 const STEP: f64 = 1e-3;
@@ -29,7 +29,7 @@ pub fn has_focus(ctx: &Context) -> bool {
 
 /// Whether arrow keys move the selection instead of the cross.
 pub fn moves_selection(editor: &Editor, ctx: &Context) -> bool {
-    !has_focus(ctx) || (editor.tool == Tool::Select && !editor.selection.is_empty())
+    !has_focus(ctx) || (editor.tool == Tool::Select && editor.has_choice())
 }
 
 /// Whether arrow keys step frames instead: in presentation mode and in the shaded relief nothing is edited.
@@ -92,11 +92,7 @@ fn step(key: Key, modifiers: Modifiers) -> Option<DVec2> {
 
 fn nudge(editor: &mut Editor, by: DVec2) {
     let axes = editor.view.axes(editor.scene());
-    for &index in &editor.selection {
-        if let Some(target) = editor.document.scene.targets.get_mut(index) {
-            target.shape.translate(axes.x * by.x + axes.y * by.y);
-        }
-    }
+    editor.translate_chosen(axes.x * by.x + axes.y * by.y);
 }
 
 /// Acts like a click at the cross: draws, or selects the target there.
@@ -106,6 +102,7 @@ fn press(editor: &mut Editor, lens: &Lens, at: DVec2) {
         Tool::Select => {
             let hit = edit::target_at(editor.scene(), &axes, at, REACH * lens.window.scale);
             editor.selection = hit.map(|hit| group::around(editor.scene(), hit)).unwrap_or_default();
+            editor.body = bodies::at(editor, &axes, at).filter(|_| editor.selection.is_empty());
         }
         Tool::Text => {
             editor.selection.clear();

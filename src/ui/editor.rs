@@ -29,6 +29,8 @@ pub struct Editor {
     pub document: Document,
     /// Selected targets by index.
     pub selection: BTreeSet<usize>,
+    /// The body chosen last, by its index: see [`Editor::chosen_body`].
+    pub(super) body: Option<usize>,
     pub view: View,
     pub(super) fitted: Option<Fitted>,
     /// How space is looked at.
@@ -94,6 +96,7 @@ impl Editor {
             compare: None,
             document,
             selection: BTreeSet::new(),
+            body: None,
             tool: Tool::Select,
             panel: Panel::Scene,
             layout: Layout {
@@ -166,9 +169,10 @@ impl Editor {
 
     /// A step in the history; targets that are still there stay selected.
     fn step(&mut self, go: fn(&mut Document)) {
-        let mut selection = std::mem::take(&mut self.selection);
+        let (mut selection, body) = (std::mem::take(&mut self.selection), self.body);
         self.forget_places();
         go(&mut self.document);
+        self.body = body;
         selection.retain(|&index| index < self.scene().targets.len());
         self.selection = selection;
     }
@@ -188,6 +192,7 @@ impl Editor {
     /// Clears references to target indices.
     fn forget_places(&mut self) {
         self.selection.clear();
+        self.body = None;
         self.vertex = None;
         self.typing = None;
         self.pen = None;
@@ -206,6 +211,34 @@ impl Editor {
             }
         }
         self.selection = index.iter().copied().collect();
+    }
+
+    /// The chosen body; selected targets come first.
+    pub fn chosen_body(&self) -> Option<usize> {
+        self.body.filter(|&index| self.selection.is_empty() && index < self.scene().bodies.len())
+    }
+
+    /// Chooses a body, and nothing else.
+    pub fn choose_body(&mut self, index: usize) {
+        self.selection.clear();
+        self.body = Some(index);
+    }
+
+    /// Whether targets or a body are chosen.
+    pub(super) fn has_choice(&self) -> bool {
+        !self.selection.is_empty() || self.chosen_body().is_some()
+    }
+
+    /// Moves what is chosen (m).
+    pub(super) fn translate_chosen(&mut self, by: DVec3) {
+        for &index in &self.selection {
+            if let Some(target) = self.document.scene.targets.get_mut(index) {
+                target.shape.translate(by);
+            }
+        }
+        if let Some(index) = self.chosen_body() {
+            self.document.scene.bodies[index].at += by;
+        }
     }
 
     /// Shows the page with the numbers of a target just drawn, unless the page of its motion is open.

@@ -33,6 +33,9 @@ pub fn show(
         // A range in pascals is meaningless in metres.
         editor.view.forget_range();
     }
+    if !editor.selection.is_empty() {
+        editor.body = None;
+    }
     commands.append(&mut editor.asked_by_others);
     dialog::warn_of_loudness(editor, &mut commands);
     commands

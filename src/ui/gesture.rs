@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use glam::{DVec2, DVec3};
 
 use crate::import::curve::Knot;
-use crate::scene::{Motion, Target};
+use crate::scene::{Body, Motion, Target};
 use crate::ui::view::Lens;
 
 /// Pick distance (points) between the ends of a stroke.
@@ -50,6 +50,13 @@ pub enum Gesture {
     },
     /// The path of a motion.
     Way(Pull),
+    /// A body, grabbed inside or by the handle that turns it, and its state before.
+    Body {
+        index: usize,
+        from: DVec2,
+        before: Box<Body>,
+        turns: bool,
+    },
     Band {
         from: DVec2,
         /// Selected before, and kept.

@@ -40,6 +40,7 @@ pub const GESTURES: &[(&str, &[(&str, &str)])] = &[
             ("Drag inside the selection's box", "Move the selection"),
             ("Arrows", "Move by 1 mm, with Shift by 10 mm; with nothing selected, step the frames"),
             ("Alt and drag", "Drag a copy"),
+            ("Drag inside a body", "Move the body; the handle above it turns it, with Shift in steps of 15°"),
             ("Shift while drawing", "Lines in steps of 15°, squares"),
             ("Ctrl while dragging", "Free of grid and guides"),
             (", and .", "Select the previous and the next target, with the map in focus"),
@@ -97,7 +98,7 @@ pub fn press(editor: &mut Editor, shown: &mut Shown, ctx: &Context, commands: &m
     if presses.iter().any(|(key, _)| *key == Key::Escape) {
         escape(editor, ctx);
     }
-    let is_free = editor.selection.is_empty() && !cursor::has_focus(ctx) && timeline::is_wanted(editor);
+    let is_free = !editor.has_choice() && !cursor::has_focus(ctx) && timeline::is_wanted(editor);
     if cursor::steps_frames(editor) || is_free {
         presses.iter().for_each(|&(key, _)| step_frame(editor, key));
     } else if cursor::moves_selection(editor, ctx) {
@@ -155,6 +156,7 @@ fn escape(editor: &mut Editor, ctx: &Context) {
         editor.document.revert();
     }
     editor.selection.clear();
+    editor.body = None;
     editor.tool = Tool::Select;
     editor.put_line_away();
 }
@@ -209,10 +211,5 @@ fn nudge(editor: &mut Editor, key: Key, far: bool) {
         Key::ArrowDown => -axes.y,
         _ => return,
     };
-    let by = direction * if far { FAR_NUDGE } else { NUDGE };
-    for &index in &editor.selection {
-        if let Some(target) = editor.document.scene.targets.get_mut(index) {
-            target.shape.translate(by);
-        }
-    }
+    editor.translate_chosen(direction * if far { FAR_NUDGE } else { NUDGE });
 }

@@ -218,6 +218,10 @@ pub fn dimensions(editor: &Editor, painter: &Painter, lens: &Lens) {
                     })
             }
         },
+        Gesture::Body { index, .. } => editor.scene().bodies.get(*index).map(|body| {
+            let at = axes.flat(body.at);
+            format!("{}, {} mm", measure::mm(at.x), measure::mm(at.y))
+        }),
         Gesture::Measure { .. } => match editor.view.line {
             ProfileLine::Between(ends) => Some(measure::length_and_angle(ends)),
             ProfileLine::Across(_) => None,

@@ -6,6 +6,7 @@ mod arrangement;
 mod array;
 pub mod beside;
 pub mod board;
+pub(crate) mod bodies;
 pub mod bring_up;
 pub mod brush;
 pub mod canvas;

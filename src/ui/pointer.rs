@@ -6,7 +6,7 @@ use egui::{Key, Modifiers, PointerButton, Pos2, Response, Ui};
 use glam::DVec2;
 
 use crate::picture::relief::Sight;
-use crate::scene::{Target, outline};
+use crate::scene::{Body, Target, outline};
 use crate::ui::gesture::{Gesture, Typing, closes};
 use crate::ui::guides::Guides;
 use crate::ui::measure::{self, ProfileLine};
@@ -14,7 +14,7 @@ use crate::ui::tool::{self, Tool};
 use crate::ui::transform;
 use crate::ui::typing;
 use crate::ui::view::{Axes, Lens};
-use crate::ui::{brush, edit, editor::Editor, group, handle, pen, way};
+use crate::ui::{bodies, brush, edit, editor::Editor, group, handle, pen, way};
 
 /// Pick distance of an outline in points.
 const REACH: f64 = 9.0;
@@ -211,12 +211,22 @@ impl<'a> Press<'a> {
         if let Some(fixed) = other_end(self.editor, self.lens, self.at) {
             return Gesture::Measure { fixed };
         }
+        if bodies::is_on_turner(self.editor, &self.axes, self.lens, self.at)
+            && let Some(index) = self.editor.chosen_body()
+        {
+            return self.hold_body(index, true);
+        }
         let Some(index) =
             edit::target_at(self.editor.scene(), &self.axes, from, REACH * self.lens.window.scale)
         else {
             if !self.modifiers.shift && transform::contains(self.editor, &self.axes, self.lens, self.at) {
                 return self.hold(true);
             }
+            if let Some(index) = bodies::at(self.editor, &self.axes, from) {
+                self.editor.choose_body(index);
+                return self.hold_body(index, false);
+            }
+            self.editor.body = None;
             let kept = if self.modifiers.shift { self.editor.selection.clone() } else { BTreeSet::new() };
             self.editor.selection = kept.clone();
             return Gesture::Band { from, kept };
@@ -237,6 +247,11 @@ impl<'a> Press<'a> {
             edit::copy_in_place(&mut self.editor.document.scene, &mut self.editor.selection);
         }
         Gesture::Move { from: self.uv, before: selected(self.editor), beside }
+    }
+
+    fn hold_body(&self, index: usize, turns: bool) -> Gesture {
+        let before = Box::new(self.editor.scene().bodies[index].clone());
+        Gesture::Body { index, from: self.uv, before, turns }
     }
 
     /// Grabs a handle of the selection.
@@ -271,6 +286,12 @@ impl<'a> Press<'a> {
                 way::pull(self.editor, &self.axes, self.lens, uv, pull);
             }
             Gesture::Move { from, before, .. } => self.follow(*from, before),
+            Gesture::Body { index, from, before, turns } => {
+                let body = if *turns { self.turned(*from, before) } else { self.moved(*from, before) };
+                if let Some(place) = self.editor.document.scene.bodies.get_mut(*index) {
+                    *place = body;
+                }
+            }
             Gesture::Bend { from } => pen::bend(self.editor, &self.axes, self.lens, self.uv - *from),
             Gesture::Band { from, kept } => {
                 let inside = edit::targets_in(self.editor.scene(), &self.axes, *from, self.uv);
@@ -336,6 +357,32 @@ impl<'a> Press<'a> {
             }
         }
         self.editor.gesture = Some(gesture);
+    }
+
+    /// The held body at the pointer.
+    fn moved(&mut self, from: DVec2, before: &Body) -> Body {
+        self.editor.guides.clear();
+        let mut by = self.uv - from;
+        // A click that trembles is no move.
+        if by.length() < 2.0 * self.lens.window.scale {
+            return before.clone();
+        }
+        if !self.modifiers.command {
+            let middle = self.axes.flat(before.at);
+            if self.editor.snaps {
+                by = ((middle + by) / self.editor.grid).round() * self.editor.grid - middle;
+            } else {
+                by += self.line_up(&[middle + by], &BTreeSet::new());
+            }
+        }
+        Body { at: before.at + self.axes.x * by.x + self.axes.y * by.y, ..before.clone() }
+    }
+
+    /// The held body turned to the pointer.
+    fn turned(&self, from: DVec2, before: &Body) -> Body {
+        let middle = self.axes.flat(before.at);
+        let angle = (from - middle).angle_to(self.uv - middle);
+        bodies::turned_in(before, &self.axes, angle, self.modifiers.shift)
     }
 
     /// Moves the held targets to the pointer.

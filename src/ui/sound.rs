@@ -43,6 +43,13 @@ impl Sound {
         if self.heard.len() == 1 { &self.heard } else { &self.drives }
     }
 
+    /// Whether its pressures are known within a frame: the answers of bodies are there.
+    pub fn is_at_hand(&self) -> bool {
+        let driven = &self.aperture.driven;
+        let excitations = || self.heard.iter().flat_map(|drive| drive.excitation(driven)).collect::<Vec<_>>();
+        self.aperture.bodies.is_empty() || self.aperture.knows(&excitations())
+    }
+
     /// The values of a map at points of its plane, in f64; empty for quantities that depend on more than the points.
     pub fn values(&self, map: &Map, points: &[DVec3]) -> Vec<f64> {
         let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
@@ -58,7 +65,8 @@ impl Sound {
     /// 5 and 95 % of the RMS pressure (Pa) at points, of arrays with these differences between elements; `None` without
     /// any.
     pub fn band(&self, points: &[DVec3]) -> Option<Vec<[f64; 2]>> {
-        if self.spread.is_none() {
+        // With bodies, every point takes the answers to all elements.
+        if self.spread.is_none() || !self.aperture.bodies.is_empty() {
             return None;
         }
         let played: Vec<_> =

@@ -67,6 +67,13 @@ fn details(editor: &Editor, shown: &Shown, map: &Map, ui: &mut Ui) {
                 let tip = "Points along continuous strokes and in areas where pressure is levelled";
                 fact(ui, ("Samples", tip), (sound.foci.len() - foci).to_string());
             }
+            let bodies = editor.scene().bodies.len();
+            if let Some(found) = editor.parts.scattering.newest().filter(|_| bodies > 0) {
+                let worst = found.errors.iter().map(|error| error.outside).fold(0.0, f64::max);
+                let tip = "Bodies with the triangles of their surfaces, and the largest error of what one scatters";
+                let text = format!("{bodies}, {} triangles, within {:.1} %", found.triangles, 100.0 * worst);
+                fact(ui, ("Bodies", tip), text);
+            }
         });
         if !map.how.is_empty() {
             ui.separator();

@@ -7,6 +7,7 @@ mod bead;
 mod beam;
 #[cfg(unix)]
 mod board;
+mod bodies;
 mod brush;
 mod canvas;
 mod compare;
@@ -433,6 +434,7 @@ fn answer(screen: &mut Screen, purpose: Purpose, path: &Path) {
         | Purpose::Waveform(_)
         | Purpose::Thresholds
         | Purpose::Directivity
+        | Purpose::Body(_)
         | Purpose::Path(_) => "Read",
         Purpose::SaveAs | Purpose::Export(_) => "Save",
     };

@@ -106,6 +106,24 @@ impl Scattering {
         self.0.as_ref().is_some_and(|it| it.columns.get().is_some())
     }
 
+    /// Whether the answers to all elements are there, after which that to a drive is a sum.
+    pub(super) fn is_prepared(&self) -> bool {
+        let is_ready = |it: &Surroundings| match it.made.get() {
+            Some(made) => made.is_err() || self.has_columns(),
+            None => false,
+        };
+        self.0.as_deref().is_none_or(is_ready)
+    }
+
+    /// Whether the answer to a drive, a value per element, is there or a sum.
+    pub(super) fn knows(&self, drive: &[Complex64]) -> bool {
+        let is_kept = |it: &Surroundings| {
+            let kept = it.latest.lock().unwrap_or_else(PoisonError::into_inner);
+            kept.iter().any(|(other, _)| other == drive)
+        };
+        self.is_prepared() || self.0.as_deref().is_none_or(is_kept)
+    }
+
     /// The answers to all elements, if they are known.
     pub(super) fn known_columns(&self) -> Option<(&Bodies, &[Answer])> {
         Some((self.bodies()?, self.0.as_ref()?.columns.get()?))

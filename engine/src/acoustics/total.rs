@@ -92,7 +92,8 @@ impl Aperture {
     }
 
     /// The same array without bodies.
-    pub(crate) fn without_bodies(&self) -> Self {
+    #[doc(hidden)]
+    pub fn without_bodies(&self) -> Self {
         Self { bodies: Default::default(), ..self.clone() }
     }
 
@@ -100,6 +101,19 @@ impl Aperture {
     #[doc(hidden)]
     pub fn prepare(&self) {
         self.bodies.columns(|bodies| self.answers(bodies));
+    }
+
+    /// Whether they are found, or there are no bodies.
+    #[doc(hidden)]
+    pub fn is_prepared(&self) -> bool {
+        self.bodies.is_prepared()
+    }
+
+    /// Whether the sound of drives, one after the other with a value per driven element, needs no search for answers.
+    #[doc(hidden)]
+    pub fn knows(&self, drives: &[Complex64]) -> bool {
+        let count = self.driven.len().max(1);
+        self.is_prepared() || drives.chunks(count).all(|drive| self.bodies.knows(&self.of_all(drive)))
     }
 
     /// The scattered sound of every element at points (m) outside, once the answers to all are known, as far as there is
@@ -128,9 +142,14 @@ impl Aperture {
 
     /// The answer of the bodies to a drive, a value per driven element.
     pub(crate) fn answer(&self, drive: &[Complex64]) -> Option<(&Bodies, Arc<Answer>)> {
+        self.bodies.answer(self.of_all(drive), |bodies| self.heard_by(bodies, drive))
+    }
+
+    /// A drive with a value for every element, from those of driven ones.
+    fn of_all(&self, drive: &[Complex64]) -> Vec<Complex64> {
         let mut all = vec![Complex64::ZERO; self.positions.len()];
         self.driven.iter().zip(drive).for_each(|(&n, u)| all[n] = *u);
-        self.bodies.answer(all, |bodies| self.heard_by(bodies, drive))
+        all
     }
 
     /// The surfaces of all bodies with the total pressure of a drive on them, of spheres with this edge (m).

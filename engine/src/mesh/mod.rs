@@ -6,6 +6,7 @@ mod hand;
 mod inside;
 mod march;
 mod remesh;
+mod section;
 pub mod shapes;
 
 pub(crate) use closed::area_vector;

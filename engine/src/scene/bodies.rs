@@ -23,7 +23,7 @@ const LEAST_EDGE: f64 = 1e-5;
 /// Limit of triangles of one body with a given edge.
 const MOST_TRIANGLES: f64 = 2e5;
 /// Fingers with the largest angles by which they bend, degrees.
-const FINGERS: [(&str, f64); 5] =
+pub const FINGERS: [(&str, f64); 5] =
     [("thumb", 90.0), ("index", 110.0), ("middle", 110.0), ("ring", 110.0), ("little", 110.0)];
 /// Tolerated overlap (m), for rounding.
 const SLACK: f64 = 1e-6;

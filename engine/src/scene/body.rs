@@ -171,6 +171,21 @@ impl Body {
         table.into_body(0).unwrap_or_default()
     }
 
+    /// m: a ball of this radius about `at` is around it.
+    #[doc(hidden)]
+    pub fn reach(&self) -> f64 {
+        match self.kind {
+            BodyKind::Sphere => self.radius,
+            BodyKind::Capsule => self.length / 2.0,
+            BodyKind::Palm => self.size.length() / 2.0 + self.size.z / 2.0,
+            // Fingers are about as long as their palm.
+            BodyKind::Hand => 1.6 * self.size.x.max(self.size.y),
+            BodyKind::Mesh => {
+                self.scale * self.surface.hull().iter().map(|at| at.length()).fold(0.0, f64::max)
+            }
+        }
+    }
+
     /// A point of its own coordinates (m) in the scene's.
     pub(crate) fn world(&self, place: DVec3) -> DVec3 {
         self.at + self.axes().unwrap_or(DMat3::IDENTITY) * place

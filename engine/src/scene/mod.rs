@@ -53,6 +53,8 @@ mod zone;
 pub use array::{Array, ElementModel, Spread};
 pub use bead::{Bead, Material};
 pub use board::{Board, Elements, Placed, Reflector};
+#[doc(hidden)]
+pub use bodies::FINGERS;
 pub use body::{Body, BodyKind, Surface};
 pub use content::{FORMAT, Listener, Scene};
 #[doc(hidden)]

@@ -10,6 +10,7 @@ use sonoglyph::field::gpu::SpacePainting;
 use sonoglyph::field::volume::scenery::{Body, Item, Shot};
 use sonoglyph::field::volume::{Block, Camera, Fineness, Lattice, Scenery, Volume, march};
 use sonoglyph::field::{Samples, reference};
+use sonoglyph::mesh::shapes;
 use sonoglyph::picture::ColourMap;
 use sonoglyph::scene::{Board, Reflector, Scene};
 
@@ -183,6 +184,40 @@ fn a_clipped_box_shows_the_field_on_its_cut() {
     assert!((0..3).all(|c| middle[c].abs_diff(peak[c]) < 10), "{middle:?} {peak:?}");
 }
 
+/// A ball with a pressure (Pa) on it that falls along x, or none.
+fn ball(middle: DVec3, radius: f64, pressure: Option<f32>) -> Vec<Item> {
+    let mesh = shapes::sphere(radius, radius / 3.0);
+    let of = |triangle: usize| {
+        let corners = mesh.corners(triangle);
+        let at = |corner: DVec3| move |pressure: f32| pressure * (0.5 - 0.5 * (corner.x / radius) as f32);
+        Item::Facet {
+            corners: corners.map(|corner| middle + corner),
+            normals: corners.map(|corner| corner.normalize().as_vec3()),
+            pressures: pressure.map(|pressure| corners.map(|corner| at(corner)(pressure))),
+        }
+    };
+    (0..mesh.triangles.len()).map(of).collect()
+}
+
+#[test]
+fn a_ball_of_facets_covers_its_disc_without_gaps() {
+    for is_perspective in [true, false] {
+        let camera = Camera::of(&BLOCK, [0.6, 0.4], 1.0, is_perspective);
+        let projection = camera.projection(DVec2::splat(120.0));
+        let radius = 0.018;
+        let (_, depth) = projection.screen(BLOCK.centre).unwrap();
+        let pixels = drawn(ball(BLOCK.centre, radius, None), &camera);
+        let expected = PI * (radius / projection.per_pixel(depth)).powi(2);
+        let part = pixels.len() as f64 / expected;
+        assert!((0.95..1.03).contains(&part), "{part} of the disc");
+        assert!(pixels.iter().all(|[r, g, b, _]| r == g && g == b && (60..170).contains(r)), "grey");
+        let coloured = drawn(ball(BLOCK.centre, radius, Some(1000.0)), &camera);
+        let reds: Vec<_> = coloured.iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(coloured.len(), pixels.len());
+        assert!(reds.iter().max() > reds.iter().min().map(|least| least + 90).as_ref(), "the pressure falls");
+    }
+}
+
 /// A scene with all kinds of scenery.
 fn everything(clip: Block, body: Body) -> Scenery {
     let colour = Vec4::new(0.2, 0.7, 0.9, 0.8);
@@ -196,6 +231,9 @@ fn everything(clip: Block, body: Body) -> Scenery {
         Item::Slice { centre: CENTRE, half: [DVec3::X * 0.03, DVec3::Y * 0.025], opacity: 0.9 },
         Item::Line { ends: [BLOCK.low(), BLOCK.high()], width: 2.0, colour, shine: 0.0 },
     ];
+    for (number, middle) in [CENTRE, BLOCK.centre - DVec3::X * 0.015].into_iter().enumerate() {
+        items.extend(ball(middle, 0.006, (number == 0).then_some(700.0)));
+    }
     for i in 0..60 {
         let at = DVec3::new(f64::from(i % 10) * 0.006 - 0.02, f64::from(i / 10) * 0.006 - 0.02, 0.055);
         items.push(Item::Disc {

@@ -24,6 +24,7 @@ const DIRECTIONS: [(DVec3, &str); 6] = [
     (DVec3::Y, "back, +y"),
     (DVec3::NEG_Y, "front, -y"),
 ];
+const FACES: (&str, &str) = ("Faces", "The direction in which sound goes");
 /// Rotation per click, rad.
 const TURN: f64 = FRAC_PI_2 / 6.0;
 
@@ -103,21 +104,15 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
         let name = format!("Board {}", index + 1);
         ui.push_id(&name, |ui| {
             form(ui, "place", |ui| {
-                place(ui, &name, &mut board.at);
-                if facing(ui, &mut board.normal) {
+                place(ui, &name, &mut board.at, LOWEST);
+                if facing(ui, FACES, &mut board.normal) {
                     board.x_axis = board.normal.any_orthonormal_vector();
                 }
             });
         });
         ui.horizontal(|ui| {
-            ui.label("Turn");
-            for (axis, sign) in [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")] {
-                let tip = format!("By 15° about {sign}; with Shift the other way");
-                if ui.small_button(sign).on_hover_text(tip).clicked() {
-                    let turn = if ui.input(|input| input.modifiers.shift) { -TURN } else { TURN };
-                    let turn = DQuat::from_axis_angle(axis, turn);
-                    (board.normal, board.x_axis) = (turn * board.normal, turn * board.x_axis);
-                }
+            if let Some(turn) = turn(ui) {
+                (board.normal, board.x_axis) = (turn * board.normal, turn * board.x_axis);
             }
             if ui.small_button("Remove").clicked() {
                 removed = Some(index);
@@ -141,6 +136,20 @@ pub fn show(editor: &mut Editor, ui: &mut Ui) {
             });
         }
     });
+}
+
+/// Buttons for turning about the axes.
+pub(super) fn turn(ui: &mut Ui) -> Option<DQuat> {
+    ui.label("Turn");
+    let mut turned = None;
+    for (axis, sign) in [(DVec3::X, "x"), (DVec3::Y, "y"), (DVec3::Z, "z")] {
+        let tip = format!("By 15° about {sign}; with Shift the other way");
+        if ui.small_button(sign).on_hover_text(tip).clicked() {
+            let turn = if ui.input(|input| input.modifiers.shift) { -TURN } else { TURN };
+            turned = Some(DQuat::from_axis_angle(axis, turn));
+        }
+    }
+    turned
 }
 
 /// Adds a board that follows from the last one.
@@ -172,8 +181,8 @@ pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
         let name = format!("Reflector {}", index + 1);
         ui.push_id(&name, |ui| {
             form(ui, "place", |ui| {
-                place(ui, &name, &mut reflector.point);
-                facing(ui, &mut reflector.normal);
+                place(ui, &name, &mut reflector.point, LOWEST);
+                facing(ui, FACES, &mut reflector.normal);
                 let tip = "Pressure reflection coefficient: 1 rigid, -1 soft";
                 number(ui, ("Coefficient", tip), &mut reflector.coefficient, PLAIN, -1.0..=1.0);
             });
@@ -190,14 +199,14 @@ pub fn reflectors(editor: &mut Editor, ui: &mut Ui) {
     }
 }
 
-fn place(ui: &mut Ui, name: &str, at: &mut DVec3) {
+pub(super) fn place(ui: &mut Ui, name: &str, at: &mut DVec3, lowest: f64) {
     caption(ui, name).on_hover_text("x, y and z of its position");
-    coordinates_at_right(ui, name, at, LOWEST);
+    coordinates_at_right(ui, name, at, lowest);
     ui.end_row();
 }
 
-/// A normal; returns whether it changed.
-fn facing(ui: &mut Ui, normal: &mut DVec3) -> bool {
+/// A direction; returns whether it changed.
+pub(super) fn facing(ui: &mut Ui, row: (&str, &str), normal: &mut DVec3) -> bool {
     let before = normal.normalize_or(DVec3::Z);
     let mut towards = before;
     let own = before.to_array().map(|part| ticks::signed(&format!("{part:.2}"))).join(", ");
@@ -205,7 +214,7 @@ fn facing(ui: &mut Ui, normal: &mut DVec3) -> bool {
     if !DIRECTIONS.iter().any(|(direction, _)| *direction == before) {
         choices.push((before, &own));
     }
-    choice(ui, ("Faces", "The direction in which sound goes"), &mut towards, &choices);
+    choice(ui, row, &mut towards, &choices);
     if towards == before {
         return false;
     }

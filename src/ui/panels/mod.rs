@@ -1,6 +1,7 @@
 //! The panel on the right: one page each for scene, solver, drive, liquid, motion, feeling, device and measured field.
 
 mod boards;
+mod bodies;
 mod bring_up;
 mod device;
 mod drive;

@@ -11,8 +11,8 @@ use crate::acoustics::Air;
 use crate::echo;
 use crate::scene::{Array, ElementModel, Fluid, Listener, Pole, Response, Target, Transducer, Wires};
 use crate::studio::probe;
-use crate::ui::panels::form::{caption, choice, count, given, heading, remark, value};
-use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, fact, form, modulation, number, target};
+use crate::ui::panels::form::{caption, choice, count, fact, form, given, heading, number, remark, value};
+use crate::ui::panels::{DEGREES, MM, PERCENT, PLAIN, Unit, boards, bodies, modulation, target};
 use crate::ui::parts::levitation;
 use crate::ui::{clipboard, command::Purpose, dialog::state::Dialog, edit, editor::Editor};
 use crate::ui::{element_map, group, shown::Shown, theme, ticks};
@@ -28,6 +28,7 @@ pub fn show(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     ui.collapsing("Array", |ui| array(editor, ui));
     ui.collapsing("Boards", |ui| boards::show(editor, ui));
     ui.collapsing("Reflectors", |ui| boards::reflectors(editor, ui));
+    bodies::section(editor, ui);
     ui.collapsing("Bead", |ui| levitation::panel::show(editor, ui));
     ui.collapsing("Air", |ui| air(editor, ui));
     ui.collapsing("Grid", |ui| {
@@ -69,7 +70,7 @@ fn targets(editor: &mut Editor, ui: &mut Ui) {
         let any = !editor.selection.is_empty();
         ui.add_enabled_ui(any, |ui| {
             if ui.button("Duplicate").on_hover_text("Ctrl D").clicked() {
-                clipboard::duplicate(editor);
+                clipboard::duplicate_chosen(editor);
             }
             if ui.button("Delete").on_hover_text("Delete").clicked() {
                 clipboard::delete(editor);
@@ -144,6 +145,7 @@ fn row(editor: &mut Editor, index: usize, several: bool, ui: &mut Ui) -> Option<
     });
     let response = row.inner.on_hover_text("Drag to reorder the list");
     if response.clicked() {
+        editor.body = None;
         match (several, chosen) {
             (false, _) => editor.selection = [index].into(),
             (true, true) => drop(editor.selection.remove(&index)),
@@ -201,7 +203,7 @@ fn listener(editor: &mut Editor, shown: &Shown, ui: &mut Ui) {
     let listener = listener.get_or_insert(Listener { at: DVec3::new(0.0, -0.3, 0.3) });
     form(ui, "listener", |ui| {
         target::point(ui, "Ear", &mut listener.at);
-        if let Some(sound) = &shown.sound {
+        if let Some(sound) = shown.sound.as_ref().filter(|sound| sound.is_at_hand()) {
             let heard = probe::reading(&sound.aperture, &sound.heard, listener.at);
             let tip = "Sound pressure level at the ear, of the unmodulated sound";
             fact(ui, ("Level", tip), format!("{:.1} dB SPL", heard.spl()));

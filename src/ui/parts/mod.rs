@@ -13,6 +13,8 @@ mod nonlinear;
 pub(crate) mod radiation;
 mod ranges;
 mod response;
+pub mod scattering;
+pub mod solids;
 pub(crate) mod survey;
 pub mod trade;
 pub mod waves;
@@ -34,6 +36,8 @@ use crate::ui::parts::nonlinear::Harmonic;
 use crate::ui::parts::radiation::Radiation;
 use crate::ui::parts::ranges::FigureRanges;
 use crate::ui::parts::response::Response;
+use crate::ui::parts::scattering::Scattering;
+use crate::ui::parts::solids::Solids;
 use crate::ui::parts::survey::Survey;
 use crate::ui::parts::trade::Trade;
 use crate::ui::parts::waves::Waves;
@@ -78,6 +82,8 @@ parts! {
     radiation: Derived<Radiation>,
     ranges: Derived<FigureRanges>,
     response: Derived<Response>,
+    scattering: Derived<Scattering>,
+    solids: Derived<Solids>,
     survey: Derived<Survey>,
     trade: Derived<Trade>,
     waves: Derived<Waves>,

@@ -12,7 +12,7 @@ use crate::ui::space::handle::{self};
 use crate::ui::space::view::Handle;
 use crate::ui::space::view::Held;
 use crate::ui::tool::Tool;
-use crate::ui::{canvas, editor::Editor, group, shown::Shown};
+use crate::ui::{bodies, canvas, editor::Editor, group, shown::Shown};
 
 /// Pick distance of an outline in points.
 const REACH: f32 = 10.0;
@@ -79,8 +79,11 @@ pub fn interact(editor: &mut Editor, shown: &Shown, ui: &mut Ui) -> Stage {
     stage
 }
 
-/// The centre of the selection.
+/// The centre of the selection, or the place of the chosen body.
 pub fn chosen(editor: &Editor) -> Option<DVec3> {
+    if let Some(index) = editor.chosen_body() {
+        return Some(editor.scene().bodies[index].at);
+    }
     let targets = &editor.scene().targets;
     let places = editor.selection.iter().filter_map(|&index| targets.get(index));
     let centres: Vec<_> = places.map(|target| outline::centre(&target.shape)).collect();
@@ -117,8 +120,7 @@ fn look_around(editor: &mut Editor, ui: &Ui, response: &Response, stage: &Stage)
             Some(Held::Targets { .. } | Held::Slide { .. }) | None => {}
         }
     }
-    let is_on_target =
-        response.interact_pointer_pos().is_some_and(|at| target_at(editor, stage, at).is_some());
+    let is_on_target = response.interact_pointer_pos().is_some_and(|at| is_on_object(editor, stage, at));
     if response.double_clicked_by(PointerButton::Primary) && !is_on_target {
         editor.space.go_home();
     }
@@ -158,16 +160,20 @@ fn take(editor: &mut Editor, stage: &Stage, at: Pos2, modifiers: egui::Modifiers
         }
         None => {}
     }
-    let Some(index) = target_at(editor, stage, at) else {
-        return if modifiers.shift { Held::Pan } else { Held::Orbit };
-    };
-    if !editor.selection.contains(&index) {
-        let hit = group::around(editor.scene(), index);
-        if modifiers.shift {
-            editor.selection.extend(hit);
-        } else {
-            editor.selection = hit;
+    match target_at(editor, stage, at) {
+        Some(index) if !editor.selection.contains(&index) => {
+            let hit = group::around(editor.scene(), index);
+            if modifiers.shift {
+                editor.selection.extend(hit);
+            } else {
+                editor.selection = hit;
+            }
         }
+        Some(_) => {}
+        None => match bodies::hit(editor, stage.ray(at)).filter(|_| !modifiers.shift) {
+            Some(index) => editor.choose_body(index),
+            None => return if modifiers.shift { Held::Pan } else { Held::Orbit },
+        },
     }
     // At constant height when seen from above, otherwise vertically across the line of sight.
     let forward = stage.camera.axes()[2];
@@ -181,22 +187,31 @@ fn grab(editor: &Editor, stage: &Stage, handle: Handle, at: Pos2) -> Held {
     let from = handle::dragged(handle, stage.ray(at), centre).unwrap_or(centre);
     let targets = &editor.scene().targets;
     let target = |&index: &usize| targets.get(index).map(|target| (index, target.clone()));
-    Held::Targets { handle, from, before: editor.selection.iter().filter_map(target).collect() }
+    let body = editor.chosen_body().map(|index| (index, editor.scene().bodies[index].at));
+    Held::Targets { handle, from, before: editor.selection.iter().filter_map(target).collect(), body }
 }
 
 fn drag(editor: &mut Editor, stage: &Stage, at: Pos2, modifiers: egui::Modifiers) {
     let ray = stage.ray(at);
     match editor.space.held.clone() {
-        Some(Held::Targets { handle, from, before }) => {
+        Some(Held::Targets { handle, from, before, body }) => {
             let Some(to) = handle::dragged(handle, ray, from) else { return };
             let mut by = freed(handle, to - from);
             // A click that trembles is no move.
             if by.length() < 2.0 * stage.per_point(from) {
                 by = DVec3::ZERO;
             }
-            if let (true, Some((_, first))) = (editor.snaps && !modifiers.command, before.first()) {
-                let centre = outline::centre(&first.shape);
+            let first = before.first().map(|(_, first)| outline::centre(&first.shape));
+            if let Some(centre) = first.or(body.map(|(_, at)| at))
+                && editor.snaps
+                && !modifiers.command
+            {
                 by = snapped(handle, centre, by, editor.grid);
+            }
+            if let Some((index, at)) = body
+                && let Some(body) = editor.document.scene.bodies.get_mut(index)
+            {
+                body.at = at + by;
             }
             for (index, target) in before {
                 let mut moved: Target = target;
@@ -255,9 +270,14 @@ fn slide(editor: &mut Editor, stage: &Stage, handle: Handle, to: DVec3, off: f64
 fn choose(editor: &mut Editor, stage: &Stage, at: Option<Pos2>, modifiers: egui::Modifiers) {
     let Some(at) = at else { return };
     let is_on_handle = handle::at(stage, &editor.space, chosen(editor), at).is_some();
-    if !is_on_handle && !modifiers.shift && target_at(editor, stage, at).is_none() {
-        editor.selection = BTreeSet::new();
+    if !is_on_handle && !modifiers.shift && !is_on_object(editor, stage, at) {
+        (editor.selection, editor.body) = (BTreeSet::new(), None);
     }
+}
+
+/// Whether a target or a body is at a screen position.
+fn is_on_object(editor: &Editor, stage: &Stage, at: Pos2) -> bool {
+    target_at(editor, stage, at).is_some() || bodies::hit(editor, stage.ray(at)).is_some()
 }
 
 /// The target with the outline nearest to a screen position.

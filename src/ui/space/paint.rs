@@ -20,6 +20,8 @@ const ARROW_WIDTH: f32 = 2.4;
 const HEAD: f32 = 9.0;
 const KNOB: f32 = 5.5;
 const BAR: f32 = 16.0;
+/// What the field in the box lacks while it is a preview.
+const LACKING: &str = "   without what bodies scatter, except on them";
 
 pub fn paint(editor: &Editor, shown: &Shown, ui: &Ui, stage: &Stage) {
     let painter = ui.painter_at(stage.rect);
@@ -167,6 +169,7 @@ fn describe(editor: &Editor, picture: &SpaceShown, painter: &Painter, stage: &St
         Seen::Projection => format!("Largest pressure along every line of sight   peak {peak}"),
         Seen::Slices => format!("Pressure on slices   peak {peak}"),
     };
+    let text = if picture.is_incident { text + LACKING } else { text };
     let corner = stage.rect.left_top() + vec2(12.0, 9.0);
     marks::chip(painter, corner, Align2::LEFT_TOP, &text, 13.0, theme::MARK);
 }

@@ -105,11 +105,12 @@ pub enum Handle {
 pub enum Held {
     Orbit,
     Pan,
-    /// Grabbed point (m), and the targets before.
+    /// Grabbed point (m), and the targets, or the body with its place, before.
     Targets {
         handle: Handle,
         from: DVec3,
         before: Vec<(usize, Target)>,
+        body: Option<(usize, DVec3)>,
     },
     /// Offset of the grabbed point from the handle along its axis, m.
     Slide {
@@ -166,6 +167,8 @@ pub struct SpaceShown {
     pub stage: Stage,
     /// Pa RMS: the largest value in the box.
     pub peak: f64,
+    /// The field lacks what bodies scatter.
+    pub is_incident: bool,
     /// A finer one is on its way.
     pub is_coarse: bool,
     /// Times of the picture and, if recomputed, its field, ms.

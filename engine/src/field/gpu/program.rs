@@ -310,6 +310,7 @@ fn space(seen: Seen, is_smooth: bool) -> String {
         count("DOT", scenery::DOT),
         count("DISC", scenery::DISC),
         count("PANEL", scenery::PANEL),
+        count("FACET", scenery::FACET),
         count("MOST_STEPS", march::MOST_STEPS),
         count("MOST_BRICKS", march::MOST_BRICKS),
         count("HALVINGS", march::HALVINGS),
@@ -322,6 +323,9 @@ fn space(seen: Seen, is_smooth: bool) -> String {
         number("LEAST_SLOPE", march::LEAST_SLOPE),
         number("OPAQUE", march::OPAQUE),
         number("FAINT", march::FAINT),
+        number("OVERLAP", march::OVERLAP),
+        number("SKIN", march::SKIN),
+        number("SKIN_PART", march::SKIN_PART),
         number("SOLID", march::SOLID),
         format!(
             "var<private> RAY: array<vec2f, {}> = array<vec2f, {}>({});\n",

@@ -17,6 +17,9 @@ pub struct Volume {
     /// The largest of them a wavelength or more from every element, if any is; and of all.
     pub peak: f32,
     pub loudest: f32,
+    /// Whether it lacks what bodies scatter.
+    #[doc(hidden)]
+    pub is_incident: bool,
     /// The largest value of every brick of [`BRICK`]³ cells.
     pub(crate) bricks: Vec<f32>,
 }
@@ -26,7 +29,7 @@ impl Volume {
     pub fn of(lattice: Lattice, values: Vec<f32>) -> Self {
         let bricks = bricks(&lattice, &values);
         let peak = bricks.iter().copied().fold(0.0, f32::max);
-        Self { lattice, values, peak, loudest: peak, bricks }
+        Self { lattice, values, peak, loudest: peak, is_incident: false, bricks }
     }
 
     /// Bricks along the axes.

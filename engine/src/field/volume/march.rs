@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::field::volume::Volume;
 use crate::field::volume::bricks::BRICK;
 use crate::field::volume::scenery::{
-    Body, DISC, DOT, LINE, MOST_MET, PANEL, SLICE, Shot, ShotParams, TILE, Thing,
+    Body, DISC, DOT, FACET, LINE, MOST_MET, PANEL, SLICE, Shot, ShotParams, TILE, Thing,
 };
 
 /// Positions of the rays in a pixel with antialiasing.
@@ -28,6 +28,11 @@ pub const LEAST_SLOPE: f32 = 1e-5;
 /// Fraction of the largest value that is opaque in a projection, and smallest opacity of a slice.
 pub const OPAQUE: f32 = 0.6;
 pub const FAINT: f32 = 0.4;
+/// Overlap of facets relative to their sides, so that no ray passes between them.
+pub const OVERLAP: f32 = 2e-3;
+/// Grey of a body, and its part in the colour of no pressure, so that silent ones are seen.
+pub const SKIN: f32 = 0.62;
+pub const SKIN_PART: f32 = 0.55;
 /// Difference of neighbours, of 255, above which a pixel gets more rays.
 const CONTRAST: u8 = 10;
 /// Opacity that hides everything behind it.
@@ -229,6 +234,24 @@ impl Painter<'_> {
                 let pixel = self.params.aside + self.params.spread * depth;
                 let covered = (d - off) / pixel + 0.5;
                 (depth > 0.0 && covered > 0.0).then(|| (depth, cover(colour, covered)))
+            }
+            FACET => {
+                let corner = Vec3::new(x, y, z);
+                let (first, second) = (Vec3::new(a, b, c), Vec4::from(thing.second));
+                let normal = first.cross(second.truncate());
+                let depth = (corner - ray.start).dot(normal) / ray.direction.dot(normal);
+                let point = ray.start + ray.direction * depth - corner;
+                let (s, t) = (point.dot(first), point.dot(second.truncate()));
+                let is_met = depth > 0.0 && s >= -OVERLAP && t >= -OVERLAP && s + t <= 1.0 + OVERLAP;
+                is_met.then(|| {
+                    let rest = 1.0 - s - t;
+                    let pressure = rest * d + s * second.w + t * colour.x;
+                    let light = rest * colour.y + s * colour.z + t * colour.w;
+                    let grey = Vec3::splat(SKIN);
+                    let part = (pressure * self.params.per_peak).clamp(0.0, 1.0);
+                    let tint = self.tint(part).lerp(grey, SKIN_PART * (1.0 - part));
+                    (depth, (if colour.x < 0.0 { grey } else { tint } * light).extend(1.0))
+                })
             }
             PANEL | SLICE => {
                 let centre = Vec3::new(x, y, z);

@@ -3,12 +3,14 @@
 use crate::acoustics::{Aperture, Face};
 use crate::drive::Drive;
 use crate::field::plan::Shared;
+use crate::field::sound::narrow;
 use crate::field::sources::{Sources, Wave};
 use crate::field::transfer::{Layout, Transfer};
 use crate::field::vicinity::Vicinity;
 use crate::field::volume::bricks::Volume;
 use crate::field::volume::{Block, Lattice};
 use crate::field::{cpu, evaluator::Evaluator, samples::Samples};
+use crate::gauge;
 use glam::{DVec3, UVec3};
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
@@ -42,14 +44,21 @@ impl Fineness {
 }
 
 impl Volume {
-    /// The RMS pressure of drives in turn in a box.
+    /// The RMS pressure of drives in turn in a box; at rest with what bodies scatter, and 0 within them. A cancelled
+    /// step ends early.
     pub fn new(aperture: &Aperture, drives: &[Drive], block: &Block, fineness: Fineness) -> Self {
+        let has_bodies = !aperture.bodies.is_empty();
+        let is_at_rest = fineness == FINE;
+        // Every point hears every triangle.
+        let fineness = if has_bodies && is_at_rest { COARSE } else { fineness };
         let lattice = lattice(aperture, drives.len(), block, fineness);
         let excitations: Vec<_> = drives.iter().map(|drive| excitation(aperture, drive)).collect();
-        let values = values(aperture, drives, &excitations, &lattice);
+        let scattered = if is_at_rest { scattered(aperture, drives, &lattice) } else { None };
+        let values = values(aperture, drives, (&excitations, scattered.as_deref()), &lattice);
         let peak = peak(aperture, &lattice, &values);
         let volume = Self::of(lattice, values);
-        Self { peak: peak.unwrap_or(volume.peak), ..volume }
+        let is_incident = has_bodies && scattered.is_none();
+        Self { peak: peak.unwrap_or(volume.peak), is_incident, ..volume }
     }
 }
 
@@ -144,7 +153,7 @@ struct Heard<'a> {
 fn values<'a>(
     aperture: &'a Aperture,
     drives: &[Drive],
-    excitations: &[Vec<Complex64>],
+    (excitations, scattered): (&[Vec<Complex64>], Option<&[Vec<Complex32>]>),
     lattice: &Lattice,
 ) -> Vec<f32> {
     let corners = corners(lattice);
@@ -173,14 +182,50 @@ fn values<'a>(
                 }
             }
         }
+        for (field, scattered) in fields.iter_mut().zip(scattered.into_iter().flatten()) {
+            field.iter_mut().zip(&scattered[z * of_layer..]).for_each(|(sum, p)| *sum += p);
+        }
         let factor = 0.5 / drives.len().max(1) as f32;
         for (i, value) in values.iter_mut().enumerate() {
             let square: f32 = fields.iter().map(|field| field[i].norm_sqr()).sum();
-            *value = (factor * square).sqrt();
+            // There is none within bodies.
+            *value = if square.is_nan() { 0.0 } else { (factor * square).sqrt() };
         }
     };
     values.par_chunks_mut(of_layer).enumerate().for_each(fill);
     values
+}
+
+/// The pressures that bodies scatter at all points, of every drive; not a number within bodies. `None` without bodies,
+/// or if it would take too long.
+fn scattered(aperture: &Aperture, drives: &[Drive], lattice: &Lattice) -> Option<Vec<Vec<Complex32>>> {
+    /// Pairs of points and triangles' sources.
+    const MOST: f64 = 4e10;
+    let bodies = aperture.bodies.bodies()?;
+    let pairs = 3.0 * bodies.triangles() as f64 * lattice.len() as f64 * drives.len() as f64;
+    if bodies.is_empty() || pairs > MOST {
+        return None;
+    }
+    let answers: Option<Vec<_>> =
+        drives.iter().map(|drive| aperture.answer(&drive.excitation(&aperture.driven))).collect();
+    let mut all = vec![Vec::with_capacity(lattice.len()); drives.len()];
+    for z in 0..lattice.counts.z as usize {
+        if gauge::is_cancelled() {
+            return None;
+        }
+        let samples = layer(lattice, z);
+        let points: Vec<_> = (0..samples.len()).map(|index| samples.point(index)).collect();
+        let is_within: Vec<_> = points.par_iter().map(|at| bodies.contains(*at)).collect();
+        let outside: Vec<_> = (0..points.len()).filter(|index| !is_within[*index]).collect();
+        let heard: Vec<_> = outside.iter().map(|index| points[*index]).collect();
+        for ((_, answer), all) in answers.iter().flatten().zip(&mut all) {
+            let mut values = vec![Complex32::new(f32::NAN, 0.0); points.len()];
+            let pressures = bodies.pressures(answer, &heard);
+            outside.iter().zip(pressures).for_each(|(index, p)| values[*index] = narrow(p));
+            all.extend(values);
+        }
+    }
+    Some(all)
 }
 
 /// The sounding elements of a face, and their tilts.

@@ -10,6 +10,8 @@ use crate::field::volume::{Block, Camera, Volume};
 pub const TILE: usize = 16;
 /// Limit of drawn hits per ray, the nearest ones.
 pub const MOST_MET: usize = 12;
+/// The light on a facet that faces away from it, of 1.
+const DARKEST: f32 = 0.42;
 /// Forward offset of lines and dots relative to their distance, so that coplanar objects do not hide them.
 const FORWARD: f64 = 1e-3;
 
@@ -37,6 +39,9 @@ pub enum Item {
     Panel { centre: DVec3, half: [DVec3; 2], colour: Vec4 },
     /// A rectangle coloured by the field, with this opacity at its peak.
     Slice { centre: DVec3, half: [DVec3; 2], opacity: f32 },
+    /// A triangle of a body's surface, seen from outside, with normals and RMS pressures (Pa) at its corners; grey
+    /// without these.
+    Facet { corners: [DVec3; 3], normals: [Vec3; 3], pressures: Option<[f32; 3]> },
 }
 
 /// Everything in a picture of space but the field's values and the camera.
@@ -60,10 +65,13 @@ pub struct Scenery {
 pub struct Thing {
     /// On the picture: a line's beginning (pixels, pixels, depth as [`Shot`] has it) or a dot's middle; in space a centre. Then its kind.
     pub place: [f32; 4],
-    /// A line's end and half width; a dot's radius; a disc's normal and radius; the first half side of a rectangle over its square.
+    /// A line's end and half width; a dot's radius; a disc's normal and radius; the first half side of a rectangle over its square; of a facet, whose
+    /// place is a corner, what gives the part of its first side, and the pressure at the corner.
     pub first: [f32; 4],
-    /// The second half side likewise; the opacity of a slice; the visibility of lines and dots behind objects.
+    /// The second half side likewise; the opacity of a slice; the visibility of lines and dots behind objects. Of a facet
+    /// what gives the part of its second side, and the pressure at the second corner.
     pub second: [f32; 4],
+    /// Of a facet the pressure at the third corner, below 0 without pressures, and the light at all three.
     pub colour: [f32; 4],
 }
 
@@ -73,6 +81,7 @@ pub const DOT: u32 = 1;
 pub const DISC: u32 = 2;
 pub const PANEL: u32 = 3;
 pub const SLICE: u32 = 4;
+pub const FACET: u32 = 5;
 
 /// The same struct as in `shaders/volume.wgsl`. Positions are in m from the centre of the clipping box.
 #[repr(C)]
@@ -231,6 +240,25 @@ fn place(item: &Item, projection: &Projection, middle: DVec3) -> Option<(Thing, 
             };
             (thing, rectangle(centre, half, projection).unwrap_or(all))
         }
+        Item::Facet { corners: [a, b, c], normals, pressures } => {
+            let (first, second) = (b - a, c - a);
+            let normal = first.cross(second);
+            let towards = if projection.spread > 0.0 { a - projection.eye } else { projection.forward };
+            let square = normal.length_squared();
+            if normal.dot(towards) >= 0.0 || square == 0.0 {
+                return None;
+            }
+            let [p, q, r] = pressures.unwrap_or([-1.0; 3]);
+            let light = light(projection).as_vec3();
+            let [at_a, at_b, at_c] = normals.map(|normal| DARKEST + (1.0 - DARKEST) * lit(normal.dot(light)));
+            let thing = Thing {
+                place: words(a - middle, FACET as f32),
+                first: words(second.cross(normal) / square, p),
+                second: words(normal.cross(first) / square, q),
+                colour: [r, at_a, at_b, at_c],
+            };
+            (thing, around([a, b, c], projection).unwrap_or(all))
+        }
     };
     let [low, high] = bounds;
     let is_seen = low.cmplt(projection.size).all() && high.cmpgt(DVec2::ZERO).all();
@@ -239,12 +267,27 @@ fn place(item: &Item, projection: &Projection, middle: DVec3) -> Option<(Thing, 
 
 /// Bounds of a rectangle; `None` if it reaches behind the eye.
 fn rectangle(centre: DVec3, [a, b]: [DVec3; 2], projection: &Projection) -> Option<[DVec2; 2]> {
+    around([centre - a - b, centre - a + b, centre + a - b, centre + a + b], projection)
+}
+
+/// Bounds of what is between points, likewise.
+fn around<const N: usize>(corners: [DVec3; N], projection: &Projection) -> Option<[DVec2; 2]> {
     let (mut low, mut high) = (DVec2::MAX, DVec2::MIN);
-    for corner in [centre - a - b, centre - a + b, centre + a - b, centre + a + b] {
+    for corner in corners {
         let (at, _) = projection.screen(corner)?;
         (low, high) = (low.min(at), high.max(at));
     }
     Some([low - 1.0, high + 1.0])
+}
+
+/// The direction to the light: above the left of the eye.
+fn light(projection: &Projection) -> DVec3 {
+    projection.up * 0.64 - projection.right * 0.44 - projection.forward * 0.63
+}
+
+/// How bright a surface is, by the cosine between its normal and the light.
+fn lit(cosine: f32) -> f32 {
+    0.5 + 0.5 * cosine.clamp(-1.0, 1.0)
 }
 
 /// The lists of all tiles.
@@ -382,7 +425,9 @@ mod tests {
                             let (off, _) = meets(centre, half[0].cross(half[1]));
                             half.iter().all(|half| off.dot(*half).abs() < half.length_squared())
                         }
-                        Item::Line { .. } | Item::Dot { .. } => unreachable!("there are none"),
+                        Item::Line { .. } | Item::Dot { .. } | Item::Facet { .. } => {
+                            unreachable!("there are none")
+                        }
                     };
                     assert!(!is_covered || list.contains(&(number as u32)), "{item:?} at {x}, {y}");
                     covered += usize::from(is_covered);
