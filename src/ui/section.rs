@@ -105,7 +105,8 @@ impl Profile {
             return None;
         }
         let values = &self.values;
-        let top = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))?;
+        let outside = (0..values.len()).filter(|&i| !values[i].is_nan());
+        let top = outside.max_by(|&a, &b| values[a].total_cmp(&values[b]))?;
         // Half the pressure, and a quarter of its square.
         let level = values[top] * 0.5f64.powf(20.0 / declaration.decibels);
         let step = self.length() / (POINTS - 1) as f64;
@@ -113,8 +114,11 @@ impl Profile {
             let part = (values[inside] - level) / (values[inside] - values[outside]);
             (inside as f64 + part * (outside as f64 - inside as f64)) * step
         };
-        let before = (0..top).rev().find(|&i| values[i] < level).map(|i| crossing(i + 1, i));
-        let after = (top + 1..values.len()).find(|&i| values[i] < level).map(|i| crossing(i - 1, i));
+        // A lobe that ends at a body has no width.
+        let is_end = |i: &usize| values[*i].is_nan() || values[*i] < level;
+        let before = (0..top).rev().find(is_end).map(|i| crossing(i + 1, i)).filter(|at| !at.is_nan());
+        let after =
+            (top + 1..values.len()).find(is_end).map(|i| crossing(i - 1, i)).filter(|at| !at.is_nan());
         let half = before.zip(after).map(|(before, after)| [before, after]);
         (values[top] > 0.0).then_some(Lobe { at: top as f64 * step, value: values[top], half })
     }
@@ -403,8 +407,11 @@ impl<'a> Plot<'a> {
         }
         self.band(&inside);
         let point = |(i, &value): (usize, &f64)| pos2(self.x(self.profile.place(i)), self.y(value));
-        let curve = self.profile.values.iter().enumerate().map(point).collect();
-        inside.add(egui::Shape::line(curve, Stroke::new(1.5, theme::ACCENT)));
+        let values: Vec<_> = self.profile.values.iter().enumerate().collect();
+        for run in values.split(|(_, value)| value.is_nan()) {
+            let curve = run.iter().copied().map(point).collect();
+            inside.add(egui::Shape::line(curve, Stroke::new(1.5, theme::ACCENT)));
+        }
         if let Some(at) = response.hover_pos() {
             self.hover(&inside, at);
         }

@@ -22,6 +22,7 @@ mod flight;
 mod hold;
 mod modes;
 mod pair;
+mod rigid;
 
 use std::sync::Arc;
 
@@ -37,6 +38,8 @@ pub use bead::Sphere;
 pub use flight::{Carriage, Drag, Flight, Moment};
 pub use hold::{Escape, Hold, Outcome, WAYS};
 pub use modes::{Mode, modes};
+#[doc(hidden)]
+pub use rigid::Push;
 
 /// The radiation force on a bead at a point, with potential and stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]

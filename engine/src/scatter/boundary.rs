@@ -33,8 +33,8 @@ use crate::scatter::facets::{Facet, THREE, Wall};
 use crate::scatter::gmres::{self, Outcome};
 use crate::scatter::hierarchy::{Hierarchy, Tree};
 use crate::scatter::near::Near;
+use crate::scatter::patch::{self, Patch, Sound};
 use crate::scatter::radiation::Radiation;
-use crate::scatter::sphere::Sound;
 
 /// Residual at which solving ends, relative to the right side.
 pub const TOLERANCE: f64 = 1e-5;
@@ -239,6 +239,12 @@ impl Boundary {
             false => nodal[node],
         };
         (0..nodal.len()).map(corrected).collect()
+    }
+
+    /// The surface in small parts, with the total sound of a solution's nodes on it.
+    pub fn patches(&self, nodal: &[Complex64]) -> Vec<Patch> {
+        let slope = Complex64::new(0.0, self.wall.wavenumber * self.wall.admittance);
+        patch::of_triangles(&self.mesh, &self.surface(nodal), slope)
     }
 
     /// Points (m) inside the body, two fifths of an edge below the surface, at which the sound of an exact solution

@@ -9,7 +9,7 @@ use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
 
 use crate::scatter::facets::{Facet, SIX, THREE, Wall};
-use crate::scatter::sphere::Sound;
+use crate::scatter::patch::Sound;
 use crate::scatter::waves::{LANES, each, wave};
 use crate::simd::{Instructions, Isa, Kernel, fused};
 

@@ -52,11 +52,12 @@ use std::sync::Arc;
 use num_complex::Complex64;
 
 use crate::drive::Drive;
+use crate::field::colouring::{Colouring, hatch};
 use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
 use crate::field::plan::{Costs, promised};
 use crate::field::vicinity::LeftOut;
-use crate::field::{colouring::Colouring, evaluator::Evaluator, gpu::Gpu};
+use crate::field::{evaluator::Evaluator, gpu::Gpu};
 use crate::gauge::Gauge;
 use crate::scene::Spread;
 use crate::surface::{Dent, Tank};
@@ -410,6 +411,9 @@ impl Stages {
         Ok(colours.update(&key, |colours| {
             work.picture += 1;
             colouring.colours(&map.value.values, map.value.peak, colours);
+            if map.value.within > 0 {
+                hatch(&map.value.values, map.value.width, colours);
+            }
         }))
     }
 
@@ -567,8 +571,8 @@ impl Job<'_> {
                 (sampled, format!("{}{cells}", plan.reason))
             }
         };
-        let (near, loudest) = (self.left_out.near, peak.max(left_out));
-        Map { width, height, values, peak, loudest, near, rounding: 0.0, error, evaluated, by, how }
+        let (near, within, loudest) = (self.left_out.near, self.within.len(), peak.max(left_out));
+        Map { width, height, values, peak, loudest, near, within, rounding: 0.0, error, evaluated, by, how }
     }
 }
 
