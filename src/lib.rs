@@ -35,7 +35,7 @@ pub use sonoglyph_engine::shelf;
 #[doc(inline)]
 pub use sonoglyph_engine::{acoustics, drive, field, force, gauge, scene, solver, surface};
 #[doc(hidden)]
-pub use sonoglyph_engine::{echo, measure, memory, rounding, simd, source, table};
+pub use sonoglyph_engine::{echo, measure, memory, mesh, rounding, simd, source, table};
 
 #[cfg(feature = "window")]
 #[doc(hidden)]

@@ -260,6 +260,32 @@ class Quiet(_Table):
 
 
 @dataclass(kw_only=True)
+class Body(_Table):
+    """A solid that scatters the sound: sphere, capsule, palm, hand or mesh (`file`, in units of `scale` m)."""
+
+    kind: str | None = None  # type: ignore[misc]
+    at: Vector | None = None
+    normal: Vector | None = None
+    x_axis: Vector | None = None
+    radius: float | None = None
+    """m, of a sphere or capsule"""
+    length: float | None = None
+    """m, of a capsule from end to end"""
+    size: Vector | None = None
+    """m, of a palm: along x, across, thickness"""
+    fingers: Sequence[float] | None = None
+    """degrees by which thumb, index, middle, ring and little finger bend"""
+    file: FileName | None = None
+    """STL or OBJ"""
+    scale: float | None = None
+    """m per unit of the file"""
+    coefficient: float | None = None
+    """pressure reflection of its surface: 1 rigid"""
+    edge: float | None = None
+    """m, of the triangles that stand for its surface"""
+
+
+@dataclass(kw_only=True)
 class Solver(_Table):
     """The solver; `search` is the time (s) of a further search."""
 

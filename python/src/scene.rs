@@ -45,7 +45,7 @@ pub enum Pixels {
 /// A scene: targets, array, medium, plane, liquid and motion, in SI units. Immutable: `replace` makes a changed copy.
 ///
 /// The keyword arguments are the tables of a scene file: dictionaries, or the package's classes (`Array`, `Plane`, ...); `target`,
-/// `board`, `reflector` and `quiet` take lists of them, also as `targets`, `boards`, `reflectors`. Files named
+/// `board`, `reflector`, `body` and `quiet` take lists of them, also as `targets`, `boards`, `reflectors`, `bodies`. Files named
 /// by the scene are relative to `folder`, by default the current one.
 #[pyclass(frozen, eq, module = "sonoglyph")]
 #[derive(Debug)]
@@ -489,6 +489,7 @@ impl Scene {
 fn singular(key: String) -> String {
     match key.as_str() {
         "targets" | "boards" | "reflectors" => key.trim_end_matches('s').to_owned(),
+        "bodies" => "body".to_owned(),
         _ => key,
     }
 }

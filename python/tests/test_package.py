@@ -263,6 +263,18 @@ def test_files_named_by_a_scene_are_found_beside_it(tmp_path):
         sg.Scene.loads(loaded.dumps())
 
 
+def test_bodies_are_tables_of_a_scene(tmp_path):
+    (tmp_path / "part.obj").write_text("v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n")
+    palm = sg.Body(kind="palm", at=(0, 0, 0.3), normal=(0, 0.2, -1))
+    part = sg.Body(kind="mesh", file="part.obj", scale=0.001, at=(0, 0, 0.15))
+    scene = sg.Scene(bodies=[palm, part], folder=tmp_path)
+    assert scene.dumps().count("[[body]]") == 2 and sg.Scene.loads(scene.dumps(), folder=tmp_path) == scene
+    with pytest.raises(sg.SceneError, match="millimetres"):
+        sg.Scene(bodies=[sg.Body(kind="mesh", file="part.obj", at=(0, 0, 0.15))], folder=tmp_path)
+    with pytest.raises(sg.SceneError, match="no such key"):
+        sg.Scene(bodies=[sg.Body(kind="palm", radius=0.01)])
+
+
 def test_solutions_survive_pickling():
     solution = five().solve()
     again = pickle.loads(pickle.dumps(solution))
@@ -275,7 +287,7 @@ def test_classes_have_the_keys_of_the_scene_file():
     tables = {
         "medium": sg.Medium, "array": sg.Array, "board": sg.Board, "reflector": sg.Reflector, "solver": sg.Solver,
         "plane": sg.Plane, "liquid": sg.Liquid, "bead": sg.Bead, "modulation": sg.Modulation, "motion": sg.MotionPath,
-        "listener": sg.Listener, "quiet": sg.Quiet,
+        "listener": sg.Listener, "quiet": sg.Quiet, "body": sg.Body,
     }  # fmt: skip
     def keys(table):
         return {field.name.rstrip("_") for field in dataclasses.fields(table)}

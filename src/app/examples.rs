@@ -41,6 +41,8 @@ pub const EXAMPLES: &[Example] = &[
     example!(HAPTICS, "broad-h", "A broad H"),
     example!(HAPTICS, "hit-vertical", "HIT, standing upright"),
     example!(HAPTICS, "circle-figure-eight", "A ring on a figure-eight"),
+    example!(HAPTICS, "fingertip", "A focus on a fingertip"),
+    example!(HAPTICS, "palm", "A focus on a palm"),
     example!(PAPER, "focus-centre", "Figure 2: one focus"),
     example!(PAPER, "focus-off-centre", "Figure 2: off the axis"),
     example!(PAPER, "points-2", "Figure 3: two foci"),

@@ -180,6 +180,9 @@ fn read(path: &Path) -> Option<(Scene, Origin, Paintings)> {
     let _ = opening::load_routes(&mut scene, folder);
     let _ = opening::load_thresholds(scene.skin.as_mut(), folder);
     let _ = opening::load_directivity(&mut scene.array, folder);
+    for body in &mut scene.bodies {
+        let _ = opening::load_bodies(std::slice::from_mut(body), folder);
+    }
     let mut paintings = Paintings::default();
     paintings.adopt(&mut scene, path);
     Some((scene, origin, paintings))

@@ -6,6 +6,7 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::path::Path;
 
+use glam::DVec3;
 use js_sys::{Array, Uint8Array};
 use serde::{Deserialize, Serialize};
 use wasm_bindgen::JsCast;
@@ -13,8 +14,10 @@ use wasm_bindgen::prelude::{Closure, JsValue, wasm_bindgen};
 use web_sys::{MessageEvent, Worker, WorkerOptions, WorkerType};
 
 use crate::app::job::{CompareMethods, Follow, Job, Solve};
+use crate::mesh::Mesh;
 use crate::scene::{
-    Directivity, DriveFile, DriveTable, Elements, Grey, Pixels, Placed, Reading, Scene, Wire, Wires, file,
+    Body, Directivity, DriveFile, DriveTable, Elements, Grey, Pixels, Placed, Reading, Scene, Surface, Wire,
+    Wires, file,
 };
 
 const SCRIPT: &str = "./worker.js";
@@ -37,6 +40,8 @@ struct Parcel {
     elements: Option<Vec<Placed>>,
     wires: Option<(Vec<Option<Wire>>, bool)>,
     directivity: Option<Vec<Reading>>,
+    /// Vertices and triangles of the bodies' files, in their order.
+    surfaces: Vec<Option<(Vec<DVec3>, Vec<[u32; 3]>)>>,
     drives: Option<DriveTable>,
 }
 
@@ -48,7 +53,10 @@ impl Parcel {
         let wires = scene.wires().and_then(|wires| Some((wires.get()?.to_vec(), wires.repeats)));
         let drives = scene.drive.table().cloned();
         let directivity = scene.array.measured.get().map(|measured| measured.readings.clone());
-        Self { text: file::write(scene), pixels: pixels.collect(), elements, wires, directivity, drives }
+        let mesh = |body: &Body| body.surface.get().map(|it| (it.vertices.clone(), it.triangles.clone()));
+        let surfaces = scene.bodies.iter().map(mesh).collect();
+        let pixels = pixels.collect();
+        Self { text: file::write(scene), pixels, elements, wires, directivity, surfaces, drives }
     }
 
     fn scene(self) -> Option<Scene> {
@@ -69,6 +77,11 @@ impl Parcel {
         }
         if let Some(readings) = self.directivity {
             scene.array.measured = Directivity::new(readings, None);
+        }
+        for (body, mesh) in scene.bodies.iter_mut().zip(self.surfaces) {
+            if let Some((vertices, triangles)) = mesh {
+                body.surface = Surface::new(Mesh { vertices, triangles }, None);
+            }
         }
         if let Some(drives) = self.drives {
             scene.drive = DriveFile::new(std::mem::take(&mut scene.drive.name), drives, None);

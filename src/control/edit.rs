@@ -161,7 +161,8 @@ pub fn admitted(mut scene: Scene) -> Result<Scene, EditError> {
     let drive = Some(&scene.drive.name).filter(|name| !name.is_empty());
     let thresholds = scene.skin.as_ref().filter(|skin| skin.known().is_none()).map(|skin| &skin.threshold);
     let directivity = scene.array.directivity.as_ref();
-    let named = table.chain(wave).chain(path).chain(drive).chain(thresholds).chain(directivity);
+    let mesh = scene.bodies.iter().find_map(|body| body.file.as_ref());
+    let named = table.chain(wave).chain(path).chain(drive).chain(thresholds).chain(directivity).chain(mesh);
     if let Some(name) = named.into_iter().next() {
         return Err(EditError::NamesFile(echo::value(name)));
     }

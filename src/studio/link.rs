@@ -10,8 +10,8 @@ use miniz_oxide::inflate::decompress_to_vec_with_limit;
 use thiserror::Error;
 
 use crate::echo;
-use crate::scene::Scene;
 use crate::scene::file::{self, FileError, LONGEST};
+use crate::scene::{BodyKind, Scene};
 use crate::studio::arrays;
 
 /// Scheme of links without a page, and prefixes of page addresses.
@@ -40,6 +40,8 @@ pub enum LinkError {
     Path(String),
     #[error("a link holds no tables: the array has “{}”", echo::value(.0))]
     Table(String),
+    #[error("a link holds no meshes: the body has “{}”", echo::value(.0))]
+    Mesh(String),
     #[error("a link holds no drives: the scene plays “{}”", echo::value(.0))]
     Drive(String),
 }
@@ -63,7 +65,7 @@ pub fn of_page(link: &str, page: &str) -> String {
 /// The link of a scene.
 ///
 /// # Errors
-/// A scene with pictures, drives, a waveform, paths or tables, which are separate files.
+/// A scene with pictures, drives, a waveform, paths, tables or meshes, which are separate files.
 pub fn write(scene: &Scene) -> Result<String, LinkError> {
     for target in &scene.targets {
         if let Some((file, ..)) = target.shape.picture() {
@@ -83,6 +85,11 @@ pub fn write(scene: &Scene) -> Result<String, LinkError> {
     let tables = [&scene.array.file, &scene.array.wiring, &scene.array.directivity];
     if let Some(name) = tables.into_iter().flatten().find(|name| !name.starts_with(arrays::PRESET)) {
         return Err(LinkError::Table(name.clone()));
+    }
+    if let Some(file) =
+        scene.bodies.iter().filter(|body| body.kind == BodyKind::Mesh).find_map(|it| it.file.clone())
+    {
+        return Err(LinkError::Mesh(file));
     }
     let packed = compress_to_vec(file::write(scene).as_bytes(), LEVEL);
     Ok(of_letters(&URL_SAFE_NO_PAD.encode(packed)))

@@ -44,6 +44,7 @@ pub mod spread;
 #[cfg(not(target_arch = "wasm32"))]
 pub mod still;
 pub mod stimulus;
+pub mod surfaces;
 pub mod swell;
 pub mod thresholds;
 pub mod trade;

@@ -1,5 +1,5 @@
-//! Opens scenes: the file, and the pictures, waveforms, thresholds, paths, directivity, drives, elements and wires that
-//! it names.
+//! Opens scenes: the file, and the pictures, waveforms, thresholds, paths, directivity, drives, elements, wires and
+//! surfaces of bodies that it names.
 //!
 //! A scene file names a picture; opening loads the pixels, which the scene then shares and the file never contains.
 
@@ -13,10 +13,11 @@ use crate::picture::grey;
 use crate::scene::check::check;
 use crate::scene::file::{self, FileError};
 use crate::scene::{
-    Array, DriveFile, Elements, Grey, Key, KeyError, Motion, Pixels, Scene, Skin, Target, Wires,
+    Array, Body, DriveFile, Elements, Grey, Key, KeyError, Motion, Pixels, Scene, Skin, Surface, Target,
+    Wires,
 };
 use crate::source;
-use crate::studio::{arrays, directivity, elements, routes, thresholds, waveform};
+use crate::studio::{arrays, directivity, elements, routes, surfaces, thresholds, waveform};
 
 /// Bytes of a picture's or a table's file, at most.
 const MOST_BYTES: u64 = 64 << 20;
@@ -32,11 +33,11 @@ pub fn stem(path: &Path) -> String {
     stem.strip_suffix(".sonoglyph").filter(|name| !name.is_empty()).unwrap_or(&stem).to_owned()
 }
 
-/// The scene of a file, with its pictures, waveforms, thresholds, paths, directivity, drives, and tables of elements
-/// and wires.
+/// The scene of a file, with its pictures, waveforms, thresholds, paths, directivity, drives, surfaces of bodies, and
+/// tables of elements and wires.
 ///
 /// # Errors
-/// The errors of [`file::read`], and a picture, a waveform, thresholds, a path, drives or a table that cannot be read.
+/// The errors of [`file::read`], and a picture, a waveform, thresholds, a path, drives, a mesh or a table that cannot be read.
 pub fn open(path: &Path) -> Result<Scene, FileError> {
     parse(&file::read_text(path)?, path)
 }
@@ -52,19 +53,23 @@ pub fn parse(text: &str, path: &Path) -> Result<Scene, FileError> {
     Ok(scene)
 }
 
-/// Loads the pictures, waveforms, thresholds, paths, directivity, drives, elements and wires named by a scene, relative
-/// to a folder, and checks the scene again if there are pictures, paths, drives or a table.
+/// Loads the pictures, waveforms, thresholds, paths, directivity, drives, elements, wires and surfaces named by a scene,
+/// relative to a folder, and checks the scene again if there are pictures, paths, drives, meshes or a table.
 ///
 /// # Errors
-/// A missing, unreadable or black picture, errors of [`waveform::read`], [`thresholds::read`] and [`routes::read`], a
-/// missing or invalid table, and errors of [`check()`] and [`file::targets_in_motion`].
+/// A missing, unreadable or black picture, errors of [`waveform::read`], [`thresholds::read`], [`routes::read`] and
+/// [`surfaces::read`], a missing or invalid table, and errors of [`check()`] and [`file::targets_in_motion`].
 pub fn load(scene: &mut Scene, folder: &Path) -> Result<(), KeyError> {
     load_waves(scene, folder)?;
     load_thresholds(scene.skin.as_mut(), folder)?;
     load_directivity(&mut scene.array, folder)?;
     let has_routes = load_routes(scene, folder)?;
+    let has_bodies = load_bodies(&mut scene.bodies, folder)?;
     let lacks_table = scene.array.lacks_elements() || scene.array.lacks_wires() || scene.drive.is_missing();
     if !scene.targets.iter().any(Target::lacks_pixels) && !lacks_table {
+        if has_bodies {
+            check(scene)?;
+        }
         let is_whole = has_routes && !scene.lacks_pixels();
         return if is_whole { file::targets_in_motion(scene) } else { Ok(()) };
     }
@@ -215,6 +220,26 @@ pub fn load_directivity(array: &mut Array, folder: &Path) -> Result<(), KeyError
             directivity::read(&folder.join(name)).map_err(|message| KeyError::new(key, message))?;
     }
     Ok(())
+}
+
+/// Loads the surfaces of bodies that are named and not loaded; returns whether there were any.
+///
+/// # Errors
+/// The errors of [`surfaces::read`].
+pub fn load_bodies(bodies: &mut [Body], folder: &Path) -> Result<bool, KeyError> {
+    let mut loaded: HashMap<PathBuf, Surface> = HashMap::new();
+    for (index, body) in bodies.iter_mut().enumerate().filter(|(_, body)| body.lacks_surface()) {
+        let path = folder.join(body.file.as_deref().unwrap_or_default());
+        body.surface = match loaded.get(&path) {
+            Some(surface) => surface.clone(),
+            None => {
+                let key = [Key::from("body"), Key::from(index), Key::from("file")];
+                let read = surfaces::read(&path).map_err(|message| KeyError::new(key, message))?;
+                loaded.entry(path).insert_entry(read).get().clone()
+            }
+        };
+    }
+    Ok(!loaded.is_empty())
 }
 
 /// Loads the pictures among targets.

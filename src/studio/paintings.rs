@@ -25,7 +25,7 @@ pub struct Placed {
 }
 
 impl Paintings {
-    /// Names the pictures, waveform, drives and tables of a scene for `path`. Unsaved pictures get a file beside it
+    /// Names the pictures, waveform, drives, tables and meshes of a scene for `path`. Unsaved pictures get a file beside it
     /// that does not exist or `may_replace`; files in other folders get absolute paths.
     pub fn place(&self, scene: &Scene, path: &Path, may_replace: impl Fn(&Path) -> bool) -> Placed {
         let mut placed = Placed { scene: scene.clone(), files: Vec::new() };
@@ -66,6 +66,11 @@ impl Paintings {
         }
         if let (Some(name), Some(place)) = (&mut array.directivity, &array.measured.from) {
             *name = name_from(&path, &absolute(place), name);
+        }
+        for body in &mut placed.scene.bodies {
+            if let (Some(name), Some(place)) = (&mut body.file, &body.surface.from) {
+                *name = name_from(&path, &absolute(place), name);
+            }
         }
         let drive = &mut placed.scene.drive;
         if let Some(place) = &drive.from {

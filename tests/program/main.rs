@@ -4,6 +4,7 @@
 
 mod arrays;
 mod batch;
+mod bodies;
 mod contract;
 #[path = "../dice/mod.rs"]
 #[expect(dead_code, reason = "used by other test binaries")]

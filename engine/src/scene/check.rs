@@ -17,7 +17,9 @@ use crate::scene::solver::{Pressures, Solver};
 use crate::scene::space::Front;
 use crate::scene::target::{Sampling, Target};
 use crate::scene::zone::{Area, Zone};
-use crate::scene::{liquid::Liquid, medium::Medium, motion, plane::Plane, space, trap::Trap, turns::Turns};
+use crate::scene::{
+    bodies, liquid::Liquid, medium::Medium, motion, plane::Plane, space, trap::Trap, turns::Turns,
+};
 
 pub use crate::scene::space::MOST_ELEMENTS;
 
@@ -88,6 +90,7 @@ pub fn check(scene: &Scene) -> Result<(), KeyError> {
     scene.bead.check().map_err(|e| e.under(&["bead".into()]))?;
     scene.skin.as_ref().map_or(Ok(()), Skin::check).map_err(|e| e.under(&["skin".into()]))?;
     space::check(scene)?;
+    bodies::check(scene)?;
     modulation(&scene.modulation, scene.array.frequency).map_err(|e| e.under(&["modulation".into()]))?;
     motion(&scene.motion).map_err(|e| e.under(&["motion".into()]))?;
     let audible = |it| listener(it, &front).map_err(|e| e.under(&["listener".into()]));

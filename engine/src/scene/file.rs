@@ -6,6 +6,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::scene::board::{Board, Reflector};
+use crate::scene::body::BodyTable;
 use crate::scene::check::check;
 use crate::scene::content::FORMAT;
 use crate::scene::content::{Listener, Scene};
@@ -19,8 +20,8 @@ use crate::scene::strict::Strict;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{
-    array::Array, bead::Bead, body::Body, liquid::Liquid, medium::Medium, modulation::Modulation, motion,
-    plane::Plane, skin::Skin, solver::Solver, target::Target,
+    array::Array, bead::Bead, liquid::Liquid, medium::Medium, modulation::Modulation, motion, plane::Plane,
+    skin::Skin, solver::Solver, target::Target,
 };
 use crate::source;
 
@@ -120,7 +121,7 @@ struct SceneTable {
     #[serde(default)]
     reflector: Vec<Reflector>,
     #[serde(default)]
-    body: Vec<Body>,
+    body: Vec<BodyTable>,
     #[serde(default)]
     target: Vec<TargetTable>,
     #[serde(default)]
@@ -150,7 +151,7 @@ impl SceneTable {
             array,
             board: boards,
             reflector: reflectors,
-            body: bodies,
+            body,
             target,
             quiet,
             solver,
@@ -165,6 +166,11 @@ impl SceneTable {
         if format != FORMAT {
             return Err(KeyError::new([Key::from("format")], format!("this program reads format {FORMAT}")));
         }
+        let bodies = body
+            .into_iter()
+            .enumerate()
+            .map(|(index, table)| table.into_body(index))
+            .collect::<Result<_, _>>()?;
         let targets = target
             .into_iter()
             .enumerate()

@@ -7,6 +7,7 @@
 mod array;
 mod bead;
 mod board;
+mod bodies;
 mod body;
 #[doc(hidden)]
 pub mod chart;

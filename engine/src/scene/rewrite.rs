@@ -7,12 +7,12 @@ use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike};
 
 use crate::scene::motion::Routes;
 use crate::scene::{
-    board::Elements, content::Scene, drive::DriveFile, file, pixels::Pixels, skin::Curve, wave::Wave,
-    wires::Wires,
+    board::Elements, content::Scene, directivity::Directivity, drive::DriveFile, file, pixels::Pixels,
+    skin::Curve, wave::Wave, wires::Wires,
 };
 
 /// Repeated tables.
-const REPEATED: [&str; 4] = ["board", "reflector", "target", "quiet"];
+const REPEATED: [&str; 5] = ["board", "reflector", "body", "target", "quiet"];
 
 /// The text updated to the scene: unchanged to the byte if it already holds the scene. If the text is not a scene, or
 /// its layout cannot hold this one, the scene is written from scratch.
@@ -28,10 +28,12 @@ pub fn rewrite(text: &str, scene: &Scene) -> String {
     rewritten(Keys::Changed).or_else(|| rewritten(Keys::All)).unwrap_or_else(|| file::write(scene))
 }
 
-/// The scene as in its file: without pixels, drives, tables of elements and wires, waveform samples and thresholds.
+/// The scene as in its file: without pixels, drives, tables of elements and wires, directivity, waveform samples, thresholds and
+/// surfaces of bodies.
 fn as_written(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     (scene.array.placed, scene.array.wires) = (Elements::default(), Wires::default());
+    scene.array.measured = Directivity::default();
     scene.drive = DriveFile::named(std::mem::take(&mut scene.drive.name));
     for target in &mut scene.targets {
         if let Some((_, pixels)) = target.shape.picture_mut() {
@@ -41,6 +43,7 @@ fn as_written(scene: &Scene) -> Scene {
     scene.modulations_mut().for_each(|(_, modulation)| modulation.wave = Wave::default());
     let own = scene.targets.iter_mut().filter_map(|target| target.motion.as_mut());
     own.chain([&mut scene.motion]).for_each(|motion| motion.routes = Routes::default());
+    scene.bodies.iter_mut().for_each(|body| *body = body.as_written());
     if let Some(skin) = &mut scene.skin {
         skin.curve = Curve::default();
     }
@@ -221,6 +224,9 @@ mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::mesh::shapes;
+    use crate::scene::body::{Body, BodyKind, Surface};
+    use crate::scene::directivity::Reading;
     use crate::scene::motion::{Motion, MotionPath, Tempo};
     use crate::scene::target::{Sampling, Target};
     use crate::scene::{shape::Shape, solver::Method};
@@ -345,6 +351,43 @@ method = "gs"  # quick
         edited.solver.quiet = crate::scene::Solver::QUIET;
         let written = rewrite(&written, &edited);
         assert!(scene(&written) == edited && !written.contains("quiet"), "{written}");
+    }
+
+    #[test]
+    fn bodies_come_and_go_and_keep_their_comments() {
+        let text = "format = 1\n\n# A tip.\n[[body]]\nradius = 0.0080 # m\n\n# A hand.\n[[body]] # mine\nkind = \"palm\"\nat = [0, 0, 0.2]\n\n[solver]\nquiet = 0.9 # much\n";
+        let mut edited = scene(text);
+        edited.bodies[1].fingers[2] = 30.0;
+        edited.bodies[1].kind = BodyKind::Hand;
+        edited.bodies[0].length = 0.9;
+        let written = rewrite(text, &edited);
+        for part in
+            ["# A tip.\n[[body]]\nradius = 0.0080 # m", "# A hand.\n[[body]] # mine", "fingers = [", "# much"]
+        {
+            assert!(written.contains(part), "{part} in {written}");
+        }
+        edited.bodies[0].length = Body::default().length;
+        assert_eq!(scene(&written), edited, "a sphere has no length");
+        edited.bodies.remove(0);
+        edited.bodies.push(Body { kind: BodyKind::Capsule, at: DVec3::Z * 0.5, ..Body::default() });
+        let written = rewrite(&written, &edited);
+        assert!(scene(&written) == edited && written.contains("# A hand."), "{written}");
+        edited.bodies.clear();
+        let written = rewrite(&written, &edited);
+        assert!(
+            scene(&written) == edited && !written.contains("body") && written.contains("# much"),
+            "{written}"
+        );
+    }
+
+    #[test]
+    fn loaded_files_change_no_text() {
+        let text = "format = 1 # own\n[array]\nelement = \"measured\"\ndirectivity = \"d.csv\" # ours\n[[body]]\nkind = \"mesh\" # m\nfile = \"a.obj\"\n";
+        let mut loaded = scene(text);
+        let reading = |angle| Reading { angle, amplitude: 1.0, phase: 0.0 };
+        loaded.array.measured = Directivity::new(vec![reading(0.0), reading(90.0)], None);
+        loaded.bodies[0].surface = Surface::new(shapes::sphere(0.01, 0.005), None);
+        assert_eq!(rewrite(text, &loaded), text);
     }
 
     #[test]

@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
-use sonoglyph::scene::{Elements, Scene, check, file, rewrite};
+use glam::DVec3;
+use sonoglyph::scene::{Body, BodyKind, Elements, Scene, check, file, rewrite};
 
+use crate::dice::Dice;
 use crate::random::draw::{Case, Family};
 use crate::random::tally::count;
 
@@ -12,6 +14,7 @@ pub fn hold(case: &Case) {
     // The elements of a table are not part of the scene's file.
     let mut scene = case.scene.clone();
     scene.array.placed = Elements::default();
+    scene.bodies = bodies(&scene, &mut case.dice.clone());
     let scene = &scene;
     let text = file::write(scene);
     match file::parse(&text, Path::new("scene.toml")) {
@@ -31,4 +34,37 @@ pub fn hold(case: &Case) {
     let tables = serde_json::to_value(scene).unwrap();
     let read: Scene = file::from_tables(tables).unwrap();
     assert_eq!(read, *scene, "as JSON");
+}
+
+/// Bodies of all kinds that a valid scene of these targets can have; none where no attempt finds any.
+fn bodies(scene: &Scene, dice: &mut Dice) -> Vec<Body> {
+    let mut found = Vec::new();
+    for _ in 0..dice.whole(0, 4) {
+        let place = |dice: &mut Dice| DVec3::from_array([(); 3].map(|()| dice.between(-1.0, 1.0)));
+        let kind = dice.one_of(&[BodyKind::Sphere, BodyKind::Capsule, BodyKind::Palm, BodyKind::Mesh]);
+        let own = Body { kind, at: scene.plane.centre + place(dice), ..Body::default() };
+        let own = match kind {
+            BodyKind::Sphere => Body { radius: dice.magnitude(1e-4, 0.1), ..own },
+            BodyKind::Capsule => {
+                let radius = dice.magnitude(1e-4, 0.1);
+                Body { radius, length: radius * dice.between(2.0, 9.0), x_axis: place(dice), ..own }
+            }
+            BodyKind::Palm | BodyKind::Hand => {
+                let normal = dice.of(0.5).then(|| place(dice));
+                Body { normal, x_axis: place(dice), size: DVec3::splat(dice.magnitude(1e-3, 0.1)), ..own }
+            }
+            BodyKind::Mesh => {
+                Body { file: Some("part.obj".to_owned()), scale: dice.magnitude(1e-6, 1.0), ..own }
+            }
+        };
+        let own = Body { coefficient: dice.one_of(&[1.0, 0.5, -0.5]), ..own };
+        let bodies: Vec<_> = found.iter().cloned().chain([own]).collect();
+        if check::check(&Scene { bodies: bodies.clone(), ..scene.clone() }).is_ok() {
+            found = bodies;
+        }
+    }
+    if !found.is_empty() {
+        count("bodies");
+    }
+    found
 }

@@ -157,6 +157,7 @@ fn everything_was_drawn(scenes: usize) {
         ("traps", 200),
         ("several boards", 300),
         ("reflectors", 300),
+        ("bodies", 3000),
         ("reflections between a board and a reflector", 50),
         ("tables of elements", 200),
         ("refused: no focus, or one behind the array", 100),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use sonoglyph::scene::check::MOST_FOCI;
 use sonoglyph::scene::file::{self, FileError};
-use sonoglyph::scene::{Listener, Method, Scene, motion, outline, rewrite};
+use sonoglyph::scene::{Body, BodyKind, Listener, Method, Scene, motion, outline, rewrite};
 
 use super::{has_line, is_one_line};
 
@@ -81,13 +81,23 @@ fn survives(text: &str, scene: &Scene) {
 }
 
 /// Edits that a window may do.
-const EDITS: [fn(&mut Scene); 7] = [
+const EDITS: [fn(&mut Scene); 9] = [
     |scene| scene.solver.method = if scene.solver.method == Method::Gs { Method::Wgs } else { Method::Gs },
     |scene| scene.targets.reverse(),
     |scene| {
         scene.solver.quiet = if scene.solver.quiet == 0.25 { 0.5 } else { 0.25 };
         scene.quiet.reverse();
         scene.quiet.pop();
+    },
+    |scene| {
+        scene.bodies.reverse();
+        scene.bodies.pop();
+    },
+    |scene| {
+        let at = glam::DVec3::new(0.0, 0.0, 50.0);
+        scene.bodies.push(Body { kind: BodyKind::Palm, at, ..Body::default() });
+        let spheres = scene.bodies.iter_mut().filter(|body| body.kind == BodyKind::Sphere);
+        spheres.for_each(|body| body.radius *= 0.9);
     },
     |scene| scene.targets.extend(scene.targets.last().cloned()),
     |scene| drop(scene.targets.drain(..scene.targets.len().min(1))),

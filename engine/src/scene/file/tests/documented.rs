@@ -10,14 +10,15 @@ use serde::forward_to_deserialize_any;
 use toml::{Table, Value};
 
 use crate::scene::board::{Board, Reflector};
+use crate::scene::body::BodyTable;
 use crate::scene::content::{Listener, Scene};
 use crate::scene::file::{self, SceneTable};
 use crate::scene::motion::MotionTable;
 use crate::scene::target::TargetTable;
 use crate::scene::zone::ZoneTable;
 use crate::scene::{
-    array::Array, bead::Bead, liquid::Liquid, medium::Medium, modulation::Modulation, plane::Plane,
-    skin::Skin, solver::Solver,
+    array::Array, bead::Bead, body::Body, liquid::Liquid, medium::Medium, modulation::Modulation,
+    plane::Plane, skin::Skin, solver::Solver,
 };
 
 /// Read when the tests run, so that a word in it compiles nothing anew.
@@ -26,7 +27,7 @@ static DOCUMENT: LazyLock<String> = LazyLock::new(|| {
     std::fs::read_to_string(path).unwrap()
 });
 /// Tables that stand as often as there are things of their kind.
-const REPEATED: [&str; 4] = ["target", "quiet", "board", "reflector"];
+const REPEATED: [&str; 5] = ["target", "quiet", "board", "reflector", "body"];
 
 /// Takes the keys of a type as serde's derive asks a format for them.
 struct Asked<'a>(&'a mut &'static [&'static str]);
@@ -68,6 +69,7 @@ fn known() -> BTreeMap<&'static str, BTreeSet<&'static str>> {
         ("array", keys_of::<Array>()),
         ("board", keys_of::<Board>()),
         ("reflector", keys_of::<Reflector>()),
+        ("body", keys_of::<BodyTable>()),
         ("target", keys_of::<TargetTable>()),
         ("quiet", keys_of::<ZoneTable>()),
         ("solver", keys_of::<Solver>()),
@@ -101,6 +103,8 @@ impl Row {
             ("target", "spacing") => ("[[target]]\nkind = \"circle\"\nradius = 0.001", ""),
             ("quiet", _) => ("[[quiet]]", ""),
             ("reflector", _) => ("[[reflector]]", ""),
+            ("body", "scale") => ("[[body]]\nkind = \"mesh\"\nfile = \"a.stl\"", ""),
+            ("body", _) => ("[[body]]\nat = [0, 0, 9]", ""),
             ("target", _) => ("[[target]]\nkind = \"circle\"", "\n[solver]\nmethod = \"naive\""),
             _ => (&*format!("[{table}]"), ""),
         };
@@ -154,7 +158,12 @@ fn kinds() -> Vec<(&'static str, &'static str, Vec<&'static str>)> {
             (table, words.next().unwrap(), words.collect())
         })
     };
-    [("target", "| kind | keys |"), ("quiet", "| kind of zone | keys |")].into_iter().flat_map(of).collect()
+    let heads = [
+        ("target", "| kind | keys |"),
+        ("quiet", "| kind of zone | keys |"),
+        ("body", "| kind of body | keys |"),
+    ];
+    heads.into_iter().flat_map(of).collect()
 }
 
 #[test]
@@ -168,13 +177,15 @@ fn kinds_have_the_keys_that_are_documented() {
         let needed = match kind {
             "path" => "vertices = [[0, 0, 0.1], [0, 0.1, 0.1]]",
             "picture" => "file = \"a.png\"",
+            "mesh" => "file = \"a.stl\"",
             _ => "",
         };
         let text = format!("format = 1\n[[{table}]]\nkind = \"{kind}\"\n{needed}");
         let written: Table = toml::from_str(&file::write(&parse(&text))).unwrap();
         let written = written[table][0].as_table().unwrap();
         assert!(
-            keys.iter().all(|key| written.contains_key(*key)),
+            // A normal is written where it is given.
+            keys.iter().all(|key| *key == "normal" || written.contains_key(*key)),
             "{kind}: {keys:?}, and there are {written:?}"
         );
     }
@@ -183,7 +194,7 @@ fn kinds_have_the_keys_that_are_documented() {
 #[test]
 fn defaults_are_those_of_an_empty_scene() {
     let mut empty: Table = toml::from_str(&file::write(&Scene::default())).unwrap();
-    let circle = "format = 1\n[[target]]\nkind = \"circle\"\n[[quiet]]\n[[board]]\n[[reflector]]\n";
+    let circle = "format = 1\n[[target]]\nkind = \"circle\"\n[[quiet]]\n[[board]]\n[[reflector]]\n[[body]]\n";
     let circle = parse(circle);
     let tables: Table = toml::from_str(&file::write(&circle)).unwrap();
     for table in REPEATED {
@@ -200,12 +211,19 @@ fn defaults_are_those_of_an_empty_scene() {
     empty.insert("skin".to_owned(), Table::try_from(Skin::default()).unwrap().into());
     // And so are these; `kind` is what made it a circle.
     let Solver { quiet, search, .. } = Scene::default().solver;
+    let body = Body::default();
     for (table, key, value) in [
         ("target", "kind", "point".into()),
         ("target", "visible", true.into()),
         ("target", "fill", false.into()),
         ("target", "name", "".into()),
         ("target", "group", "".into()),
+        ("body", "x_axis", vec![1, 0, 0].into()),
+        ("body", "length", body.length.into()),
+        ("body", "size", body.size.to_array().to_vec().into()),
+        ("body", "fingers", body.fingers.to_vec().into()),
+        ("body", "scale", body.scale.into()),
+        ("body", "coefficient", body.coefficient.into()),
         ("array", "element_size", vec![0.01, 0.01].into()),
         ("array", "element_exponent", 1.0.into()),
         ("array", "reflectivity", 0.0.into()),

@@ -217,6 +217,26 @@ fn every_kind_survives_the_file() {
         amplitudes = "free"
         quiet = 0.25
         search = 1.5
+        [[body]]
+        [[body]]
+        kind = "capsule"
+        at = [0.1, 0, 0.2]
+        x_axis = [0, 0, 1]
+        coefficient = 0.5
+        [[body]]
+        kind = "palm"
+        at = [0, 0, 0.4]
+        normal = [1, 0, -1]
+        size = [0.1, 0.09, 0.03]
+        [[body]]
+        kind = "hand"
+        at = [0, 0, 0.8]
+        fingers = [10, 20, 30, 40, 110]
+        edge = 0.003
+        [[body]]
+        kind = "mesh"
+        file = "part.stl"
+        scale = 0.001
         [[quiet]]
         [[quiet]]
         kind = "rectangle"
