@@ -11,7 +11,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("source", &["rustix", "tempfile"]),
     ("memory", &[]),
     ("gauge", &["web_time"]),
-    ("mesh", &["glam", "thiserror"]),
+    ("mesh", &["glam", "rayon", "thiserror"]),
     ("scene", &["serde", "toml", "toml_edit", "glam", "thiserror"]),
     ("table", &["csv", "flate2", "npyz", "roxmltree", "serde_json", "thiserror"]),
     ("rounding", &[]),

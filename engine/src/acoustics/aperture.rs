@@ -113,10 +113,10 @@ impl Aperture {
         self.faces.iter().take_while(|face| face.is_direct())
     }
 
-    /// Columns and rows of the array, if it is a single flat board centred in z = 0 without reflections.
+    /// Columns and rows of the array, if it is a single flat board centred in z = 0 without reflections and bodies.
     pub fn lattice(&self) -> Option<[usize; 2]> {
         match &self.faces[..] {
-            [face] if face.pose == Pose::HOME => {
+            [face] if face.pose == Pose::HOME && self.bodies.is_empty() => {
                 face.layout.columns.map(|columns| [columns, self.positions.len() / columns])
             }
             _ => None,

@@ -101,6 +101,11 @@ impl Scattering {
         self.0.as_ref().map_or(&[], |it| &it.bodies)
     }
 
+    /// Whether the answers to all elements are known.
+    pub(super) fn has_columns(&self) -> bool {
+        self.0.as_ref().is_some_and(|it| it.columns.get().is_some())
+    }
+
     /// The answers to all elements, found by `find` if nobody did.
     pub(super) fn columns(&self, find: impl FnOnce(&Bodies) -> Vec<Answer>) -> Option<(&Bodies, &[Answer])> {
         let (own, bodies) = (self.0.as_ref()?, self.bodies()?);
@@ -136,7 +141,12 @@ impl Scattering {
 
 impl Surroundings {
     fn made(&self) -> &Result<Bodies, TooLarge> {
-        self.made.get_or_init(|| Bodies::new(&self.bodies, &self.mirrors, self.element.wavenumber))
+        self.made.get_or_init(|| {
+            let own =
+                |face: &Face| face.layout.positions.iter().map(|at| face.pose.world(*at)).collect::<Vec<_>>();
+            let sources: Vec<_> = self.faces.iter().flat_map(own).collect();
+            Bodies::new(&self.bodies, &self.mirrors, self.element.wavenumber, &sources)
+        })
     }
 }
 

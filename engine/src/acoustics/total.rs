@@ -17,12 +17,16 @@ use crate::scatter::{Answer, Bodies, BodyError, Incident, Skin};
 const RUN: usize = 64;
 /// Elements whose answers are found together.
 const TOGETHER: usize = 32;
+/// Rows for whose sake the answers to all elements are found: one row in so many of them costs less by itself.
+const FEW: usize = 6;
+/// Shares of the surfaces' points.
+const SHARES: usize = 16;
 /// What is within a body.
 const NOTHING: Complex64 = Complex64::new(f64::NAN, f64::NAN);
 
 impl Aperture {
     /// H: one row of complex pressures (Pa, peak) per point, one column per driven element; including reflections and
-    /// what bodies scatter.
+    /// what bodies scatter. Rows within bodies are 0.
     pub fn transfer(&self, points: &[DVec3]) -> Transfer {
         let mut transfer = self.transfer_of_elements(points);
         self.add_rows((points, &[]), &mut transfer);
@@ -178,35 +182,90 @@ impl Aperture {
         elements.chunks(TOGETHER).flat_map(of).collect()
     }
 
-    /// Adds G A⁻¹ B to the rows of points: the pressure's, and those of its slopes along directions.
+    /// Adds G A⁻¹ B to the rows of points: the pressure's, and those of its slopes along directions. Nothing is heard
+    /// within a body.
     fn add_rows(&self, (points, directions): (&[DVec3], &[DVec3]), transfer: &mut Transfer) {
-        let Some((bodies, columns)) = self.bodies.columns(|bodies| self.answers(bodies)) else { return };
+        let Some(bodies) = self.bodies.bodies() else { return };
         let rows = 1 + directions.len();
-        let of = |at: &DVec3| -> Vec<Vec<Complex64>> {
-            if bodies.contains(*at) {
-                return vec![vec![NOTHING; self.driven.len()]; rows];
-            }
-            let weights = bodies.weights(*at);
-            let slope = |to: &DVec3| [0.0, to.x, to.y, to.z];
-            let parts = [[1.0, 0.0, 0.0, 0.0]].into_iter().chain(directions.iter().map(slope));
-            let row = |parts: [f64; 4]| {
-                let weight = |own: &[Complex64; 4]| own.iter().zip(parts).map(|(w, part)| w * part).sum();
-                let weights: Vec<Complex64> = weights.iter().map(weight).collect();
-                let entry = |&n: &usize| {
-                    let pairs = weights.iter().zip(columns[n].iter().flatten());
-                    pairs.map(|(weight, value)| weight * value).sum()
-                };
-                self.driven.iter().map(entry).collect()
+        let slope = |to: &DVec3| [0.0, to.x, to.y, to.z];
+        let parts: Vec<_> = [[1.0, 0.0, 0.0, 0.0]].into_iter().chain(directions.iter().map(slope)).collect();
+        let is_within: Vec<_> = points.par_iter().map(|at| bodies.contains(*at)).collect();
+        // The weights of an answer in every row.
+        let weights = |(at, is_within): (&DVec3, &bool)| -> Vec<Vec<Complex64>> {
+            let all = if *is_within { Vec::new() } else { bodies.weights(*at) };
+            let row = |parts: &[f64; 4]| {
+                all.iter().map(|own| own.iter().zip(parts).map(|(w, part)| w * part).sum()).collect()
             };
-            parts.map(row).collect()
+            parts.iter().map(row).collect()
         };
-        for (first, points) in (0..points.len()).step_by(RUN).zip(points.chunks(RUN)) {
-            let all: Vec<_> = points.par_iter().flat_map_iter(of).collect();
-            for (row, values) in (first * rows..).zip(all) {
-                for (column, value) in values.into_iter().enumerate() {
-                    transfer.set(row, column, transfer.at(row, column) + value);
+        let set = |transfer: &mut Transfer, row: usize, is_within: bool, values: Vec<Complex64>| {
+            for column in 0..transfer.elements {
+                let own = if is_within { Complex64::ZERO } else { transfer.at(row, column) + values[column] };
+                transfer.set(row, column, own);
+            }
+        };
+        if !self.bodies.has_columns() && points.len() * rows * FEW <= self.driven.len() {
+            let weights: Vec<_> = points.iter().zip(&is_within).flat_map(weights).collect();
+            let outside: Vec<_> = (0..weights.len()).filter(|row| !weights[*row].is_empty()).collect();
+            let wanted: Vec<_> = outside.iter().map(|row| weights[*row].clone()).collect();
+            if let Some(scattered) = self.rows_by_adjoints(bodies, &wanted) {
+                let mut all = vec![Vec::new(); weights.len()];
+                outside.iter().zip(scattered).for_each(|(row, values)| all[*row] = values);
+                for (row, values) in all.into_iter().enumerate() {
+                    set(transfer, row, is_within[row / rows], values);
                 }
+                return;
             }
         }
+        let Some((_, columns)) = self.bodies.columns(|bodies| self.answers(bodies)) else { return };
+        let entries = |weights: Vec<Complex64>| -> Vec<Complex64> {
+            let entry = |&n: &usize| {
+                let pairs = weights.iter().zip(columns[n].iter().flatten());
+                pairs.map(|(weight, value)| weight * value).sum()
+            };
+            self.driven.iter().map(entry).collect()
+        };
+        let of = |pair: (&DVec3, &bool)| weights(pair).into_iter().map(entries).collect::<Vec<_>>();
+        for (first, some) in (0..points.len()).step_by(RUN).zip(points.chunks(RUN)) {
+            let inner = &is_within[first..first + some.len()];
+            let all: Vec<_> = some.par_iter().zip(inner).flat_map_iter(of).collect();
+            for (row, values) in (first * rows..).zip(all) {
+                set(transfer, row, is_within[row / rows], values);
+            }
+        }
+    }
+
+    /// Rows of G A⁻¹ B by one adjoint solution each, from their weights of the answer.
+    fn rows_by_adjoints(&self, bodies: &Bodies, weights: &[Vec<Complex64>]) -> Option<Vec<Vec<Complex64>>> {
+        let adjoints = bodies.adjoints(weights)?;
+        let (points, normals) = bodies.points();
+        let elements = self.without_bodies();
+        let zeros = || vec![vec![Complex64::ZERO; self.driven.len()]; weights.len()];
+        let of_run = |mut sums: Vec<Vec<Complex64>>, first: usize| {
+            let some = first..points.len().min(first + RUN);
+            let transfer = elements.slopes_of_elements(&points[some.clone()], &DVec3::AXES);
+            for (index, point) in some.enumerate() {
+                let [x, y, z] = normals[point].to_array();
+                for (adjoint, sums) in adjoints.iter().zip(&mut sums) {
+                    let (p, slope) = (adjoint.pressures[point], adjoint.slopes[point]);
+                    for (part, weight) in [p, slope * x, slope * y, slope * z].into_iter().enumerate() {
+                        let row = transfer.row(4 * index + part);
+                        sums.iter_mut().zip(row).for_each(|(sum, wave)| *sum += weight * wave);
+                    }
+                }
+            }
+            sums
+        };
+        let add = |mut one: Vec<Vec<Complex64>>, other: Vec<Vec<Complex64>>| {
+            one.iter_mut().flatten().zip(other.iter().flatten()).for_each(|(sum, own)| *sum += own);
+            one
+        };
+        // Shares that do not depend on the threads, and are added in sequence, so that sums do not, either.
+        let runs: Vec<_> = (0..points.len()).step_by(RUN).collect();
+        let shares: Vec<_> = runs
+            .par_chunks(runs.len().div_ceil(SHARES).max(1))
+            .map(|runs| runs.iter().fold(zeros(), |sums, first| of_run(sums, *first)))
+            .collect();
+        Some(shares.into_iter().fold(zeros(), add))
     }
 }

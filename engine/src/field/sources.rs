@@ -28,10 +28,7 @@ use crate::drive::Drive;
 use crate::field::{polynomial, samples::Samples};
 use crate::scene::directivity as table;
 
-/// Coefficients of sin(πf)/f in f², |f| ≤ ½, lowest first; 7e-9 off before rounding.
-pub const SINE: [f32; 5] = [std::f32::consts::PI, -5.167_71, 2.550_077_4, -0.598_290_4, 0.077_655_91];
-/// Coefficients of cos(πf) in f², |f| ≤ ½, lowest first; 1e-9 off before rounding.
-pub const COSINE: [f32; 6] = [1.0, -4.934_802, 4.058_711_5, -1.335_24, 0.235_074_37, -0.024_627_112];
+pub(crate) use crate::scatter::{COSINE, SINE};
 
 /// Largest error, in f32, of [`Wave::directivity`], and of [`Wave::decay`] relative to itself; beyond, the f32 evaluators decline.
 const POLYNOMIAL_ERROR: f64 = 1e-6;

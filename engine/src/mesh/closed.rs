@@ -100,7 +100,7 @@ impl Mesh {
     }
 
     /// The solid angle of the surface around a point, with the sign of its side.
-    fn solid_angle(&self, at: DVec3) -> f64 {
+    pub(super) fn solid_angle(&self, at: DVec3) -> f64 {
         let of = |triangle: usize| {
             let [a, b, c] = self.corners(triangle).map(|corner| corner - at);
             let (la, lb, lc) = (a.length(), b.length(), c.length());

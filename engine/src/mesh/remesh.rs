@@ -1,10 +1,13 @@
-//! Edges of a wanted length: long ones are divided, short ones collapse.
+//! Edges of a wanted length: long ones are divided, short ones collapse, and triangles become nearly regular.
 //!
 //! Divided edges keep the surface. An edge collapses to the one of its ends and its middle that is nearest to the planes
 //! of all triangles that it replaces (M. Garland, P. S. Heckbert, SIGGRAPH 1997), if the surface stays a surface, no
-//! triangle turns over, and the place is within a tenth of the wanted edge of those planes.
+//! triangle turns over, and the place is within a tenth of the wanted edge of those planes. Then edges opposite to wide
+//! angles flip, and vertices of smooth parts move along the surface to the middle of their neighbours (M. Botsch,
+//! L. Kobbelt, Symp. Geometry Processing 2004).
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
 
 use glam::DVec3;
 
@@ -18,8 +21,12 @@ const SHORTEST: f64 = 0.6;
 const OFF: f64 = 0.1;
 /// Cosine of the angle by which a triangle may turn.
 const LEAST_COSINE: f64 = 0.4;
+/// Cosine of the angle by which a triangle of a smooth part may turn.
+const SMOOTH: f64 = 0.8;
 /// Rounds of collapses.
 const ROUNDS: usize = 40;
+/// Rounds of flips, moves and collapses.
+const SMOOTHINGS: usize = 3;
 
 impl Mesh {
     /// The surface with edges of at most 4/3 of a length (m), and few of less than 0.6 of it where the shape needs none.
@@ -126,7 +133,7 @@ struct Coarsening {
     mesh: Mesh,
     is_alive: Vec<bool>,
     /// Triangles around each vertex.
-    around: Vec<BTreeSet<u32>>,
+    around: Vec<Vec<u32>>,
     quadrics: Vec<Quadric>,
     /// The middle of the box, near which places keep their digits.
     origin: DVec3,
@@ -137,12 +144,12 @@ impl Coarsening {
         let (low, high) = mesh.extent();
         let origin = low.midpoint(high);
         let mesh = mesh.clone().mapped(|at| at - origin);
-        let mut around = vec![BTreeSet::new(); mesh.vertices.len()];
+        let mut around = vec![Vec::new(); mesh.vertices.len()];
         let mut quadrics = vec![Quadric::default(); mesh.vertices.len()];
         for (triangle, corners) in mesh.triangles.iter().enumerate() {
             let quadric = Quadric::of(mesh.corners(triangle));
             for &vertex in corners {
-                around[vertex as usize].insert(triangle as u32);
+                around[vertex as usize].push(triangle as u32);
                 quadrics[vertex as usize].add(&quadric);
             }
         }
@@ -156,6 +163,11 @@ impl Coarsening {
                 break;
             }
         }
+        for _ in 0..SMOOTHINGS {
+            self.flip_edges();
+            self.centre_vertices();
+            self.round();
+        }
         let Self { mesh, is_alive, origin, .. } = self;
         let alive = mesh.triangles.iter().zip(&is_alive).filter(|(_, alive)| **alive);
         let triangles = alive.map(|(corners, _)| *corners).collect();
@@ -164,17 +176,18 @@ impl Coarsening {
 
     /// Collapses short edges, the shortest first, and says whether it found any.
     fn round(&mut self) -> bool {
-        let mut edges = BTreeSet::new();
+        let mut edges = Vec::new();
         for (corners, _) in self.mesh.triangles.iter().zip(&self.is_alive).filter(|(_, alive)| **alive) {
             for i in 0..3 {
                 let (a, b) = (corners[i], corners[(i + 1) % 3]);
                 let length = self.place(a).distance(self.place(b));
                 if a < b && length < SHORTEST * self.edge {
                     // Bits of positive numbers are in the sequence of the numbers.
-                    edges.insert((length.to_bits(), a, b));
+                    edges.push((length.to_bits(), a, b));
                 }
             }
         }
+        edges.sort_unstable();
         let mut found = false;
         for (length, a, b) in edges {
             if self.place(a).distance(self.place(b)).to_bits() == length {
@@ -188,17 +201,109 @@ impl Coarsening {
         self.mesh.vertices[vertex as usize]
     }
 
-    fn neighbours(&self, vertex: u32) -> BTreeSet<u32> {
+    /// In ascending order.
+    fn neighbours(&self, vertex: u32) -> Vec<u32> {
         let corners = self.around[vertex as usize].iter().flat_map(|&t| self.mesh.triangles[t as usize]);
-        corners.filter(|other| *other != vertex).collect()
+        let mut others: Vec<u32> = corners.filter(|other| *other != vertex).collect();
+        others.sort_unstable();
+        others.dedup();
+        others
+    }
+
+    /// The triangles on both sides of an edge.
+    fn beside(&self, a: u32, b: u32) -> Vec<u32> {
+        let other = &self.around[b as usize];
+        self.around[a as usize].iter().copied().filter(|triangle| other.contains(triangle)).collect()
+    }
+
+    /// Area vectors of a triangle without and with some corners moved to a place.
+    fn turned(&self, triangle: u32, moved: impl Fn(u32) -> bool, to: DVec3) -> [DVec3; 2] {
+        let before = self.mesh.corners(triangle as usize);
+        let corners = self.mesh.triangles[triangle as usize];
+        let after = [0, 1, 2].map(|i| if moved(corners[i]) { to } else { before[i] });
+        [area_vector(before), area_vector(after)]
+    }
+
+    /// Flips edges opposite to two angles of more than half a turn, where the surface is smooth.
+    fn flip_edges(&mut self) {
+        for triangle in 0..self.mesh.triangles.len() {
+            for i in 0..3 {
+                if self.is_alive[triangle] {
+                    let corners = self.mesh.triangles[triangle];
+                    self.flip(corners[i], corners[(i + 1) % 3]);
+                }
+            }
+        }
+    }
+
+    fn flip(&mut self, a: u32, b: u32) {
+        let [first, second] = self.beside(a, b)[..] else { return };
+        // The first runs from a to b.
+        let runs = |t: u32| {
+            let corners = self.mesh.triangles[t as usize];
+            (0..3).any(|i| corners[i] == a && corners[(i + 1) % 3] == b)
+        };
+        let (first, second) = if runs(first) { (first, second) } else { (second, first) };
+        let opposite = |t: u32| self.mesh.triangles[t as usize].into_iter().find(|v| *v != a && *v != b);
+        let (Some(c), Some(d)) = (opposite(first), opposite(second)) else { return };
+        let [pa, pb, pc, pd] = [a, b, c, d].map(|vertex| self.place(vertex));
+        let angles = (pa - pc).angle_between(pb - pc) + (pa - pd).angle_between(pb - pd);
+        if angles < PI + 1e-6 || pc.distance(pd) > LONGEST * self.edge {
+            return;
+        }
+        let old = [[pa, pb, pc], [pb, pa, pd]].map(area_vector);
+        let new = [[pa, pd, pc], [pb, pc, pd]].map(area_vector);
+        // A sliver has no normal worth a comparison.
+        let least = 1e-3 * self.edge.powi(2);
+        let is_alike = |new: DVec3| {
+            let alike = |old: &DVec3| old.dot(new) > SMOOTH * old.length() * new.length();
+            new.length() > least && old.iter().all(|own| own.length() < least || alike(own))
+        };
+        let few = [a, b].iter().any(|&vertex| self.around[vertex as usize].len() < 4);
+        if c == d || few || !new.into_iter().all(is_alike) || !self.beside(c, d).is_empty() {
+            return;
+        }
+        self.mesh.triangles[first as usize] = [a, d, c];
+        self.mesh.triangles[second as usize] = [b, c, d];
+        self.around[a as usize].retain(|t| *t != second);
+        self.around[b as usize].retain(|t| *t != first);
+        self.around[c as usize].push(second);
+        self.around[d as usize].push(first);
+    }
+
+    /// Moves vertices of smooth parts along the surface to the middle of their neighbours.
+    fn centre_vertices(&mut self) {
+        for vertex in 0..self.mesh.vertices.len() as u32 {
+            let around = &self.around[vertex as usize];
+            let vectors = around.iter().map(|&t| area_vector(self.mesh.corners(t as usize)));
+            let normal = vectors.clone().sum::<DVec3>().normalize_or_zero();
+            let neighbours = self.neighbours(vertex);
+            if neighbours.is_empty() || vectors.clone().any(|own| own.dot(normal) < SMOOTH * own.length()) {
+                continue;
+            }
+            let own = self.place(vertex);
+            let sum: DVec3 = neighbours.iter().map(|&other| self.place(other)).sum();
+            let to = own + (sum / neighbours.len() as f64 - own).reject_from_normalized(normal);
+            let longest = LONGEST * self.edge;
+            let fits = |&triangle: &u32| {
+                let [old, new] = self.turned(triangle, |corner| corner == vertex, to);
+                new.dot(old) > SMOOTH * new.length() * old.length() && new.length() > 1e-3 * self.edge.powi(2)
+            };
+            if self.quadrics[vertex as usize].at(to) < (OFF / 2.0 * self.edge).powi(2)
+                && neighbours.iter().all(|&other| self.place(other).distance(to) <= longest)
+                && around.iter().all(fits)
+            {
+                self.mesh.vertices[vertex as usize] = to;
+            }
+        }
     }
 
     /// Moves both ends to one place, if the surface allows.
     fn collapse(&mut self, a: u32, b: u32) -> bool {
         let (near_a, near_b) = (self.neighbours(a), self.neighbours(b));
         // Two triangles share the edge, and no other vertex joins its ends.
-        if !near_a.contains(&b)
-            || near_a.intersection(&near_b).count() != 2
+        if near_a.binary_search(&b).is_err()
+            || near_a.iter().filter(|other| near_b.binary_search(other).is_ok()).count() != 2
             || near_a.len() + near_b.len() < 8
         {
             return false;
@@ -209,35 +314,32 @@ impl Coarsening {
         let best = places.into_iter().min_by(|p, q| quadric.at(*p).total_cmp(&quadric.at(*q)));
         let Some(to) = best.filter(|to| quadric.at(*to) < (OFF * self.edge).powi(2)) else { return false };
         let longest = LONGEST * self.edge;
-        if near_a
-            .union(&near_b)
-            .any(|&other| other != a && other != b && self.place(other).distance(to) > longest)
-        {
+        let mut others = near_a.iter().chain(&near_b).filter(|other| **other != a && **other != b);
+        if others.any(|&other| self.place(other).distance(to) > longest) {
             return false;
         }
-        let (of_a, of_b) = (self.around[a as usize].clone(), self.around[b as usize].clone());
-        let kept = of_a.symmetric_difference(&of_b);
-        for &triangle in kept {
-            let before = self.mesh.corners(triangle as usize);
-            let corners = self.mesh.triangles[triangle as usize];
-            let after = [0, 1, 2].map(|i| if corners[i] == a || corners[i] == b { to } else { before[i] });
-            let (old, new) = (area_vector(before), area_vector(after));
+        let shared = self.beside(a, b);
+        for &triangle in self.around[a as usize].iter().chain(&self.around[b as usize]) {
+            if shared.contains(&triangle) {
+                continue;
+            }
+            let [old, new] = self.turned(triangle, |corner| corner == a || corner == b, to);
             if new.dot(old) < LEAST_COSINE * new.length() * old.length()
                 || new.length() < 1e-3 * self.edge.powi(2)
             {
                 return false;
             }
         }
-        for &triangle in of_a.intersection(&of_b) {
+        for triangle in shared {
             self.is_alive[triangle as usize] = false;
             for vertex in self.mesh.triangles[triangle as usize] {
-                self.around[vertex as usize].remove(&triangle);
+                self.around[vertex as usize].retain(|own| *own != triangle);
             }
         }
         for triangle in std::mem::take(&mut self.around[b as usize]) {
             let corners = &mut self.mesh.triangles[triangle as usize];
             corners.iter_mut().filter(|vertex| **vertex == b).for_each(|vertex| *vertex = a);
-            self.around[a as usize].insert(triangle);
+            self.around[a as usize].push(triangle);
         }
         self.mesh.vertices[a as usize] = to;
         self.quadrics[a as usize] = quadric;

@@ -8,6 +8,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec3, dvec3};
 
 use crate::mesh::closed::Mesh;
+use crate::mesh::hand;
 
 /// A sphere about the origin with a radius and triangles whose edges are about as long as wanted, m: an icosahedron
 /// with every edge divided.
@@ -130,9 +131,11 @@ pub fn slab(size: DVec3, margin: f64, edge: f64) -> Mesh {
     with_volume(body(mesh), volume, |at, out| at + (at - inner(at)).normalize() * out)
 }
 
-/// A right hand whose palm's skin has its middle in the origin and faces z, with fingers along x.
-pub fn hand(size: DVec3, _fingers: [f64; 5], edge: f64) -> Mesh {
-    slab(size, 0.5 * size.z, edge).mapped(|at| at - DVec3::Z * (size.z / 2.0))
+/// A right hand whose palm's skin has its middle in the origin and faces z, with fingers along x and the thumb at negative
+/// y: the palm's size (m: along x, across, and its thickness) and the angles (degrees) by which thumb, index, middle, ring
+/// and little finger are bent towards the palm.
+pub fn hand(size: DVec3, fingers: [f64; 5], edge: f64) -> Mesh {
+    hand::mesh(size, fingers, edge)
 }
 
 /// Divides a triangle's edges into parts and adds its triangles.

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use crate::mesh::Mesh;
 use crate::scatter::boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
+use crate::scatter::emission::Emission;
 use crate::scatter::gmres::{self, Outcome};
 use crate::scatter::patch::{Patch, Sound};
 use crate::scatter::sphere::Sphere;
@@ -73,12 +74,23 @@ pub struct Skin {
 }
 
 impl Bodies {
-    /// The bodies of a scene that are loaded, for a wavenumber (rad/m).
+    /// The bodies of a scene that are loaded, for a wavenumber (rad/m) and sound from places (m).
     ///
     /// # Errors
     /// A body with more triangles than the memory holds.
-    pub fn new(bodies: &[Body], mirrors: &[Reflector], wavenumber: f64) -> Result<Self, TooLarge> {
-        let solids = bodies.iter().filter_map(|body| Solid::new(body, wavenumber).transpose());
+    pub fn new(
+        bodies: &[Body],
+        mirrors: &[Reflector],
+        wavenumber: f64,
+        sources: &[DVec3],
+    ) -> Result<Self, TooLarge> {
+        let alone = bodies.len() == 1 && mirrors.is_empty();
+        let nearest = |body: &Body| match alone {
+            true => sources.iter().map(|at| at.distance(body.at)).fold(f64::INFINITY, f64::min),
+            false => body.radius,
+        };
+        let solid = |body: &Body| Solid::new(body, wavenumber, nearest(body)).transpose();
+        let solids = bodies.iter().filter_map(solid);
         Ok(Self { solids: solids.collect::<Result<_, _>>()?, mirrors: mirrors.to_vec() })
     }
 
@@ -184,18 +196,27 @@ impl Bodies {
         self.heard(answer, points, None)
     }
 
+    /// The same, in f32 far from surfaces.
+    pub fn sounds_in_f32(&self, answer: &Answer, points: &[DVec3]) -> Vec<Sound> {
+        self.heard_by(answer, points, None, false)
+    }
+
     /// The same without the direct sound of one of them.
     fn heard(&self, answer: &Answer, points: &[DVec3], but: Option<usize>) -> Vec<Sound> {
+        self.heard_by(answer, points, but, true)
+    }
+
+    fn heard_by(&self, answer: &Answer, points: &[DVec3], but: Option<usize>, double: bool) -> Vec<Sound> {
         let mut sums = vec![(Complex64::ZERO, [Complex64::ZERO; 3]); points.len()];
         for (index, (solid, own)) in self.solids.iter().zip(answer).enumerate() {
             if but != Some(index) {
-                let direct = solid.sounds(own, points);
+                let direct = solid.sounds(own, points, double);
                 sums.iter_mut().zip(direct).for_each(|(sum, own)| add(sum, own, 1.0));
             }
             for mirror in &self.mirrors {
                 let normal = mirror.normal.normalize_or_zero();
                 let there: Vec<_> = points.iter().map(|at| seen(mirror, *at)).collect();
-                for (sum, (p, gradient)) in sums.iter_mut().zip(solid.sounds(own, &there)) {
+                for (sum, (p, gradient)) in sums.iter_mut().zip(solid.sounds(own, &there, double)) {
                     let turned = along(gradient, normal) * 2.0;
                     let gradient = [0, 1, 2].map(|axis| gradient[axis] - turned * normal[axis]);
                     add(sum, (p, gradient), mirror.coefficient);
@@ -207,13 +228,41 @@ impl Bodies {
 
     /// Scattered pressures (Pa) at points (m) outside, in f32 far from surfaces.
     pub fn pressures(&self, answer: &Answer, points: &[DVec3]) -> Vec<Complex64> {
+        let mut all = self.corrections(answer, points);
+        for emission in self.emissions(answer) {
+            let own = emission.pressures(points);
+            all.iter_mut().zip(own).for_each(|(sum, p)| *sum += p);
+        }
+        all
+    }
+
+    /// The sources of all surfaces of triangles and of their images.
+    pub fn emissions(&self, answer: &Answer) -> Vec<Emission> {
+        let of = |(solid, own): (&Solid, &Vec<Complex64>)| {
+            let Surface::Elements(boundary) = &solid.surface else { return Vec::new() };
+            let emission = boundary.emission(own);
+            let direct = emission.placed(solid.axes, solid.at, 1.0);
+            let image = |mirror: &Reflector| {
+                let normal = mirror.normal.normalize_or_zero();
+                let columns = [solid.axes.x_axis, solid.axes.y_axis, solid.axes.z_axis];
+                let [x, y, z] = columns.map(|axis| axis - normal * (2.0 * axis.dot(normal)));
+                let axes = DMat3::from_cols(x, y, z);
+                emission.placed(axes, seen(mirror, solid.at), mirror.coefficient)
+            };
+            [direct].into_iter().chain(self.mirrors.iter().map(image)).collect()
+        };
+        self.solids.iter().zip(answer).flat_map(of).collect()
+    }
+
+    /// What the sums of [`Self::emissions`] lack at points (m): near triangles, and the sound of spheres.
+    pub fn corrections(&self, answer: &Answer, points: &[DVec3]) -> Vec<Complex64> {
         let mut all = vec![Complex64::ZERO; points.len()];
         for (solid, own) in self.solids.iter().zip(answer) {
-            let direct = solid.pressures(own, points);
+            let direct = solid.corrections(own, points);
             all.iter_mut().zip(direct).for_each(|(sum, p)| *sum += p);
             for mirror in &self.mirrors {
                 let there: Vec<_> = points.iter().map(|at| seen(mirror, *at)).collect();
-                let echo = solid.pressures(own, &there);
+                let echo = solid.corrections(own, &there);
                 all.iter_mut().zip(echo).for_each(|(sum, p)| *sum += p * mirror.coefficient);
             }
         }
@@ -238,6 +287,19 @@ impl Bodies {
             all.extend(own);
         }
         all
+    }
+
+    /// The weights of incident pressures and slopes at [`Self::points`] in what weights of the answer give, by one solution
+    /// for each instead of one for each sound; `None` of bodies that hear each other, and of spheres, whose answers cost
+    /// little.
+    pub fn adjoints(&self, weights: &[Vec<Complex64>]) -> Option<Vec<Incident>> {
+        let [Solid { surface: Surface::Elements(boundary), .. }] = &self.solids[..] else { return None };
+        let solved = self.mirrors.is_empty().then(|| boundary.solve_transposed(weights, None, TOLERANCE))?;
+        let of = |outcome: Outcome| {
+            let (pressures, slopes) = boundary.right_side_weights(&outcome.values);
+            Incident { pressures, slopes }
+        };
+        Some(solved.into_iter().map(of).collect())
     }
 
     /// Bounds on the error of each body's sound, from the incident sound at the surfaces and that (Pa) at any points; spheres
@@ -298,12 +360,13 @@ impl Bodies {
 
 impl Solid {
     /// `None` of a mesh that is not loaded, or axes that are none.
-    fn new(body: &Body, wavenumber: f64) -> Result<Option<Self>, TooLarge> {
+    fn new(body: &Body, wavenumber: f64, nearest: f64) -> Result<Option<Self>, TooLarge> {
         let Some(axes) = body.axes() else { return Ok(None) };
         let at = body.at;
         let surface = match body.kind {
             BodyKind::Sphere => {
-                Surface::Series(Sphere::new(DVec3::ZERO, body.radius, body.coefficient, wavenumber))
+                let shape = (DVec3::ZERO, body.radius, body.coefficient);
+                Surface::Series(Sphere::heard_from(nearest, shape, wavenumber))
             }
             BodyKind::Capsule | BodyKind::Palm | BodyKind::Hand | BodyKind::Mesh => {
                 let Some(boundary) = boundary(body, wavenumber)? else { return Ok(None) };
@@ -330,7 +393,7 @@ impl Solid {
         let own = self.own(at);
         match &self.surface {
             Surface::Series(sphere) => own.length() < sphere.radius(),
-            Surface::Elements(boundary) => boundary.mesh().contains(own),
+            Surface::Elements(boundary) => boundary.contains(own),
         }
     }
 
@@ -363,11 +426,12 @@ impl Solid {
         }
     }
 
-    fn sounds(&self, own: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
+    fn sounds(&self, own: &[Complex64], points: &[DVec3], double: bool) -> Vec<Sound> {
         let points: Vec<_> = points.iter().map(|at| self.own(*at)).collect();
         let sounds: Vec<_> = match &self.surface {
             Surface::Series(sphere) => points.par_iter().map(|at| sphere.scattered(own, *at)).collect(),
-            Surface::Elements(boundary) => boundary.sound(own, &points),
+            Surface::Elements(boundary) if double => boundary.sound(own, &points),
+            Surface::Elements(boundary) => boundary.sounds(own, &points),
         };
         sounds.into_iter().map(|(p, gradient)| (p, self.turned(gradient))).collect()
     }
@@ -377,13 +441,12 @@ impl Solid {
         [0, 1, 2].map(|axis| along(gradient, self.axes.row(axis)))
     }
 
-    fn pressures(&self, own: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {
+    fn corrections(&self, own: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {
+        let points: Vec<_> = points.iter().map(|at| self.own(*at)).collect();
         match &self.surface {
-            Surface::Series(sphere) => {
-                points.par_iter().map(|at| sphere.scattered(own, self.own(*at)).0).collect()
-            }
+            Surface::Series(sphere) => points.par_iter().map(|at| sphere.scattered(own, *at).0).collect(),
             Surface::Elements(boundary) => {
-                boundary.scattered(own, &points.iter().map(|at| self.own(*at)).collect::<Vec<_>>())
+                boundary.corrections(own, &points).into_iter().map(|(p, _)| p).collect()
             }
         }
     }

@@ -28,13 +28,15 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::memory;
-use crate::mesh::Mesh;
+use crate::mesh::{Inside, Mesh};
+use crate::scatter::emission::Emission;
 use crate::scatter::facets::{Facet, THREE, Wall};
 use crate::scatter::gmres::{self, Outcome};
+use crate::scatter::grid::Grid;
 use crate::scatter::hierarchy::{Hierarchy, Tree};
 use crate::scatter::near::Near;
 use crate::scatter::patch::{self, Patch, Sound};
-use crate::scatter::radiation::Radiation;
+use crate::scatter::radiation::{CLEAR, Radiation};
 
 /// Residual at which solving ends, relative to the right side.
 pub const TOLERANCE: f64 = 1e-5;
@@ -59,6 +61,9 @@ pub struct Boundary {
     wall: Wall,
     mesh: Mesh,
     facets: Vec<Facet>,
+    /// Finds triangles near a point.
+    grid: Grid,
+    inside: Inside,
     /// Vertices in the sequence of the matrix.
     order: Vec<u32>,
     matrix: Hierarchy,
@@ -118,11 +123,18 @@ impl Boundary {
         };
         let leaves: Vec<_> = tree.leaves().collect();
         let inverses = leaves.into_par_iter().map(inverse).collect();
-        Ok(Self { wall, mesh: mesh.clone(), facets, order: tree.order, matrix, near, inverses })
+        let grid = Grid::new(&facets, CLEAR);
+        let inside = Inside::new(mesh);
+        Ok(Self { wall, mesh: mesh.clone(), facets, grid, inside, order: tree.order, matrix, near, inverses })
     }
 
     pub fn mesh(&self) -> &Mesh {
         &self.mesh
+    }
+
+    /// Whether a point (m) is inside.
+    pub fn contains(&self, at: DVec3) -> bool {
+        self.inside.contains(at)
     }
 
     /// Bytes of the matrix.
@@ -199,13 +211,35 @@ impl Boundary {
 
     /// Scattered pressures (Pa) of nodes' pressures at points (m) outside, in f32.
     pub fn scattered(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Complex64> {
-        Radiation::new(self.wall, &self.facets, nodal).pressures(points)
+        self.radiation(nodal).pressures(points)
+    }
+
+    /// The same with gradients (Pa/m).
+    #[doc(hidden)]
+    pub fn sounds(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
+        self.radiation(nodal).sounds(points)
+    }
+
+    /// The sources of both as plain data; [`Self::corrections`] adds what they lack near the surface.
+    #[doc(hidden)]
+    pub fn emission(&self, nodal: &[Complex64]) -> Emission {
+        self.radiation(nodal).emission()
+    }
+
+    /// What the sums of [`Self::emission`] lack at points (m) near the surface.
+    #[doc(hidden)]
+    pub fn corrections(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
+        self.radiation(nodal).corrections(points)
     }
 
     /// Scattered sound of nodes' pressures at points (m) outside, in f64.
     pub fn sound(&self, nodal: &[Complex64], points: &[DVec3]) -> Vec<Sound> {
-        let radiation = Radiation::new(self.wall, &self.facets, nodal);
+        let radiation = self.radiation(nodal);
         points.par_iter().map(|at| radiation.sound(*at)).collect()
+    }
+
+    fn radiation(&self, nodal: &[Complex64]) -> Radiation<'_> {
+        Radiation::new(self.wall, &self.facets, &self.grid, nodal)
     }
 
     /// The weights of the nodes' pressures in the scattered pressure at a point (m) outside, and in its slopes along the
@@ -254,7 +288,7 @@ impl Boundary {
         let point = |facet: &Facet| {
             // The radius of an equilateral triangle is its edge by √3.
             let at = facet.centroid - facet.normal * (0.4 * 3.0f64.sqrt() * facet.radius);
-            self.mesh.contains(at).then_some(at)
+            self.contains(at).then_some(at)
         };
         let facets: Vec<_> = self.facets.iter().step_by(step).collect();
         facets.par_iter().filter_map(|facet| point(facet)).collect()

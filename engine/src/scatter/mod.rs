@@ -36,8 +36,10 @@
 
 mod bodies;
 mod boundary;
+mod emission;
 mod facets;
 mod gmres;
+mod grid;
 mod hierarchy;
 mod near;
 mod pairs;
@@ -48,6 +50,9 @@ mod waves;
 
 pub use bodies::{Answer, Bodies, Incident, Skin};
 pub use boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
+#[doc(hidden)]
+pub use emission::Emission;
 pub use gmres::Outcome;
 pub use patch::{Patch, Sound};
 pub use sphere::Sphere;
+pub(crate) use waves::{COSINE, SINE};

@@ -5,16 +5,16 @@
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use num_complex::{Complex32, Complex64};
+use num_complex::Complex64;
 use rayon::prelude::*;
 
+use crate::scatter::emission::Emission;
 use crate::scatter::facets::{Facet, SIX, THREE, Wall};
+use crate::scatter::grid::Grid;
 use crate::scatter::patch::Sound;
-use crate::scatter::waves::{LANES, each, wave};
-use crate::simd::{Instructions, Isa, Kernel, fused};
 
 /// Distances from the centroid, relative to a triangle's radius, from which the rule of three points serves.
-const CLEAR: f64 = 4.0;
+pub(super) const CLEAR: f64 = 4.0;
 /// The same for pieces, with the rule of six points.
 const PIECE_CLEAR: f64 = 2.5;
 /// Divisions of a triangle that touches the point.
@@ -34,17 +34,16 @@ struct Source {
 pub(super) struct Radiation<'a> {
     wall: Wall,
     facets: &'a [Facet],
+    /// Finds triangles that are not [`CLEAR`] of a point.
+    grid: &'a Grid,
     /// Pa, at the corners of every triangle.
     pressures: Vec<[Complex64; 3]>,
     sources: Vec<Source>,
-    /// The box around the surface, m.
-    low: DVec3,
-    high: DVec3,
 }
 
 impl<'a> Radiation<'a> {
     /// That of pressures (Pa) at the nodes.
-    pub fn new(wall: Wall, facets: &'a [Facet], nodal: &[Complex64]) -> Self {
+    pub fn new(wall: Wall, facets: &'a [Facet], grid: &'a Grid, nodal: &[Complex64]) -> Self {
         let pressures: Vec<_> =
             facets.iter().map(|facet| facet.nodes.map(|node| nodal[node as usize])).collect();
         let of = |(facet, p): (&Facet, &[Complex64; 3])| {
@@ -56,31 +55,60 @@ impl<'a> Radiation<'a> {
             })
         };
         let sources = facets.iter().zip(&pressures).flat_map(of).collect();
-        let corners = || facets.iter().flat_map(|facet| facet.corners);
+        Self { wall, facets, grid, pressures, sources }
+    }
+
+    /// The rule of three points of all triangles, as plain data.
+    pub fn emission(&self) -> Emission {
+        let corners = || self.facets.iter().flat_map(|facet| facet.corners);
         let (low, high) = (corners().fold(DVec3::MAX, DVec3::min), corners().fold(DVec3::MIN, DVec3::max));
-        Self { wall, facets, pressures, sources, low, high }
+        let (middle, per_metre) = (low.midpoint(high), self.wall.wavenumber / PI);
+        let of = |source: &Source| {
+            let [x, y, z] = ((source.at - middle) * per_metre).as_vec3().to_array();
+            let [nx, ny, nz] = source.normal.as_vec3().to_array();
+            let strength = source.strength * per_metre.powi(2);
+            [x, y, z, strength.re as f32, nx, ny, nz, strength.im as f32]
+        };
+        Emission {
+            middle,
+            per_metre,
+            leak: (PI * self.wall.admittance) as f32,
+            least: (self.least() * per_metre) as f32,
+            sources: self.sources.iter().map(of).collect(),
+        }
+    }
+
+    /// Least distance (m) of sources in f32: of those that need no correction, none is nearer.
+    fn least(&self) -> f64 {
+        self.facets.iter().map(|facet| facet.radius).fold(f64::INFINITY, f64::min)
     }
 
     /// Pressures (Pa), in f32 where no triangle is near; relative to their largest about 1e-5 off.
     pub fn pressures(&self, points: &[DVec3]) -> Vec<Complex64> {
-        let mut all = vec![Complex64::ZERO; points.len()];
-        let middle = self.low.midpoint(self.high);
-        all.par_chunks_mut(LANES).zip(points.par_chunks(LANES)).for_each(|(to, points)| {
-            let place = |lane: usize, axis: usize| (points[lane.min(points.len() - 1)] - middle)[axis] as f32;
-            let places = [0, 1, 2].map(|axis| std::array::from_fn(|lane| place(lane, axis)));
-            let sums = Isa::best().run(Sum { radiation: self, middle, places });
-            for (lane, (to, at)) in to.iter_mut().zip(points).enumerate() {
-                *to = Complex64::new(sums[0][lane], sums[1][lane]) + self.near(*at).0;
-            }
-        });
+        let mut all = self.emission().pressures(points);
+        let least = self.least();
+        all.par_iter_mut().zip(points).for_each(|(sum, at)| *sum += self.near(*at, least).0);
         all
+    }
+
+    /// The same with gradients (Pa/m).
+    pub fn sounds(&self, points: &[DVec3]) -> Vec<Sound> {
+        let mut all = self.emission().sounds(points);
+        all.iter_mut().zip(self.corrections(points)).for_each(|(sum, near)| add(sum, near));
+        all
+    }
+
+    /// What the sums of [`Self::emission`] lack at points (m), of near triangles.
+    pub fn corrections(&self, points: &[DVec3]) -> Vec<Sound> {
+        let least = self.least();
+        points.par_iter().map(|at| self.near(*at, least)).collect()
     }
 
     /// Pressure and gradient in f64.
     pub fn sound(&self, at: DVec3) -> Sound {
-        let mut sum = self.near(at);
+        let mut sum = self.near(at, 0.0);
         for source in &self.sources {
-            add(&mut sum, heard(&self.wall, source, at));
+            add(&mut sum, heard(&self.wall, source, at, 0.0));
         }
         sum
     }
@@ -100,18 +128,18 @@ impl<'a> Radiation<'a> {
         weights
     }
 
-    /// What the rule of three points lacks for near triangles.
-    fn near(&self, at: DVec3) -> Sound {
+    /// What the rule of three points lacks for near triangles, with sources that are never nearer than `least` (m).
+    fn near(&self, at: DVec3, least: f64) -> Sound {
         let mut sum = (Complex64::ZERO, [Complex64::ZERO; 3]);
-        let outside = (self.low - at).max(at - self.high).max(DVec3::ZERO).length();
-        for (number, facet) in self.facets.iter().enumerate() {
+        for number in self.grid.around(at) {
+            let facet = &self.facets[number];
             let clear = CLEAR * facet.radius;
-            if outside > clear || facet.centroid.distance_squared(at) >= clear * clear {
+            if facet.centroid.distance_squared(at) >= clear * clear {
                 continue;
             }
             add(&mut sum, of_facet(&self.wall, facet, self.pressures[number], at));
             for source in &self.sources[3 * number..3 * number + 3] {
-                let (p, gradient) = heard(&self.wall, source, at);
+                let (p, gradient) = heard(&self.wall, source, at, least);
                 add(&mut sum, (-p, gradient.map(|slope| -slope)));
             }
         }
@@ -125,7 +153,7 @@ fn of_facet(wall: &Wall, facet: &Facet, p: [Complex64; 3], at: DVec3) -> Sound {
     if facet.centroid.distance(at) >= CLEAR * facet.radius {
         for w in THREE {
             let strength = (p[0] * w[0] + p[1] * w[1] + p[2] * w[2]) * (facet.area / 3.0 / (4.0 * PI));
-            add(&mut sum, heard(wall, &Source { at: facet.at(w), normal: facet.normal, strength }, at));
+            add(&mut sum, heard(wall, &Source { at: facet.at(w), normal: facet.normal, strength }, at, 0.0));
         }
         return sum;
     }
@@ -157,7 +185,7 @@ fn pieces(
     for (w, weight) in SIX {
         let w = mix(w);
         let strength = (p[0] * w[0] + p[1] * w[1] + p[2] * w[2]) * (area * weight);
-        add(sum, heard(wall, &Source { at: facet.at(w), normal: facet.normal, strength }, at));
+        add(sum, heard(wall, &Source { at: facet.at(w), normal: facet.normal, strength }, at, 0.0));
     }
 }
 
@@ -166,11 +194,12 @@ fn add(sum: &mut Sound, (p, gradient): Sound) {
     sum.1.iter_mut().zip(gradient).for_each(|(sum, slope)| *sum += slope);
 }
 
-/// The sound of a source: with d from the point to it, s (G'/R n·d - jkβ G) and its gradient by the point.
-fn heard(wall: &Wall, source: &Source, at: DVec3) -> Sound {
+/// The sound of a source: with d from the point to it, s (G'/R n·d - jkβ G) and its gradient by the point,
+/// from a distance R of at least `least` (m).
+fn heard(wall: &Wall, source: &Source, at: DVec3, least: f64) -> Sound {
     let k = wall.wavenumber;
     let d = source.at - at;
-    let r2 = d.length_squared();
+    let r2 = d.length_squared().max(least * least);
     if r2 == 0.0 {
         return (Complex64::ZERO, [Complex64::ZERO; 3]);
     }
@@ -184,53 +213,4 @@ fn heard(wall: &Wall, source: &Source, at: DVec3) -> Sound {
     let gradient = [0, 1, 2]
         .map(|axis| -(bend * along * d[axis] + slope * source.normal[axis]) + leak * slope * d[axis]);
     (slope * along - leak * g, gradient)
-}
-
-/// The rule of three points of all triangles at a run of points.
-struct Sum<'a, 'b> {
-    radiation: &'a Radiation<'b>,
-    middle: DVec3,
-    places: [[f32; LANES]; 3],
-}
-
-impl Kernel for Sum<'_, '_> {
-    type Output = [[f64; LANES]; 2];
-
-    #[inline(always)]
-    fn run<I: Instructions>(self) -> [[f64; LANES]; 2] {
-        /// Sources between two additions to the sums in f64.
-        const RUN: usize = 64;
-        let Self { radiation, middle, places: [xs, ys, zs] } = self;
-        let k = radiation.wall.wavenumber as f32;
-        let per_metre = (radiation.wall.wavenumber / PI) as f32;
-        let leak = (radiation.wall.wavenumber * radiation.wall.admittance) as f32;
-        let mut all = [[0f64; LANES]; 2];
-        for sources in radiation.sources.chunks(RUN) {
-            let mut sums = [[0f32; LANES]; 2];
-            for source in sources {
-                let [x, y, z] = (source.at - middle).as_vec3().to_array();
-                let [nx, ny, nz] = source.normal.as_vec3().to_array();
-                let u = Complex32::new(source.strength.re as f32, source.strength.im as f32);
-                let (dx, dy, dz) = (each(|l| x - xs[l]), each(|l| y - ys[l]), each(|l| z - zs[l]));
-                let r2 = each(|l| {
-                    fused::<I>(dx[l], dx[l], fused::<I>(dy[l], dy[l], fused::<I>(dz[l], dz[l], 1e-16)))
-                });
-                let [c, s, inverse, r] = wave::<I>(per_metre, &r2);
-                let along = each(|l| {
-                    fused::<I>(dx[l], nx, fused::<I>(dy[l], ny, dz[l] * nz)) * (inverse[l] * inverse[l])
-                });
-                let kr = each(|l| k * r[l]);
-                let re = each(|l| -fused::<I>(along[l], fused::<I>(kr[l], s[l], c[l]), leak * s[l]));
-                let im = each(|l| -fused::<I>(along[l], fused::<I>(kr[l], c[l], -s[l]), leak * c[l]));
-                sums[0] = each(|l| fused::<I>(u.re, re[l], fused::<I>(-u.im, im[l], sums[0][l])));
-                sums[1] = each(|l| fused::<I>(u.re, im[l], fused::<I>(u.im, re[l], sums[1][l])));
-            }
-            for part in 0..2 {
-                for lane in 0..LANES {
-                    all[part][lane] += f64::from(sums[part][lane]);
-                }
-            }
-        }
-        all
-    }
 }

@@ -44,10 +44,22 @@ impl Sphere {
     /// The sphere about a centre (m) with a radius (m) and the pressure reflection of its surface, above -1 and up to 1,
     /// for a wavenumber (rad/m); its orders resolve any sound from farther than a tenth of a radius away to 1e-10.
     pub fn new(centre: DVec3, radius: f64, coefficient: f64, wavenumber: f64) -> Self {
+        Self::heard_from(radius, (centre, radius, coefficient), wavenumber)
+    }
+
+    /// Those orders of it that resolve sound of sources at a distance (m) from the centre as well.
+    pub fn heard_from(
+        distance: f64,
+        (centre, radius, coefficient): (DVec3, f64, f64),
+        wavenumber: f64,
+    ) -> Self {
         let size = wavenumber * radius;
         // Waves of sources at a distance d decay by (a/d)^n beyond ka.
-        let order = (size + 9.0 * size.cbrt()).ceil() as usize + 24;
-        Self::with_order(order, (centre, radius, coefficient), wavenumber)
+        let decay = (distance / radius).max(1.0).ln();
+        let most = size + 9.0 * size.cbrt() + 24.0;
+        let least = size + 5.0 * size.cbrt() + 5.0;
+        let order = (size + 23.0 / decay.max(1e-9)).clamp(least, most.max(least));
+        Self::with_order(order.ceil() as usize, (centre, radius, coefficient), wavenumber)
     }
 
     /// Those up to an order.

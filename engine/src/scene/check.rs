@@ -329,8 +329,9 @@ fn aim(scene: &Scene) -> Result<(), KeyError> {
     if !scene.aims_at_depression() {
         return Ok(());
     }
-    if !scene.is_home() || !scene.mirrors().is_empty() {
-        let message = "a depression needs a single board of rows and columns in z = 0, without reflectors";
+    if !scene.is_home() || !scene.mirrors().is_empty() || !scene.bodies.is_empty() {
+        let message =
+            "a depression needs a single board of rows and columns in z = 0, without reflectors and bodies";
         return refuse("target", message);
     }
     let normal = scene.plane.axes().map_or(DVec3::Z, |(x, y)| x.cross(y));

@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a test's helper may panic")]
 
+mod bodies;
 mod caustic;
 mod depression;
 #[path = "../../../tests/dice/mod.rs"]
@@ -22,6 +23,7 @@ mod reference;
 #[path = "../../../tests/requirement/mod.rs"]
 mod requirement;
 mod response;
+mod scattered;
 mod side_lobe;
 mod skin;
 mod space;

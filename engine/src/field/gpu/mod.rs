@@ -14,6 +14,7 @@
 pub mod adapter;
 pub(crate) mod chain;
 mod device;
+mod emission;
 mod forming;
 mod gathering;
 mod painting;

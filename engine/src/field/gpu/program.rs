@@ -9,6 +9,7 @@
 //! | `piston`, `cosine`, `rectangle`, `exact_piston`, `curved` or `curved_cosine` | one of them: the wave of one element |
 //! | `elements_uniform` or `elements_storage` | one of them: up to 1024 elements, or more |
 //! | `whole` or `slices` | one of them: the sum over the elements in one invocation, or in several |
+//! | `emission` | with `phase`, and `whole` or `slices`: the sound that surfaces scatter |
 //! | `interpolation` | interpolation along one axis, a block of pixels per invocation: with `across` to values that are interpolated again, with `form` to final values |
 //! | `direct` | with `form`: values where the sound is known at the pixels |
 //! | `form` | the value of a sound, and the maximum; the formula of the quantity is prepended |
@@ -53,6 +54,18 @@ pub struct Params {
     pub radius: f32,
     pub piston_scale: f32,
     pub gain: f32,
+}
+
+/// The same struct as in `shaders/emission.wgsl`.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+pub struct EmissionParams {
+    pub first_source: u32,
+    pub last_source: u32,
+    pub first: u32,
+    pub count: u32,
+    pub leak: f32,
+    pub least: f32,
 }
 
 /// The same struct as in `shaders/interpolation.wgsl`.
@@ -114,6 +127,7 @@ pub struct PictureParams {
     pub full: f32,
 }
 
+const PHASE: &str = include_str!("../../../../shaders/phase.wgsl");
 const SOUND: &str = include_str!("../../../../shaders/sound.wgsl");
 const FORM: &str = include_str!("../../../../shaders/form.wgsl");
 const INTERPOLATION: &str = include_str!("../../../../shaders/interpolation.wgsl");
@@ -124,6 +138,8 @@ const INTERPOLATION: &str = include_str!("../../../../shaders/interpolation.wgsl
 pub enum Program {
     /// Sums over the elements.
     Field(FieldProgram),
+    /// Sums over the sources of surfaces.
+    Emission,
     /// Interpolation from samples to intermediate values, which are interpolated again.
     Across,
     /// Interpolation from these to values.
@@ -210,31 +226,35 @@ impl FieldProgram {
             include_str!("../../../../shaders/elements_uniform.wgsl")
         };
         let forms = format!(
-            "const MANY_TERMS: bool = {};\nconst EIGHT_SAMPLES: bool = {};\nconst LANES: u32 = {}u;\n\
-             const SLICES: u32 = {}u;\nconst IS_FLAT: bool = {};\nconst VECTORS: u32 = {}u;",
+            "const MANY_TERMS: bool = {};\nconst IS_FLAT: bool = {};\nconst VECTORS: u32 = {}u;",
             self.many_terms,
-            tuning.eight_samples,
-            tuning.lanes(),
-            tuning.slices,
             self.waves.are_flat(),
             self.waves.vectors()
         );
-        let sum = if tuning.slices == 1 {
-            include_str!("../../../../shaders/whole.wgsl")
-        } else {
-            include_str!("../../../../shaders/slices.wgsl")
-        };
         let params = include_str!("../../../../shaders/params.wgsl");
-        let phase = include_str!("../../../../shaders/phase.wgsl");
         let field = include_str!("../../../../shaders/field.wgsl");
-        [&forms, params, phase, elements, element, sum, field].join("\n")
+        [&forms, params, PHASE, elements, element, &shared_sum(tuning), field].join("\n")
     }
+}
+
+/// How invocations share samples, and the elements of each.
+fn shared_sum(tuning: &Tuning) -> String {
+    let sum = match tuning.slices {
+        1 => include_str!("../../../../shaders/whole.wgsl"),
+        _ => include_str!("../../../../shaders/slices.wgsl"),
+    };
+    format!(
+        "const EIGHT_SAMPLES: bool = {};\nconst LANES: u32 = {}u;\nconst SLICES: u32 = {}u;\n{sum}",
+        tuning.eight_samples,
+        tuning.lanes(),
+        tuning.slices
+    )
 }
 
 impl Program {
     #[cfg(test)]
     pub fn all() -> Vec<Self> {
-        let mut all = vec![Self::Across, Self::Gather];
+        let mut all = vec![Self::Emission, Self::Across, Self::Gather];
         all.extend(FieldProgram::all().map(Self::Field));
         all.extend(Quantity::ALL.map(Self::Form));
         all.extend(Quantity::ALL.map(Self::FormDirect));
@@ -248,6 +268,10 @@ impl Program {
     pub fn source(self, tuning: &Tuning) -> String {
         let source = match self {
             Self::Field(field) => field.source(tuning),
+            Self::Emission => {
+                let emission = include_str!("../../../../shaders/emission.wgsl");
+                [PHASE, &shared_sum(tuning), emission].join("\n")
+            }
             Self::Across => {
                 let across = include_str!("../../../../shaders/across.wgsl");
                 [&places(PRESSURE), SOUND, across, &blocks(tuning, PRESSURE), INTERPOLATION].join("\n")
@@ -418,7 +442,7 @@ mod tests {
                 let name = format!("{program:?}");
                 let module = module(&name, &program.source(&tuning));
                 assert_eq!(module.entry_points.len(), 1, "{name}");
-                let is_field = matches!(program, Program::Field(_));
+                let is_field = matches!(program, Program::Field(_) | Program::Emission);
                 let size = if is_field { [tuning.lanes(), tuning.slices] } else { [WORKGROUP, 1] };
                 assert_eq!(module.entry_points[0].workgroup_size, [size[0], size[1], 1], "{name}");
             }
@@ -467,6 +491,10 @@ mod tests {
                 piston_scale,
                 gain
             }
+        );
+        assert_same_layout!(
+            &module(Program::Emission, &Tuning::SOFTWARE),
+            EmissionParams { first_source, last_source, first, count, leak, least }
         );
         assert_same_layout!(
             &module(Program::Form(Quantity::Rms), &Tuning::SOFTWARE),

@@ -12,12 +12,14 @@ use num_complex::Complex32;
 use rayon::prelude::*;
 
 use crate::acoustics::Aperture;
+use crate::field::gpu::Gpu;
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::quantity::{PRESSURE, Part};
 use crate::field::raster::Raster;
 use crate::field::sound::narrow;
 use crate::field::stages::job::Job;
 use crate::field::stages::lattice::Lattice;
+use crate::scatter::{Answer, Bodies};
 
 /// Nodes along each side of a polynomial.
 const TAPS: usize = 6;
@@ -35,16 +37,24 @@ pub(super) fn within(aperture: &Aperture, raster: &Raster) -> Vec<usize> {
 }
 
 /// Adds the scattered sound of a drive to some rows of pixels; within bodies there is none.
-pub(super) fn add(job: &Job<'_>, drive: usize, (raster, rows): (&Raster, Range<usize>), to: &mut Lattice) {
+pub(super) fn add(
+    (job, gpu): (&Job<'_>, Option<&Gpu>),
+    drive: usize,
+    (raster, rows): (&Raster, Range<usize>),
+    to: &mut Lattice,
+) {
     let aperture = &job.key.setting.aperture;
     let Some((bodies, answer)) = aperture.answer(&job.excitations[drive]) else { return };
     let parts: Vec<_> = Part::of(job.key.parts).collect();
     let double = job.key.is_direct();
     let sounds = |points: &[DVec3]| -> Vec<Vec<Complex32>> {
         if job.key.parts == PRESSURE && !double {
-            return vec![bodies.pressures(&answer, points).into_iter().map(narrow).collect()];
+            return vec![pressures(gpu, bodies, &answer, points)];
         }
-        let sounds = bodies.sounds(&answer, points);
+        let sounds = match double {
+            true => bodies.sounds(&answer, points),
+            false => bodies.sounds_in_f32(&answer, points),
+        };
         let of = |part: &Part| {
             let value = |(p, [x, y, z]): &(_, [_; 3])| {
                 let along = |axis: usize| {
@@ -92,6 +102,21 @@ pub(super) fn add(job: &Job<'_>, drive: usize, (raster, rows): (&Raster, Range<u
     for (values, heard) in to.0.iter_mut().zip(heard) {
         direct.iter().zip(heard).for_each(|(pixel, value)| values[*pixel] += value);
     }
+}
+
+/// Scattered pressures (Pa) at points, by the GPU if there is one.
+fn pressures(gpu: Option<&Gpu>, bodies: &Bodies, answer: &Answer, points: &[DVec3]) -> Vec<Complex32> {
+    let by_gpu = gpu.and_then(|gpu| {
+        let emissions = bodies.emissions(answer);
+        // A lost device is noticed by the map itself.
+        gpu.scattered(&emissions, points).ok()
+    });
+    let Some(mut all) = by_gpu else {
+        return bodies.pressures(answer, points).into_iter().map(narrow).collect();
+    };
+    let corrections = bodies.corrections(answer, points);
+    all.iter_mut().zip(corrections).for_each(|(sum, own)| *sum += narrow(own));
+    all
 }
 
 /// A lattice over some rows of pixels.

@@ -338,10 +338,11 @@ impl Stages {
             Progress::Declined => {
                 map.key = None;
                 let values = std::mem::take(&mut map.value.values);
-                let mut made = job.by_cpu(cpu, *exact, values)?;
+                let gpu = gpu.as_ref().map(OnGpu::gpu);
+                let mut made = job.by_cpu((cpu, gpu), *exact, values)?;
                 while ground.refine(request, *exact, costs, made.error) {
                     let job = ground.job(request, *exact, costs)?;
-                    made = job.by_cpu(cpu, *exact, made.values)?;
+                    made = job.by_cpu((cpu, gpu), *exact, made.values)?;
                 }
                 made
             }
@@ -495,10 +496,15 @@ fn is_double(by: By) -> bool {
 }
 
 impl Job<'_> {
-    /// The map by the CPU, in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
-    fn by_cpu(&self, cpu: &mut OnCpu, exact: bool, mut values: Vec<f32>) -> Result<Map, FieldError> {
+    /// The map by the CPU, with what bodies scatter by a GPU if there is one; in f64 where f32 does not keep the tolerance, and pixel by pixel where samples do not.
+    fn by_cpu(
+        &self,
+        (cpu, gpu): (&mut OnCpu, Option<&Gpu>),
+        exact: bool,
+        mut values: Vec<f32>,
+    ) -> Result<Map, FieldError> {
         let mut make = |job: &Job<'_>, by: By, values: &mut Vec<f32>| {
-            let mut made = cpu.values(job, is_double(by), values);
+            let mut made = cpu.values((job, gpu), is_double(by), values);
             let sounding = (job.request, &job.excitations[..]);
             let rounding = if is_double(by) { job.probes.rounding(sounding) } else { 0.0 };
             if rounding > 0.0 && f64::from(made.relative_to) <= rounding {

@@ -6,6 +6,7 @@ use glam::DVec3;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
+use crate::field::gpu::Gpu;
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::plan::F32_ERROR;
 use crate::field::quantity::{Declaration, Norm, PRESSURE, Part, Sound};
@@ -120,7 +121,12 @@ impl OnCpu {
     }
 
     /// Computes the values of all pixels.
-    pub(super) fn values(&mut self, job: &Job<'_>, double: bool, values: &mut Vec<f32>) -> Made {
+    pub(super) fn values(
+        &mut self,
+        (job, gpu): (&Job<'_>, Option<&Gpu>),
+        double: bool,
+        values: &mut Vec<f32>,
+    ) -> Made {
         self.enter(job.key);
         let (width, height) = job.request.size;
         values.resize(width * height, 0.0);
@@ -131,7 +137,7 @@ impl OnCpu {
                 in_f64(job, raster, values, &self.progress)
             }
             Frame::Pixels { raster, weights } => {
-                self.by_pixels(job, (raster, weights.as_ref()), double, values)
+                self.by_pixels((job, gpu), (raster, weights.as_ref()), double, values)
             }
             Frame::Cells { to_pixels } => self.by_cells(job, to_pixels, double, values),
         };
@@ -142,7 +148,7 @@ impl OnCpu {
     /// Forms values from the sound at the pixels.
     fn by_pixels(
         &mut self,
-        job: &Job<'_>,
+        (job, gpu): (&Job<'_>, Option<&Gpu>),
         (raster, weights): (&Raster, Option<&Weights>),
         double: bool,
         values: &mut [f32],
@@ -173,7 +179,7 @@ impl OnCpu {
                 if rows != (0..raster.height) || !self.at_pixels.is_of(&lattice_key) {
                     self.at_pixels.key = None;
                     of_drive.lead(|| {
-                        self.fill_pixels(job, drive, &key, (raster, weights), rows.clone());
+                        self.fill_pixels((job, gpu), drive, &key, (raster, weights), rows.clone());
                     });
                     self.at_pixels.key = (rows == (0..raster.height)).then_some(lattice_key);
                 }
@@ -244,14 +250,14 @@ impl OnCpu {
     /// The sound of a drive at some rows of pixels.
     fn fill_pixels(
         &mut self,
-        job: &Job<'_>,
+        (job, gpu): (&Job<'_>, Option<&Gpu>),
         drive: usize,
         key: &SampledKey,
         (raster, weights): (&Raster, Option<&Weights>),
         rows: Range<usize>,
     ) {
         self.fill_pixels_by_elements(job, drive, key, (raster, weights), rows.clone());
-        bodies::add(job, drive, (raster, rows), &mut self.at_pixels.value);
+        bodies::add((job, gpu), drive, (raster, rows), &mut self.at_pixels.value);
     }
 
     /// The same without bodies.
