@@ -494,7 +494,7 @@ impl Quantity {
 
     /// The value of a mean of the formula.
     pub fn value(self, mean: f32) -> f32 {
-        if self.declaration().is_root { mean.clamp(0.0, f64::INFINITY).sqrt() } else { mean }
+        if self.declaration().is_root { mean.clamp(0.0, f32::INFINITY).sqrt() } else { mean }
     }
 
     /// The same in f64.

@@ -26,7 +26,6 @@
 use std::f64::consts::SQRT_2;
 
 use glam::{DVec2, DVec3};
-use num_complex::Complex64;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -83,7 +83,7 @@ pub(super) fn add(
         let is_within: Vec<_> = points.par_iter().map(|at| bodies.contains(*at)).collect();
         let outside: Vec<_> = (0..points.len()).filter(|node| !is_within[*node]).collect();
         let heard = sounds(&outside.iter().map(|node| points[*node]).collect::<Vec<_>>());
-        nodes.mark(&is_within, &mut is_direct);
+        mark(&is_within, nodes.counts[0], [&nodes.across, &nodes.up], &mut is_direct);
         let (mut between, mut at_pixels) = (Between::default(), vec![Complex32::ZERO; pixels.len()]);
         for (values, heard) in to.0.iter_mut().zip(heard) {
             let mut at_nodes = vec![Complex32::ZERO; points.len()];
@@ -179,28 +179,32 @@ impl Nodes {
         let [column, row] = [node % self.counts[0], node / self.counts[0]];
         self.origin + self.steps[0] * column as f64 + self.steps[1] * row as f64
     }
+}
 
-    /// Unmarks the pixels all of whose nodes are outside.
-    fn mark(&self, is_within: &[bool], is_direct: &mut [bool]) {
-        let [columns, rows] = self.counts;
-        // Of nodes within, at rows and columns before.
-        let mut sums = vec![0u32; (columns + 1) * (rows + 1)];
-        for row in 0..rows {
-            for column in 0..columns {
-                let before =
-                    |up: usize, left: usize| sums[(row + 1 - up) * (columns + 1) + column + 1 - left];
-                let own = u32::from(is_within[row * columns + column]);
-                let sum = own + before(1, 0) + before(0, 1) - before(1, 1);
-                sums[(row + 1) * (columns + 1) + column + 1] = sum;
-            }
+/// Unmarks the pixels all of whose nodes, in rows of a length, are outside bodies.
+pub(super) fn mark(
+    is_within: &[bool],
+    columns: usize,
+    [across, up]: [&Resampling; 2],
+    is_direct: &mut [bool],
+) {
+    let rows = is_within.len() / columns.max(1);
+    // Of nodes within, at rows and columns before.
+    let mut sums = vec![0u32; (columns + 1) * (rows + 1)];
+    for row in 0..rows {
+        for column in 0..columns {
+            let before = |up: usize, left: usize| sums[(row + 1 - up) * (columns + 1) + column + 1 - left];
+            let own = u32::from(is_within[row * columns + column]);
+            let sum = own + before(1, 0) + before(0, 1) - before(1, 1);
+            sums[(row + 1) * (columns + 1) + column + 1] = sum;
         }
-        let width = self.across.first.len();
-        for (pixel, is_direct) in is_direct.iter_mut().enumerate() {
-            let (column, row) = (self.across.first[pixel % width], self.up.first[pixel / width]);
-            let [left, low] = [column as usize, row as usize];
-            let at = |row: usize, column: usize| sums[row * (columns + 1) + column];
-            let inner = at(low + TAPS, left + TAPS) + at(low, left);
-            *is_direct = inner != at(low, left + TAPS) + at(low + TAPS, left);
-        }
+    }
+    let width = across.first.len();
+    for (pixel, is_direct) in is_direct.iter_mut().enumerate() {
+        let (column, row) = (across.first[pixel % width], up.first[pixel / width]);
+        let [left, low] = [column as usize, row as usize];
+        let at = |row: usize, column: usize| sums[row * (columns + 1) + column];
+        let inner = at(low + up.taps, left + across.taps) + at(low, left);
+        *is_direct = inner != at(low, left + across.taps) + at(low + up.taps, left);
     }
 }
