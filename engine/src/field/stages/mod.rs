@@ -49,6 +49,7 @@ mod work;
 use job::Job;
 use std::sync::Arc;
 
+use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::drive::Drive;
@@ -112,11 +113,14 @@ struct Ground {
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
     /// The request of the last refinement, so that maps do not depend on history.
     refined: Option<Request>,
-    frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes, Vec<usize>)>>,
+    frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes, Vec<usize>, OnSkin)>>,
     /// Excitations of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
     work: Work,
 }
+
+/// The places of [`bodies::skin`].
+type OnSkin = Vec<Option<DVec3>>;
 
 /// Drives and driven elements.
 type Sounding = (Arc<[Drive]>, Vec<usize>);
@@ -158,15 +162,22 @@ impl Ground {
         let frame = frame.update(&wanted, |made| {
             *made = Frame::new(key, site, request.size).map(|frame| {
                 let left_out = frame.left_out(&key.setting.aperture);
-                let probes = Probes::new(key, site, (request.size, &left_out), is_pressed);
-                let within = frame.within(&key.setting.aperture);
-                (frame, left_out, probes, within)
+                let of_skin = site.cells.as_ref().filter(|_| request.quantity.declaration().of_skin);
+                let skin = of_skin.map_or_else(Vec::new, |filled| {
+                    let points = filled.cells.points(site.axes);
+                    bodies::skin(&key.setting.aperture, &points, site.axes[2])
+                });
+                // On the skin of bodies every cell is in f64 already.
+                let is_compared = skin.is_empty();
+                let probes = Probes::new(key, site, (request.size, &left_out), (is_pressed, is_compared));
+                let within = frame.within(request, site.axes);
+                (frame, left_out, probes, within, skin)
             });
         });
-        let (frame, left_out, probes, within) = frame.as_ref().ok_or(FieldError::NoPlane)?;
+        let (frame, left_out, probes, within, skin) = frame.as_ref().ok_or(FieldError::NoPlane)?;
         let sounding = (request.counted(), request.aperture.driven.clone());
         let excitations = excitations.update(&sounding, |made| *made = request.excitations());
-        Ok(Job { request, key, site, frame, left_out, probes, within, excitations })
+        Ok(Job { request, key, site, frame, left_out, probes, within, skin, excitations })
     }
 }
 

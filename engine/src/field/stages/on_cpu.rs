@@ -382,17 +382,13 @@ impl OnCpu {
                 work.forming += 1;
                 let points = filled.cells.points(job.site.axes);
                 if let Some(each) = &mut each {
-                    let of_drive = |drive| {
-                        let pressures = job.means(drive, points.len(), |cell| points.point(cell));
-                        pressures.into_iter().map(|value| value as f32).collect()
-                    };
+                    let of_drive =
+                        |drive| job.pressing(drive, &points).into_iter().map(|value| value as f32).collect();
                     each.extend((0..job.excitations.len()).map(|drive| of_drive(drive..drive + 1)));
                     *cells = mean(each);
                     return;
                 }
-                *cells = job.means(0..job.excitations.len(), points.len(), |cell| points.point(cell));
-                // Nothing presses on a surface within a body.
-                cells.iter_mut().filter(|cell| cell.is_nan()).for_each(|cell| *cell = 0.0);
+                *cells = job.pressing(0..job.excitations.len(), &points);
                 return;
             };
             cells.clear();
@@ -560,6 +556,24 @@ impl Job<'_> {
             sound.means(&self.excitations[drives.clone()], (quantity, &constants))
         };
         (0..count.div_ceil(TOGETHER)).into_par_iter().flat_map_iter(of_run).collect()
+    }
+}
+
+impl Job<'_> {
+    /// The mean over some of the drives of what presses at cells. Nothing does within a body. On a body's skin the sound is
+    /// already that of a surface, twice what the formula expects; beside it there is no skin.
+    fn pressing(&self, drives: Range<usize>, cells: &field::samples::Samples) -> Vec<f64> {
+        if self.skin.is_empty() {
+            let means = self.means(drives, cells.len(), |cell| cells.point(cell));
+            return means.into_iter().map(|mean| if mean.is_nan() { 0.0 } else { mean }).collect();
+        }
+        let touched: Vec<_> = (0..cells.len()).filter_map(|cell| Some((cell, self.skin[cell]?))).collect();
+        let mut all = vec![0.0; cells.len()];
+        let means = self.means(drives, touched.len(), |place| touched[place].1);
+        for ((cell, _), mean) in touched.iter().zip(means) {
+            all[*cell] = if mean.is_nan() { 0.0 } else { mean / 4.0 };
+        }
+        all
     }
 }
 

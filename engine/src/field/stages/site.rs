@@ -248,11 +248,14 @@ impl Frame {
         Some(Self::Pixels { raster, weights })
     }
 
-    /// The pixels within bodies.
-    pub(super) fn within(&self, aperture: &Aperture) -> Vec<usize> {
+    /// The pixels of a request that are within bodies, on a plane with these axes and normal.
+    pub(super) fn within(&self, request: &Request, axes: [DVec3; 3]) -> Vec<usize> {
+        let Request { aperture, plane, size, quantity, .. } = request;
         match self {
             Self::Pixels { raster, .. } => bodies::within(aperture, raster),
-            Self::Cells { .. } => Vec::new(),
+            Self::Cells { .. } => {
+                bodies::within_cells(aperture, (plane, axes), *size, quantity.declaration().of_skin)
+            }
         }
     }
 
