@@ -109,11 +109,10 @@ pub fn difference(quantity: Quantity, left: &[f32], right: &[f32]) -> Vec<f32> {
 
 /// The range of a map's values, as text, with its remark.
 pub fn summary(quantity: Quantity, map: &Map) -> String {
-    let remark = remark(quantity, map);
-    match (remark, map.peak == 0.0) {
-        (Some(silent), true) => silent,
-        (Some(larger), false) => format!("{}, {larger}", extent(quantity, map.peak.into())),
-        (None, _) => extent(quantity, map.peak.into()),
+    match remark(quantity, map) {
+        Some(silent) if map.peak == 0.0 && map.rounding > 0.0 => silent,
+        Some(remark) => format!("{}, {remark}", extent(quantity, map.peak.into())),
+        None => extent(quantity, map.peak.into()),
     }
 }
 

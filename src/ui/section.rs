@@ -464,12 +464,14 @@ impl<'a> Plot<'a> {
     fn band(&self, painter: &Painter) {
         let Some(band) = &self.profile.band else { return };
         let mut mesh = egui::Mesh::default();
+        let is_outside = |edges: &[f64; 2]| edges.iter().all(|edge| !edge.is_nan());
         for (i, edges) in (0u32..).zip(band) {
             let x = self.x(self.profile.place(i as usize));
             for &edge in edges {
-                mesh.colored_vertex(pos2(x, self.y(edge)), theme::ACCENT.gamma_multiply(0.25));
+                let y = if edge.is_nan() { self.rect.bottom() } else { self.y(edge) };
+                mesh.colored_vertex(pos2(x, y), theme::ACCENT.gamma_multiply(0.25));
             }
-            if i > 0 {
+            if i > 0 && is_outside(edges) && is_outside(&band[i as usize - 1]) {
                 mesh.add_triangle(2 * i - 2, 2 * i - 1, 2 * i);
                 mesh.add_triangle(2 * i - 1, 2 * i, 2 * i + 1);
             }
@@ -504,7 +506,7 @@ impl<'a> Plot<'a> {
     fn hover(&self, painter: &Painter, at: Pos2) {
         let part = f64::from((at.x - self.rect.left()) / self.rect.width());
         let place = self.places[0] + (self.places[1] - self.places[0]) * part;
-        let Some(value) = self.profile.value(place) else { return };
+        let Some(value) = self.profile.value(place).filter(|value| !value.is_nan()) else { return };
         let on_curve = pos2(at.x, self.y(value));
         painter.vline(at.x, self.rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(90)));
         painter.circle_filled(on_curve, 3.0, theme::CHOSEN);

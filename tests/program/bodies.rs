@@ -164,7 +164,7 @@ radius = 0.004
     let bytes = fs::read(path.join("a.npy")).unwrap();
     let values: Vec<_> =
         bytes[bytes.len() - 80 * 80 * 4..].as_chunks().0.iter().map(|it| f32::from_le_bytes(*it)).collect();
-    // Pixels of half a millimetre, 64 of them in a radius of 4 mm.
+    // Eight pixels are the radius.
     let within = values.iter().filter(|value| value.is_nan()).count();
     assert!((185..218).contains(&within), "{within}");
     let picture = image::open(path.join("a.png")).unwrap().to_rgba8();
