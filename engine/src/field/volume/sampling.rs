@@ -2,13 +2,14 @@
 
 use crate::acoustics::{Aperture, Face};
 use crate::drive::Drive;
+use crate::field::evaluator::{Evaluator, add_scattered};
 use crate::field::plan::Shared;
 use crate::field::sources::{Sources, Wave};
 use crate::field::transfer::{Layout, Transfer};
 use crate::field::vicinity::Vicinity;
 use crate::field::volume::bricks::Volume;
 use crate::field::volume::{Block, Lattice};
-use crate::field::{cpu, evaluator::Evaluator, samples::Samples};
+use crate::field::{cpu, samples::Samples};
 use glam::{DVec3, UVec3};
 use num_complex::{Complex32, Complex64};
 use rayon::prelude::*;
@@ -17,6 +18,9 @@ use rayon::prelude::*;
 const COARSE: Fineness = Fineness { per_wavelength: 4.0, least: 1 << 17, most: 1 << 19, pairs: 3e8 };
 
 const FINE: Fineness = Fineness { per_wavelength: 8.0, least: 1 << 18, most: 1 << 22, pairs: 1e10 };
+
+/// Sources on a body's triangle.
+const POINTS_OF_TRIANGLE: f64 = 3.0;
 
 /// Relative error of a truncated series of reflections.
 const LEFT_OUT: f64 = 1e-3;
@@ -63,7 +67,9 @@ fn lattice(aperture: &Aperture, drives: usize, block: &Block, fineness: Fineness
         let times = if along(face, 1).is_some() { 1.0 } else { ALONE };
         times * face.layout.positions.len() as f64
     };
-    let pairs = drives.max(1) as f64 * heard(aperture).map(pairs).sum::<f64>();
+    let of_bodies =
+        aperture.bodies.bodies().map_or(0.0, |bodies| POINTS_OF_TRIANGLE * bodies.triangles() as f64);
+    let pairs = drives.max(1) as f64 * (heard(aperture).map(pairs).sum::<f64>() + of_bodies);
     let most = (fineness.pairs / pairs.max(1.0)).clamp(fineness.least as f64, fineness.most as f64);
     let volume = block.size.element_product();
     let wanted = (aperture.wavelength() / fineness.per_wavelength).max((volume / most).cbrt());
@@ -159,11 +165,18 @@ fn values<'a>(
     let heard: Option<Vec<_>> = heard(aperture).map(of_face).collect();
     let of_layer = lattice.counts.x as usize * lattice.counts.y as usize;
     let mut values = vec![0.0; lattice.len()];
+    // Layers take what bodies answer, found once.
+    drives.iter().for_each(|drive| drop(aperture.answer(&drive.excitation(&aperture.driven))));
     let fill = |(z, values): (usize, &mut [f32])| {
         let samples = layer(lattice, z);
         let mut fields = vec![vec![Complex32::ZERO; of_layer]; drives.len()];
         match &heard {
-            Some(heard) => heard.iter().for_each(|heard| heard.add(excitations, &samples, &mut fields)),
+            Some(heard) => {
+                heard.iter().for_each(|heard| heard.add(excitations, &samples, &mut fields));
+                for (drive, field) in drives.iter().zip(&mut fields) {
+                    add_scattered(aperture, drive, &samples, false, field);
+                }
+            }
             None => {
                 // Cases beyond f32.
                 for (drive, field) in drives.iter().zip(&mut fields) {
@@ -176,7 +189,8 @@ fn values<'a>(
         let factor = 0.5 / drives.len().max(1) as f32;
         for (i, value) in values.iter_mut().enumerate() {
             let square: f32 = fields.iter().map(|field| field[i].norm_sqr()).sum();
-            *value = (factor * square).sqrt();
+            // Nothing sounds within a body.
+            *value = if square.is_nan() { 0.0 } else { (factor * square).sqrt() };
         }
     };
     values.par_chunks_mut(of_layer).enumerate().for_each(fill);
