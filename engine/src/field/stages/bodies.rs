@@ -4,7 +4,6 @@
 //! evaluated at the nodes of a finer lattice, and polynomials through six by six nodes give the pixels between them. A
 //! pixel with a node of its own within a body is evaluated for itself.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use glam::DVec3;
@@ -126,12 +125,16 @@ pub(super) fn add(
     let from = job.within.partition_point(|pixel| *pixel < first);
     let until = job.within.partition_point(|pixel| *pixel < last);
     let mut is_direct = vec![true; pixels.len()];
-    if let Some(nodes) = Nodes::new(job, raster, rows) {
+    let plane = &job.key.setting.plane;
+    let step = step(plane.tolerance, aperture.element.wavenumber);
+    let size = (raster.width, raster.height);
+    let nodes = Nodes::new((plane, job.site.axes), size, rows, step).filter(|_| !job.key.is_direct());
+    if let Some(nodes) = nodes {
         let points: Vec<_> = (0..nodes.count()).map(|node| nodes.point(node)).collect();
         let is_within: Vec<_> = points.par_iter().map(|at| bodies.contains(*at)).collect();
         let outside: Vec<_> = (0..points.len()).filter(|node| !is_within[*node]).collect();
         let heard = sounds(&outside.iter().map(|node| points[*node]).collect::<Vec<_>>());
-        mark(&is_within, nodes.counts[0], [&nodes.across, &nodes.up], &mut is_direct);
+        mark(&nodes, &is_within, &mut is_direct);
         let (mut between, mut at_pixels) = (Between::default(), vec![Complex32::ZERO; pixels.len()]);
         for (values, heard) in to.0.iter_mut().zip(heard) {
             let mut at_nodes = vec![Complex32::ZERO; points.len()];
@@ -167,26 +170,30 @@ fn pressures(gpu: Option<&Gpu>, bodies: &Bodies, answer: &Answer, points: &[DVec
     all
 }
 
+/// The step (m) of nodes for waves up to a wavenumber (rad/m).
+pub(super) fn step(tolerance: f64, wavenumber: f64) -> f64 {
+    (SHARE * tolerance / OF_POLYNOMIALS).powf(1.0 / TAPS as f64) / wavenumber
+}
+
 /// A lattice over some rows of pixels.
-struct Nodes {
+pub(super) struct Nodes {
     origin: DVec3,
     /// From node to node.
     steps: [DVec3; 2],
-    counts: [usize; 2],
-    across: Resampling,
-    up: Resampling,
+    pub(super) counts: [usize; 2],
+    pub(super) across: Resampling,
+    pub(super) up: Resampling,
 }
 
 impl Nodes {
-    /// `None` where every pixel is to be evaluated, or nodes would be hardly fewer.
-    fn new(job: &Job<'_>, raster: &Raster, rows: Range<usize>) -> Option<Self> {
-        let plane = &job.key.setting.plane;
-        if job.key.is_direct() {
-            return None;
-        }
-        let reach = (SHARE * plane.tolerance / OF_POLYNOMIALS).powf(1.0 / TAPS as f64);
-        let step = reach * job.key.setting.aperture.wavelength() / TAU;
-        let sizes = [plane.size.x / raster.width as f64, plane.size.y / raster.height as f64];
+    /// Those over rows of the pixels of a plane, a step (m) apart. `None` if they would be hardly fewer than the pixels.
+    pub(super) fn new(
+        (plane, [x, y, _]): (&Plane, [DVec3; 3]),
+        (width, height): (usize, usize),
+        rows: Range<usize>,
+        step: f64,
+    ) -> Option<Self> {
+        let sizes = [plane.size.x / width as f64, plane.size.y / height as f64];
         if 1.5 * sizes[0] * sizes[1] > step * step {
             return None;
         }
@@ -212,31 +219,26 @@ impl Nodes {
             let count = resampling.first.last().map_or(0, |first| *first as usize + TAPS);
             (begin, count, resampling)
         };
-        let [x, y, _] = job.site.axes;
-        let (left, columns, across) = along(0, 0..raster.width);
+        let (left, columns, across) = along(0, 0..width);
         let (low, lines, up) = along(1, rows);
         let origin = plane.centre + x * left + y * low;
         Some(Self { origin, steps: [x * step, y * step], counts: [columns, lines], across, up })
     }
 
-    fn count(&self) -> usize {
+    pub(super) fn count(&self) -> usize {
         self.counts[0] * self.counts[1]
     }
 
-    fn point(&self, node: usize) -> DVec3 {
+    pub(super) fn point(&self, node: usize) -> DVec3 {
         let [column, row] = [node % self.counts[0], node / self.counts[0]];
         self.origin + self.steps[0] * column as f64 + self.steps[1] * row as f64
     }
 }
 
-/// Unmarks the pixels all of whose nodes, in rows of a length, are outside bodies.
-pub(super) fn mark(
-    is_within: &[bool],
-    columns: usize,
-    [across, up]: [&Resampling; 2],
-    is_direct: &mut [bool],
-) {
-    let rows = is_within.len() / columns.max(1);
+/// Unmarks the pixels all of whose nodes are outside bodies.
+pub(super) fn mark(nodes: &Nodes, is_within: &[bool], is_direct: &mut [bool]) {
+    let Nodes { counts: [columns, rows], across, up, .. } = nodes;
+    let (columns, rows) = (*columns, *rows);
     // Of nodes within, at rows and columns before.
     let mut sums = vec![0u32; (columns + 1) * (rows + 1)];
     for row in 0..rows {

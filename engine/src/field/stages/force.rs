@@ -26,7 +26,7 @@ use crate::field::quantity::Quantity;
 use crate::field::samples::Samples;
 use crate::field::slope::shifted;
 use crate::field::sound::narrow;
-use crate::field::stages::bodies::mark;
+use crate::field::stages::bodies::{self, Nodes, mark};
 use crate::field::stages::kept::Kept;
 use crate::field::stages::probes::{MARGIN, corners, farthest, largest_sum, rounding_of_terms, spread};
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
@@ -53,8 +53,6 @@ const STENCILS: [[f64; 7]; NORMALS] = [
     [-1.0 / 60.0, 3.0 / 20.0, -0.75, 0.0, 0.75, -3.0 / 20.0, 1.0 / 60.0],
     [1.0 / 90.0, -3.0 / 20.0, 1.5, -49.0 / 18.0, 1.5, -3.0 / 20.0, 1.0 / 90.0],
 ];
-/// Distance from bodies, in wavelengths, beyond which values between cells are interpolated.
-const BESIDE: f64 = 0.3;
 /// Error of maps among bodies, whose scattered sound is not exact either.
 const OF_BODIES: f64 = 5e-3;
 /// Error of maps of far-field pistons, whose sound is a wave only near a point.
@@ -210,10 +208,9 @@ impl OfBead {
                 }
                 None => {
                     self.work.forming += 1;
-                    let cells = Cells::new(aperture, &setting.plane, 0.0, tolerance).filter(|_| !is_open);
-                    match cells {
-                        Some(cells) => scenery.among_bodies(&cells, double, (&mut self.between, progress))?,
-                        None => scenery.on_spheres(double, progress)?,
+                    match is_open {
+                        true => scenery.on_spheres(double, progress)?,
+                        false => scenery.among_bodies(double, (&mut self.between, progress))?,
                     }
                 }
             };
@@ -354,6 +351,13 @@ impl Scenery<'_> {
                 done.add();
             }
         }
+        if !aperture.bodies.is_empty() {
+            let levitation = &self.levitation;
+            let touches = |place: &usize| levitation.touches(lattice.point(*place));
+            for place in (0..lattice.len()).into_par_iter().filter(touches).collect::<Vec<_>>() {
+                formed.iter_mut().for_each(|own| own[place] = f32::NAN);
+            }
+        }
         Ok(formed)
     }
 
@@ -439,56 +443,54 @@ impl Scenery<'_> {
         Ok(self.map(values, evaluated, how, if double { By::CpuInF64 } else { self.by }))
     }
 
-    /// From cells that are clear of bodies and boards; pixels beside them have their own spheres. A bead that touches a body
-    /// has no force.
+    /// From nodes clear of bodies and boards, where pixels are more, and from spheres of their own beside these. A bead that
+    /// touches a body has no force.
     fn among_bodies(
         &self,
-        cells: &Cells,
         double: bool,
         (between, progress): (&mut Between, &Gauge),
     ) -> Result<Map, FieldError> {
-        let aperture = &self.request.aperture;
-        let (width, height) = self.request.size;
-        let across = cells.resampling(0, (0..width).map(|i| self.along(0, i)));
-        let up = cells.resampling(1, (0..height).map(|j| self.along(1, j)));
-        let lattice = cells.points(self.axes);
-        let (walls, wavelength) = (aperture.walls(), aperture.wavelength());
-        let around = PartialWaves::points(2, (DVec3::ZERO, BESIDE * wavelength));
-        let is_beside = |cell: usize| {
-            let at = lattice.point(cell);
-            walls.iter().any(|(wall, normal)| (at - *wall).dot(*normal) <= CLEARANCE * wavelength)
-                || around.iter().any(|way| aperture.bodies.contains(at + *way))
+        let Request { aperture, plane, size, .. } = self.request;
+        // Squares have twice the wavenumber.
+        let step = bodies::step(plane.tolerance.max(FINEST), 2.0 * aperture.element.wavenumber);
+        let Some(nodes) = Nodes::new((plane, self.axes), *size, 0..size.1, step) else {
+            return self.on_spheres(double, progress);
         };
-        let is_beside: Vec<_> = (0..lattice.len()).into_par_iter().map(is_beside).collect();
-        let mut is_direct = vec![true; width * height];
-        mark(&is_beside, cells.counts[0], [&across, &up], &mut is_direct);
-        let clear: Vec<_> = match is_direct.contains(&false) {
-            true => (0..lattice.len()).filter(|cell| !is_beside[*cell]).collect(),
-            false => Vec::new(),
+        let (walls, clearance) = (aperture.walls(), CLEARANCE * aperture.wavelength());
+        let is_beside = |node: usize| {
+            let at = nodes.point(node);
+            walls.iter().any(|(wall, normal)| (at - *wall).dot(*normal) <= clearance)
+                || aperture.bodies.contains(at)
         };
-        let direct: Vec<_> = (0..is_direct.len()).filter(|pixel| is_direct[*pixel]).collect();
-        let all = clear.len() + direct.len();
-        let at_cells = |cell: &usize| lattice.point(*cell);
-        let own = self.at_places(&clear, at_cells, double, &progress.part(0..clear.len(), all))?;
-        let mut formed = vec![vec![0.0f32; lattice.len()]; own.len()];
+        let mut is_beside: Vec<_> = (0..nodes.count()).into_par_iter().map(is_beside).collect();
+        let clear: Vec<_> = (0..nodes.count()).filter(|node| !is_beside[*node]).collect();
+        let all = nodes.count();
+        let at_nodes = |node: &usize| nodes.point(*node);
+        let own = self.at_places(&clear, at_nodes, double, &progress.part(0..clear.len(), all))?;
+        let mut formed = vec![vec![0.0f32; all]; own.len()];
         for (to, own) in formed.iter_mut().zip(own) {
-            clear.iter().zip(own).for_each(|(cell, value)| to[*cell] = value);
+            for (node, value) in clear.iter().zip(own) {
+                is_beside[*node] |= value.is_nan();
+                to[*node] = if value.is_nan() { 0.0 } else { value };
+            }
         }
-        let mut components = vec![vec![0.0f32; width * height]; formed.len()];
+        let mut is_direct = vec![true; size.0 * size.1];
+        mark(&nodes, &is_beside, &mut is_direct);
+        let direct: Vec<_> = (0..is_direct.len()).filter(|pixel| is_direct[*pixel]).collect();
+        let mut components = vec![vec![0.0f32; is_direct.len()]; formed.len()];
         for (component, own) in components.iter_mut().zip(&formed) {
-            interpolate(own, cells.counts[0], &across, &up, between, component);
+            interpolate(own, nodes.counts[0], &nodes.across, &nodes.up, between, component);
         }
         let mut values = lengths(components);
         let at_pixels = |pixel: &usize| self.pixel(*pixel);
         let own = self.at_places(&direct, at_pixels, double, &progress.part(clear.len()..all, all))?;
         direct.iter().zip(lengths(own)).for_each(|(pixel, value)| values[*pixel] = value);
+        let (nodes, step) = (clear.len(), step * 1e3);
+        let beside = direct.len();
         let how = format!(
-            "partial waves at {} cells of {:.2} mm, and at {} places beside bodies",
-            clear.len(),
-            cells.step * 1e3,
-            direct.len()
+            "partial waves at {nodes} nodes, {step:.2} mm apart, and at {beside} places beside bodies"
         );
-        Ok(self.map(values, all, how, if double { By::CpuInF64 } else { self.by }))
+        Ok(self.map(values, nodes + beside, how, if double { By::CpuInF64 } else { self.by }))
     }
 
     /// Potential or force at some places.
