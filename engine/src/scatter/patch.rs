@@ -1,7 +1,7 @@
 //! The sound on a surface at points with areas, for integrals over it.
 //!
 //! Of triangles it is a cubic Bézier polynomial of the pressures and slopes at their corners. A corner's slope is the
-//! mean of those of the flat triangles around it that face about the same way, which is too small by (kh)²/8 on a
+//! mean of those of the flat triangles around it that face about the same way, turned into its plane, which is too small by (kh)²/8 on a
 //! regular surface of edges h. The same mean of given slopes is too small by (kh)²/6, so three quarters of what a
 //! second mean takes away are added.
 
@@ -66,7 +66,8 @@ pub(super) fn of_triangles(mesh: &Mesh, pressures: &[Complex64], along_normal: C
         let (mut sum, mut area) = (SILENT, 0.0);
         for &other in &around[corner as usize] {
             if facets[other].normal.dot(facets[own].normal) > SMOOTH {
-                add(&mut sum, of(other), facets[other].area);
+                let turned = turned(of(other), [facets[other].normal, facets[own].normal]);
+                add(&mut sum, turned, facets[other].area);
                 area += facets[other].area;
             }
         }
@@ -174,6 +175,14 @@ impl Cubic {
         }
         (value, slopes)
     }
+}
+
+/// A slope in the plane of a normal, turned with it to another, so that means on a round body lose no length.
+fn turned(slope: Gradient, [from, to]: [DVec3; 2]) -> Gradient {
+    let along: Complex64 = slope.iter().zip(to.to_array()).map(|(slope, n)| slope * n).sum();
+    let both = (from + to) / (1.0 + from.dot(to));
+    let both = both.to_array();
+    [0, 1, 2].map(|axis| slope[axis] - along * both[axis])
 }
 
 fn add(sum: &mut Gradient, own: Gradient, factor: f64) {
