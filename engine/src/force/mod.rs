@@ -98,7 +98,10 @@ impl Levitation {
 
     /// The same bead in the sound of other drives.
     pub fn playing(&self, drives: &[Drive]) -> Self {
-        let drives = drives.iter().map(|drive| drive.excitation(&self.aperture.driven)).collect();
+        let drives: Vec<_> = drives.iter().map(|drive| drive.excitation(&self.aperture.driven)).collect();
+        // Bodies answer once, before many places ask at the same time: a thread that waits for the surface of a body
+        // could otherwise take up a place that waits for it, too.
+        drives.iter().for_each(|drive| drop(self.aperture.answer(drive)));
         Self { drives, ..self.clone() }
     }
 
