@@ -72,15 +72,21 @@ impl Pushed {
             "kind": <&str>::from(self.kind),
             "force": self.push.force.to_array(),
             "torque": self.push.torque.to_array(),
+            "force_error": self.force_error(),
             "error": self.error,
             "surface_error": self.surface_error,
             "triangles": self.triangles,
         })
     }
 
+    /// N, twice the error of the pressure on all that presses.
+    fn force_error(&self) -> f64 {
+        2.0 * self.surface_error * self.push.gross
+    }
+
     /// Force, torque and error, as text.
     pub fn words(&self) -> String {
-        let Push { force, torque } = self.push;
+        let Push { force, torque, .. } = self.push;
         let (factor, unit) = Quantity::Force.declaration().unit.scaled(force.length());
         let turning = torque.length();
         let (per_torque, of_torque) = if turning >= 1e-9 { (1e9, "nN m") } else { (1e12, "pN m") };
@@ -88,7 +94,10 @@ impl Pushed {
         let ([x, y, z], [a, b, c]) = (parts(force * factor), parts(torque * per_torque));
         let how = match self.triangles {
             0 => "exact series".to_owned(),
-            count => format!("{count} triangles, {}", within(self.error)),
+            count => {
+                let off = Quantity::Force.at_most(self.force_error());
+                format!("{count} triangles, force within {off}, {}", within(self.error))
+            }
         };
         format!("force ({x}, {y}, {z}) {unit}, torque ({a}, {b}, {c}) {of_torque}; {how}")
     }

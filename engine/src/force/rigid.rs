@@ -22,6 +22,8 @@ pub struct Push {
     pub force: DVec3,
     /// N m, about the body's place.
     pub torque: DVec3,
+    /// N, the sum of the magnitudes whose vectors make up the force: pressures on a body mostly cancel.
+    pub gross: f64,
 }
 
 impl Push {
@@ -38,6 +40,7 @@ impl Push {
                 let own = Self::of(&patches, at, (air, aperture.element.wavenumber));
                 mean.force += own.force * part;
                 mean.torque += own.torque * part;
+                mean.gross += own.gross * part;
             }
         }
         means
@@ -56,7 +59,7 @@ impl Push {
             let k2 = wavenumber * wavenumber;
             let normal = patch.normal * (p.norm_sqr() - square / k2);
             let force = (normal + carried * (2.0 / k2)) * (-unit * patch.area);
-            Self { force, torque: (patch.at - about).cross(force) }
+            Self { force, torque: (patch.at - about).cross(force), gross: force.length() }
         };
         patches
             .par_chunks(256)
@@ -67,7 +70,11 @@ impl Push {
     }
 
     fn plus(self, other: Self) -> Self {
-        Self { force: self.force + other.force, torque: self.torque + other.torque }
+        Self {
+            force: self.force + other.force,
+            torque: self.torque + other.torque,
+            gross: self.gross + other.gross,
+        }
     }
 }
 
@@ -144,17 +151,17 @@ mod tests {
             ..sphere.clone()
         };
         let coarse = Body { edge: None, ..capsule.clone() };
-        for (body, allowed) in [(sphere, 1e-6), (soft, 1e-6), (capsule, 0.06), (coarse, 0.12)] {
+        for (body, allowed) in [(sphere, 1e-6), (soft, 1e-6), (capsule, 0.05), (coarse, 0.08)] {
             let scene = scene(body.clone());
             let (aperture, air) = (Aperture::new(&scene), Air::new(&scene.medium, scene.array.frequency));
             let drive = drive(&aperture);
             let got = Push::on_bodies(&aperture, &air, &[drive.clone()])[0];
             let expected = through_sphere(&aperture, &air, &drive, (at, 0.012));
             let name = format!("{:?} {}: {got:?}, not {expected:?}", body.kind, body.coefficient);
-            let lever = 0.006 * expected.force.length();
-            let off = got.force.distance(expected.force) / expected.force.length();
+            let lever = 0.006 * got.gross;
+            let off = got.force.distance(expected.force) / got.gross;
             println!("off: {off:e}, {:e}", got.torque.distance(expected.torque) / lever);
-            assert!(got.force.distance(expected.force) < allowed * expected.force.length(), "{name}");
+            assert!(off < allowed, "{name}");
             assert!(got.torque.distance(expected.torque) < allowed * lever, "{name}");
         }
     }
