@@ -192,7 +192,7 @@ fn a_map_of_forces_is_exact_between_bodies() {
         ..Scene::default()
     };
     let drive = Drive { amplitudes: vec![1.0; 16], phases: vec![0.0; 16] };
-    let size = (60, 60);
+    let size = (24, 24);
     let request = Request::new(&scene, vec![drive.clone()], Quantity::Force, size);
     let start = std::time::Instant::now();
     let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
@@ -200,7 +200,7 @@ fn a_map_of_forces_is_exact_between_bodies() {
     let pixels = Samples::on_plane(&scene.plane, size.0, size.1).unwrap();
     let aperture = Aperture::new(&scene);
     let levitation = Levitation::new(&scene, &aperture, &[drive]);
-    for pixel in (0..3600).step_by(7) {
+    for pixel in (0..576).step_by(3) {
         let (at, got) = (pixels.point(pixel), f64::from(map.values[pixel]));
         let expected = levitation.force(at).length();
         assert_eq!(got.is_nan(), expected.is_nan(), "{at}");
@@ -208,7 +208,7 @@ fn a_map_of_forces_is_exact_between_bodies() {
         assert!(got.is_nan() || off < 5e-3 * f64::from(map.peak), "{at}: {got}, not {expected}");
         assert!(!aperture.bodies.contains(at) || got.is_nan(), "{at}");
     }
-    assert!(map.within > 50, "{}", map.within);
+    assert!(map.within > 5, "{}", map.within);
 }
 
 #[test]

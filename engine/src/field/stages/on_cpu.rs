@@ -560,18 +560,22 @@ impl Job<'_> {
 }
 
 impl Job<'_> {
-    /// The mean over some of the drives of what presses at cells. Nothing does within a body. On a body's skin the sound is
-    /// already that of a surface, twice what the formula expects; beside it there is no skin.
+    /// The mean over some of the drives of what presses at cells. Nothing does within a body. On a body's skin it is |p|²/(4ρc²)
+    /// of the total pressure, which is twice what a plane's formula expects; beside it there is no skin.
     fn pressing(&self, drives: Range<usize>, cells: &field::samples::Samples) -> Vec<f64> {
         if self.skin.is_empty() {
             let means = self.means(drives, cells.len(), |cell| cells.point(cell));
             return means.into_iter().map(|mean| if mean.is_nan() { 0.0 } else { mean }).collect();
         }
         let touched: Vec<_> = (0..cells.len()).filter_map(|cell| Some((cell, self.skin[cell]?))).collect();
+        let points: Vec<_> = touched.iter().map(|(_, at)| *at).collect();
         let mut all = vec![0.0; cells.len()];
-        let means = self.means(drives, touched.len(), |place| touched[place].1);
-        for ((cell, _), mean) in touched.iter().zip(means) {
-            all[*cell] = if mean.is_nan() { 0.0 } else { mean / 4.0 };
+        let part = self.request.constants().of_pressure / 4.0 / drives.len().max(1) as f64;
+        for drive in drives {
+            let pressures = self.key.setting.aperture.pressures(&points, &self.excitations[drive]);
+            for ((cell, _), p) in touched.iter().zip(pressures).filter(|(_, p)| !p.is_nan()) {
+                all[*cell] += part * p.norm_sqr();
+            }
         }
         all
     }
