@@ -7,7 +7,7 @@ use numpy::{PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use sonoglyph::field::{self, Colouring, Quantity};
+use sonoglyph::field::{self, Colouring, Quantity, hatch};
 use sonoglyph::picture::{ColourMap, Picture, export};
 use sonoglyph::scene::Plane;
 use sonoglyph::studio::map;
@@ -163,6 +163,7 @@ impl Map {
             let colouring = Colouring::new(self.quantity, map::colours(self.quantity, colours).table());
             let mut rgba = Vec::new();
             colouring.colours(&values, self.peak, &mut rgba);
+            hatch(&values, shape.1, &mut rgba);
             export::png(&Picture::from_field_order(shape.1, shape.0, rgba.as_flattened()))
         });
         Ok(PyBytes::new(py, &bytes.map_err(|error| PyValueError::new_err(error.to_string()))?))

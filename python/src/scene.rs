@@ -22,7 +22,7 @@ use sonoglyph::gauge::Gauge;
 use sonoglyph::scene::{self, DriveFile, DriveTable, FORMAT, Method, file, motion};
 use sonoglyph::solver::{self, frames};
 use sonoglyph::studio::response::Moving;
-use sonoglyph::studio::{opening, output, probe, reach, space};
+use sonoglyph::studio::{bodies, opening, output, probe, reach, space};
 use strum::VariantNames;
 
 use crate::convert::{places, rows};
@@ -446,6 +446,19 @@ impl Scene {
         made.set_item("force", force.into_pyarray(py).reshape(with(&[3]))?)?;
         made.set_item("stiffness", stiffness.into_pyarray(py).reshape(with(&[3, 3]))?)?;
         Ok(made)
+    }
+
+    /// Radiation force and torque on every body, the mean of several drives: dictionaries as in `Solution.bodies`.
+    #[pyo3(signature = (drive=None, *, progress=None))]
+    fn body_forces<'py>(
+        slf: &Bound<'py, Self>,
+        drive: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let drives = responding(&slf.get().scene, Self::played(slf, drive, true, progress)?, false);
+        let scene = Arc::clone(&slf.get().scene);
+        let push = move |_: &Gauge| bodies::json(&bodies::pushed(&scene, &Aperture::new(&scene), &drives));
+        convert::python(slf.py(), &work::run(slf.py(), progress, false, push)?)
     }
 
     /// Finds the drives of all frames of the scene's motion.

@@ -7,9 +7,10 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use serde_json::Value;
-use sonoglyph::acoustics::Aperture;
+use sonoglyph::acoustics::{Aperture, response::responding};
 use sonoglyph::scene::{self, ElementModel};
 use sonoglyph::solver::{self, Limits, Problem, room};
+use sonoglyph::studio::bodies;
 use sonoglyph::studio::felt::{Felt, Unknown};
 use sonoglyph::studio::json;
 use sonoglyph::studio::nonlinear::Nonlinear;
@@ -146,6 +147,18 @@ impl Solution {
         let scene = &self.scene.get().scene;
         let found = py.detach(|| Nonlinear::of_solution(scene, &Aperture::new(scene), &self.solution));
         convert::python(py, &found.map_or(Value::Null, |found| json::nonlinear(&found)))
+    }
+
+    /// The bodies as `sonoglyph solve --json` writes them under `bodies`, a dictionary each: `force` (N), `torque` (N m, about
+    /// `at`), `error` of the sound that it scatters, `triangles` (0 of a sphere).
+    #[getter]
+    fn bodies<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let scene = &self.scene.get().scene;
+        let all = py.detach(|| {
+            let drives = responding(scene, self.solution.drives(), false);
+            bodies::json(&bodies::pushed(scene, &Aperture::new(scene), &drives))
+        });
+        convert::python(py, &all)
     }
 
     /// What a hand feels, as `sonoglyph solve --json` writes it under `felt`, as a dictionary: levels in dB over threshold; `None`

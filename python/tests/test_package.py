@@ -275,6 +275,28 @@ def test_bodies_are_tables_of_a_scene(tmp_path):
         sg.Scene(bodies=[sg.Body(kind="palm", radius=0.01)])
 
 
+def test_bodies_are_pushed_and_nothing_is_within():
+    array = sg.Array(rows=6, columns=6)
+    scene = sg.Scene(
+        array=array, targets=[sg.Point(at=(0, 0, 0.06))], plane=sg.Plane(centre=(0, 0, 0.06), size=(0.04, 0.04)),
+        bodies=[sg.Body(at=(0.006, 0, 0.06), radius=0.004)],
+    )  # fmt: skip
+    solution = scene.solve()
+    [body] = solution.bodies
+    force = np.array(body["force"])
+    assert body["kind"] == "sphere" and body["triangles"] == 0 and 1e-7 < np.linalg.norm(force) < 1e-2
+    assert np.allclose(scene.body_forces()[0]["force"], force)
+    quarter = sg.Scene.body_forces(scene, 0.5 * solution.excitations)[0]
+    assert np.allclose(quarter["force"], force / 4, rtol=1e-3)
+    field = solution.field("rms", (80, 80))
+    x, y = np.meshgrid(*[(np.arange(80) + 0.5) / 80 * 0.04 - 0.02] * 2)
+    assert np.array_equal(np.isnan(field), np.hypot(x - 0.006, y) < 0.004)
+    inside, outside = scene.pressure([(0.006, 0, 0.06), (0, 0, 0.06)])
+    assert np.isnan(inside) and np.isfinite(outside)
+    assert np.isnan(scene.force([(0.006, 0, 0.0642)])["force"]).all()
+    assert sg.Scene(array=array, targets=[sg.Point(at=(0, 0, 0.06))]).solve().bodies == []
+
+
 def test_solutions_survive_pickling():
     solution = five().solve()
     again = pickle.loads(pickle.dumps(solution))

@@ -5,7 +5,7 @@ use egui::Context;
 use crate::app::mapping::{Look, Mapping, NEAREST, image, in_egui};
 use crate::app::posing::{Source, sound};
 use crate::drive::Drive;
-use crate::field::{Colouring, Range, Request};
+use crate::field::{Colouring, Range, Request, hatch};
 use crate::picture::{ColourMap, Picture};
 use crate::scene::{Method, Scene};
 use crate::studio::later::Later;
@@ -196,6 +196,7 @@ impl Comparison {
         };
         let mut colours = Vec::new();
         colouring.colours(&values, largest, &mut colours);
+        hatch(&values, key.0.size.0, &mut colours);
         let (width, height) = key.0.size;
         let picture = Picture::from_field_order(width, height, colours.as_flattened());
         let before = beside.difference.take().map(|difference| difference.texture);

@@ -159,6 +159,10 @@ pub fn run(args: &SolveArgs) -> anyhow::Result<()> {
         for Held { target, hold } in &findings.traps {
             say!("{:<COLUMN$}{}", format!("trap, target {}", target + 1), levitation::verdict(hold))?;
         }
+        for (index, body) in findings.bodies.iter().enumerate() {
+            let name = format!("body {}, {}", index + 1, <&str>::from(body.kind));
+            say!("{name:<COLUMN$}{}", body.words())?;
+        }
         if let Some(neighbour) = &findings.neighbour {
             say!("{:<COLUMN$}{}", "between beads", levitation::between(neighbour))?;
         }

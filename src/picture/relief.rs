@@ -35,6 +35,7 @@ pub const ELEVATIONS: RangeInclusive<f64> = 0.12..=1.5;
 
 const SKY: Vec3 = Vec3::new(0.90, 0.94, 0.97);
 const DEEP: Vec3 = Vec3::new(0.03, 0.20, 0.33);
+const BODY: Vec3 = Vec3::splat(0.5);
 const SHALLOW: Vec3 = Vec3::new(0.10, 0.47, 0.60);
 pub const PAPER: [u8; 3] = [255; 3];
 const INK: Ink = [30, 30, 34];
@@ -256,7 +257,11 @@ impl<'a> Seen<'a> {
         lit.par_chunks_mut(columns).enumerate().for_each(|(row, lit)| {
             for (column, lit) in lit.iter_mut().enumerate() {
                 let sunk = relief.depth[row * columns + column] * sinks;
-                *lit = light.colour(relief.depth, column, row).extend(sunk);
+                // A body stands out of the level surface.
+                *lit = match sunk.is_nan() {
+                    true => BODY.extend(0.0),
+                    false => light.colour(relief.depth, column, row).extend(sunk),
+                };
             }
         });
         Self {
@@ -427,7 +432,11 @@ impl Light {
     }
 
     fn colour(&self, depth: &[f32], column: usize, row: usize) -> Vec3 {
-        let at = |column: usize, row: usize| depth[row * self.columns + column];
+        let own = depth[row * self.columns + column];
+        let at = |column: usize, row: usize| match depth[row * self.columns + column] {
+            beside if beside.is_nan() => own,
+            beside => beside,
+        };
         let (left, right) = (column.saturating_sub(1), (column + 1).min(self.columns - 1));
         let (ahead, behind) = (row.saturating_sub(1), (row + 1).min(self.rows - 1));
         let slope_x = (at(right, row) - at(left, row)) * self.steepness[0];

@@ -12,7 +12,7 @@ use glam::{DVec2, DVec3};
 use crate::echo;
 use crate::field::volume::scenery::Body;
 use crate::field::{
-    Colouring, FLOOR, FieldError, MOST_PIXELS, Map, Quantity, Range, Request, Scale, Stages, contour,
+    Colouring, FLOOR, FieldError, MOST_PIXELS, Map, Quantity, Range, Request, Scale, Stages, contour, hatch,
 };
 use crate::memory;
 use crate::picture::figure::axes::round_step;
@@ -393,18 +393,23 @@ fn coloured(content: &mut Content, (quantity, map, peak): (Quantity, &Map, f64),
         let value = if range == Range::Cyclic && map.peak == 0.0 { 0.0 } else { value };
         table[law.place(f64::from(value))]
     };
-    let colours: Vec<u8> = map.values.iter().flat_map(colour).collect();
+    let mut colours: Vec<_> = map.values.iter().map(colour).collect();
+    hatch(&map.values, map.width, &mut colours);
     if let Some(bar) = &mut content.bar {
         *bar = law.bar(table);
     }
-    content.remark = map::remark(quantity, map).filter(|_| wish.full.is_none() && wish.range.is_none());
+    let is_of_map = wish.full.is_none() && wish.range.is_none();
+    content.remark = match is_of_map {
+        true => map::remark(quantity, map),
+        false => (map.within > 0).then(|| map::HATCHED.to_owned()),
+    };
     if map.peak > 0.0 {
         for level in &wish.contours {
             let level = map::contour(quantity, *level, map.peak.into());
             content.contours.extend(contour::lines(&map.values, map.width, level as f32, |&value| value));
         }
     }
-    Picture::from_field_order(map.width, map.height, &colours)
+    Picture::from_field_order(map.width, map.height, colours.as_flattened())
 }
 
 /// Dims phases by their amplitude, if wanted.
@@ -438,11 +443,12 @@ fn subtracted(
     let largest = values.iter().fold(0.0_f32, |most, value| most.max(value.abs()));
     let law = Law::of_difference(quantity, wish, largest.into());
     let table = ColourMap::Diverging.on(wish.is_light);
-    let colours: Vec<u8> = values.iter().flat_map(|&value| table[law.place(value.into())]).collect();
+    let mut colours: Vec<_> = values.iter().map(|&value| table[law.place(value.into())]).collect();
+    hatch(values, width, &mut colours);
     if let Some(bar) = &mut content.bar {
         *bar = law.bar(table);
     }
-    Picture::from_field_order(width, values.len() / width.max(1), &colours)
+    Picture::from_field_order(width, values.len() / width.max(1), colours.as_flattened())
 }
 
 /// The largest modulus of some values.

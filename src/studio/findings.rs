@@ -11,6 +11,7 @@ use crate::scene::{Pressures, Scene, motion, outline};
 use crate::solver::frames;
 use crate::solver::levels::{self, Reached};
 use crate::solver::{Limits, Problem, Ranges, Solution, SolveError, room, shape};
+use crate::studio::bodies::{self, Pushed};
 use crate::studio::demodulation::Demodulated;
 use crate::studio::felt::{self, Felt};
 use crate::studio::levitation::{self, Held, Neighbour};
@@ -32,6 +33,8 @@ pub struct Findings {
     pub traps: Vec<Held>,
     /// The force between beads, if it counts.
     pub neighbour: Option<Neighbour>,
+    /// What pushes the bodies.
+    pub bodies: Vec<Pushed>,
     /// Of a motion, or of drives in turn, of elements with a response.
     pub moving: Option<Moving>,
     /// By a hand, if the scene has a skin.
@@ -68,6 +71,7 @@ impl Findings {
         let heard = scene.listener.as_ref().map(|listener| probe::reading(aperture, &drives, listener.at));
         let traps = levitation::held(scene, aperture, &drives);
         let neighbour = levitation::neighbour(scene, aperture, &drives, &traps);
+        let bodies = bodies::pushed(scene, aperture, &drives);
         let nonlinear = Nonlinear::of_solution(scene, aperture, &solution);
         let demodulated = Demodulated::new(scene, aperture, &solution);
         let of_drive = solution.warnings.iter().cloned().chain(limits.warning(problem));
@@ -80,6 +84,7 @@ impl Findings {
         }
         warnings.extend(heard.and_then(|heard| heard.warning()));
         warnings.extend(reach::of_targets(scene).iter().map(ToString::to_string));
+        warnings.extend(bodies::warning(aperture));
         warnings.extend(levitation::warning(scene).filter(|_| !traps.is_empty()));
         Self {
             solution,
@@ -89,6 +94,7 @@ impl Findings {
             ranges,
             traps,
             neighbour,
+            bodies,
             moving: None,
             felt: None,
             nonlinear,
@@ -157,6 +163,9 @@ impl Findings {
         }
         if !self.traps.is_empty() {
             value["traps"] = self.traps.iter().map(json::trap).collect();
+        }
+        if !self.bodies.is_empty() {
+            value["bodies"] = bodies::json(&self.bodies);
         }
         if let Some(Neighbour { target, force, part }) = self.neighbour {
             value["between_beads"] = json!({ "target": target, "force": force.to_array(), "weights": part });

@@ -20,6 +20,9 @@ const UNFELT: f64 = -99.0;
 /// Remark on values that exceed the range.
 pub const LARGER: &str = "larger within a wavelength of elements";
 
+/// Remark on the pixels within bodies.
+pub const HATCHED: &str = "hatched: bodies";
+
 /// A map as drawn.
 #[derive(Debug)]
 pub struct DrawnMap {
@@ -82,7 +85,9 @@ pub fn remark(quantity: Quantity, map: &Map) -> Option<String> {
         let (words, unit) = (summed.words, summed.unit.symbol());
         return Some(format!("silent: {words} below its rounding, {:.0e} {unit}", map.rounding));
     }
-    map.has_larger().then(|| LARGER.to_owned())
+    let larger = map.has_larger().then_some(LARGER);
+    let remarks: Vec<_> = larger.into_iter().chain((map.within > 0).then_some(HATCHED)).collect();
+    (!remarks.is_empty()).then(|| remarks.join("; "))
 }
 
 /// Whether a map of this quantity leaves out the scene's modulation: pressures are those at full amplitude.
@@ -104,11 +109,10 @@ pub fn difference(quantity: Quantity, left: &[f32], right: &[f32]) -> Vec<f32> {
 
 /// The range of a map's values, as text, with its remark.
 pub fn summary(quantity: Quantity, map: &Map) -> String {
-    let remark = remark(quantity, map);
-    match (remark, map.peak == 0.0) {
-        (Some(silent), true) => silent,
-        (Some(larger), false) => format!("{}, {larger}", extent(quantity, map.peak.into())),
-        (None, _) => extent(quantity, map.peak.into()),
+    match remark(quantity, map) {
+        Some(silent) if map.peak == 0.0 && map.rounding > 0.0 => silent,
+        Some(remark) => format!("{}, {remark}", extent(quantity, map.peak.into())),
+        None => extent(quantity, map.peak.into()),
     }
 }
 

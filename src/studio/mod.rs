@@ -3,6 +3,7 @@
 
 pub mod animate;
 pub mod arrays;
+pub mod bodies;
 pub mod bring_up;
 pub mod convention;
 pub mod demodulation;

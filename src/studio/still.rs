@@ -21,7 +21,7 @@ use crate::studio::motion::{SOLVING, follow};
 use crate::studio::opening::stem;
 use crate::studio::output::{self, Files, say, warn};
 use crate::studio::sheet::{pressure, words};
-use crate::studio::{EXAMPLE, liquid, opening};
+use crate::studio::{EXAMPLE, bodies, liquid, opening};
 
 /// Default file name of a sheet.
 const DEFAULT_SHEET: &str = "sonoglyph.png";
@@ -277,10 +277,13 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
         warn(&format!("{name}: {missed}"));
     }
-    let what = match &drawn.pressed {
+    let mut what = match &drawn.pressed {
         None => format!(", {}", map::summary(quantity, &drawn.map)),
         Some(pressed) => format!("\n  {}", liquid::describe(scene, pressed, (quantity, &drawn.map))),
     };
+    if let Some(error) = bodies::remark(scene, &request.aperture, &request.drives) {
+        what.push_str(&format!("\n  {error}"));
+    }
     let picture = match look.diagram {
         Diagram::Sheet => {
             let words = words(scene, solution, name, Convention::Rms);

@@ -215,7 +215,8 @@ impl<'a> Field<'a> {
             let distances: Vec<_> = (first..first + RUN).map(|index| index as f64 * step).collect();
             let points: Vec<_> = distances.iter().map(|&distance| at(distance)).collect();
             for (distance, pressure) in distances.into_iter().zip(self.pressures(&points)) {
-                if !self.is_clear(at(distance)) {
+                // A lobe that ends at a body has no width.
+                if !self.is_clear(at(distance)) || pressure.is_nan() {
                     return None;
                 }
                 if pressure <= level {

@@ -105,7 +105,8 @@ impl Profile {
             return None;
         }
         let values = &self.values;
-        let top = (0..values.len()).max_by(|&a, &b| values[a].total_cmp(&values[b]))?;
+        let outside = (0..values.len()).filter(|&i| !values[i].is_nan());
+        let top = outside.max_by(|&a, &b| values[a].total_cmp(&values[b]))?;
         // Half the pressure, and a quarter of its square.
         let level = values[top] * 0.5f64.powf(20.0 / declaration.decibels);
         let step = self.length() / (POINTS - 1) as f64;
@@ -113,8 +114,11 @@ impl Profile {
             let part = (values[inside] - level) / (values[inside] - values[outside]);
             (inside as f64 + part * (outside as f64 - inside as f64)) * step
         };
-        let before = (0..top).rev().find(|&i| values[i] < level).map(|i| crossing(i + 1, i));
-        let after = (top + 1..values.len()).find(|&i| values[i] < level).map(|i| crossing(i - 1, i));
+        // A lobe that ends at a body has no width.
+        let is_end = |i: &usize| values[*i].is_nan() || values[*i] < level;
+        let before = (0..top).rev().find(is_end).map(|i| crossing(i + 1, i)).filter(|at| !at.is_nan());
+        let after =
+            (top + 1..values.len()).find(is_end).map(|i| crossing(i - 1, i)).filter(|at| !at.is_nan());
         let half = before.zip(after).map(|(before, after)| [before, after]);
         (values[top] > 0.0).then_some(Lobe { at: top as f64 * step, value: values[top], half })
     }
@@ -403,8 +407,11 @@ impl<'a> Plot<'a> {
         }
         self.band(&inside);
         let point = |(i, &value): (usize, &f64)| pos2(self.x(self.profile.place(i)), self.y(value));
-        let curve = self.profile.values.iter().enumerate().map(point).collect();
-        inside.add(egui::Shape::line(curve, Stroke::new(1.5, theme::ACCENT)));
+        let values: Vec<_> = self.profile.values.iter().enumerate().collect();
+        for run in values.split(|(_, value)| value.is_nan()) {
+            let curve = run.iter().copied().map(point).collect();
+            inside.add(egui::Shape::line(curve, Stroke::new(1.5, theme::ACCENT)));
+        }
         if let Some(at) = response.hover_pos() {
             self.hover(&inside, at);
         }
@@ -457,12 +464,14 @@ impl<'a> Plot<'a> {
     fn band(&self, painter: &Painter) {
         let Some(band) = &self.profile.band else { return };
         let mut mesh = egui::Mesh::default();
+        let is_outside = |edges: &[f64; 2]| edges.iter().all(|edge| !edge.is_nan());
         for (i, edges) in (0u32..).zip(band) {
             let x = self.x(self.profile.place(i as usize));
             for &edge in edges {
-                mesh.colored_vertex(pos2(x, self.y(edge)), theme::ACCENT.gamma_multiply(0.25));
+                let y = if edge.is_nan() { self.rect.bottom() } else { self.y(edge) };
+                mesh.colored_vertex(pos2(x, y), theme::ACCENT.gamma_multiply(0.25));
             }
-            if i > 0 {
+            if i > 0 && is_outside(edges) && is_outside(&band[i as usize - 1]) {
                 mesh.add_triangle(2 * i - 2, 2 * i - 1, 2 * i);
                 mesh.add_triangle(2 * i - 1, 2 * i, 2 * i + 1);
             }
@@ -497,7 +506,7 @@ impl<'a> Plot<'a> {
     fn hover(&self, painter: &Painter, at: Pos2) {
         let part = f64::from((at.x - self.rect.left()) / self.rect.width());
         let place = self.places[0] + (self.places[1] - self.places[0]) * part;
-        let Some(value) = self.profile.value(place) else { return };
+        let Some(value) = self.profile.value(place).filter(|value| !value.is_nan()) else { return };
         let on_curve = pos2(at.x, self.y(value));
         painter.vline(at.x, self.rect.y_range(), Stroke::new(1.0, Color32::from_white_alpha(90)));
         painter.circle_filled(on_curve, 3.0, theme::CHOSEN);

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use sonoglyph::field::HATCH;
 use sonoglyph::mesh::{Mesh, shapes};
 use sonoglyph::studio::opening;
 use sonoglyph::ui::document::Document;
@@ -139,6 +140,45 @@ fn faulty_meshes_are_refused_with_a_remedy() {
     let beside = "file = \"ring.obj\"\nscale = 0.001\n[[body]]\nat = [0, 0, 0.12]";
     fs::write(folder.path().join("a.toml"), format!("{POINT}[[body]]\nkind = \"mesh\"\n{beside}\n")).unwrap();
     opening::open(&folder.path().join("a.toml")).unwrap();
+}
+
+#[test]
+fn numbers_within_bodies_are_none_and_pictures_hatched() {
+    let text = "\
+format = 1
+array = { rows = 6, columns = 6 }
+plane = { centre = [0, 0, 0.06], size = [0.04, 0.04] }
+[[target]]
+at = [0, 0, 0.06]
+[[body]]
+at = [0.006, 0, 0.06]
+radius = 0.004
+";
+    let folder = folder_with(&[("a.toml", text), ("points.csv", "x,y,z\n0.006,0,0.06\n0,0,0.06\n")]);
+    let path = folder.path();
+    let line = succeed(path, &["render", "a.toml", "-o", "a.png", "--data", "a.npy", "--size", "80"]);
+    assert!(
+        line.contains("hatched: bodies") && line.contains("bodies: scattered sound by exact series"),
+        "{line}"
+    );
+    let bytes = fs::read(path.join("a.npy")).unwrap();
+    let values: Vec<_> =
+        bytes[bytes.len() - 80 * 80 * 4..].as_chunks().0.iter().map(|it| f32::from_le_bytes(*it)).collect();
+    // Eight pixels are the radius.
+    let within = values.iter().filter(|value| value.is_nan()).count();
+    assert!((185..218).contains(&within), "{within}");
+    let picture = image::open(path.join("a.png")).unwrap().to_rgba8();
+    let hatched = picture.pixels().filter(|pixel| HATCH.contains(&pixel.0)).count();
+    assert_eq!(hatched, within);
+    let probed = succeed(path, &["probe", "a.toml", "--points", "points.csv"]);
+    let rows: Vec<_> = probed.lines().skip(1).collect();
+    assert!(rows[0].ends_with("NaN,NaN,NaN") && !rows[1].contains("NaN"), "{probed}");
+    let solved: serde_json::Value =
+        serde_json::from_str(&succeed(path, &["solve", "a.toml", "--json"])).unwrap();
+    let force = &solved["bodies"][0]["force"];
+    assert!(force[0].as_f64().unwrap().abs() > 1e-7 && solved["harmonic"].is_null(), "{solved}");
+    let refused = refuse(path, &["render", "a.toml", "--quantity", "harmonic", "-o", "b.png"]);
+    assert!(refused.contains("bodies in the field are not modelled"), "{refused}");
 }
 
 #[test]

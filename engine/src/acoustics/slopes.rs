@@ -63,7 +63,7 @@ impl Aperture {
     }
 
     /// Pressures (Pa) of a drive at points, and their slopes along the scene's axes (Pa/m), without bodies.
-    pub(super) fn pressures_with_slopes(&self, points: &[DVec3], drive: &[Complex64]) -> [Vec<Complex64>; 4] {
+    pub(crate) fn pressures_with_slopes(&self, points: &[DVec3], drive: &[Complex64]) -> [Vec<Complex64>; 4] {
         let emitters = Emitters::new(self, drive);
         let sums: Option<Vec<_>> = points.iter().map(|&point| emitters.sum(point)).collect();
         if let Some(sums) = sums {

@@ -39,6 +39,9 @@ pub struct Colouring {
     pub floor: f32,
 }
 
+/// r, g, b, a of a body in a map, and of the lines on it.
+pub const HATCH: [[u8; 4]; 2] = [[104, 104, 104, 255], [168, 168, 168, 255]];
+
 /// The index of a value in a table: `zero + spread · part`, where the part is `value / full`, or its base-2 logarithm
 /// on a logarithmic scale, and `full` may be the peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -119,6 +122,18 @@ impl Colouring {
     }
 }
 
+/// Draws what is within bodies, where values in rows of `width` are no numbers, as lines at 45 degrees: in two greys that
+/// no colour map takes for values, seen on dark and light maps.
+pub fn hatch(values: &[f32], width: usize, colours: &mut [[u8; 4]]) {
+    let period = (width / 48).clamp(4, 24);
+    for (index, (colour, value)) in colours.iter_mut().zip(values).enumerate() {
+        if value.is_nan() {
+            let (column, row) = (index % width.max(1), index / width.max(1));
+            *colour = HATCH[usize::from((column + row) % period < period.div_ceil(3))];
+        }
+    }
+}
+
 /// The index of a phase (rad) in a cyclic table.
 pub fn phase_index(phase: f64) -> usize {
     (((phase / f64::from(TAU) + 0.5).rem_euclid(1.0) * 256.0) as usize).min(255)
@@ -142,6 +157,16 @@ mod tests {
         let values = [3.0, 0.0, 1.5];
         assert_eq!(places(Quantity::Rms, None, &values, 3.0), [255, 0, 128]);
         assert_eq!(places(Quantity::Rms, Some(1.0), &values, 3.0), [255, 0, 255]);
+    }
+
+    #[test]
+    fn bodies_are_hatched_whatever_the_scale() {
+        let values = [1.0, f32::NAN, f32::NAN, f32::NAN, f32::NAN, 0.5, f32::NAN, f32::NAN];
+        let mut colours = vec![[7; 4]; 8];
+        hatch(&values, 4, &mut colours);
+        let is_hatched = |colour: &[u8; 4]| HATCH.contains(colour);
+        assert!(colours.iter().zip(values).all(|(colour, value)| is_hatched(colour) == value.is_nan()));
+        assert!(HATCH.iter().all(|tone| colours.contains(tone)), "{colours:?}");
     }
 
     #[test]

@@ -18,7 +18,7 @@ const ABOVE: u8 = 2;
 const LEFT: u8 = 3;
 
 /// The contour lines at `level` of pixels in rows of `width`, the first at the bottom. Larger values are on their
-/// left.
+/// left. Lines end at pixels that are no numbers.
 pub fn lines<P: Sync>(
     pixels: &[P],
     width: usize,
@@ -95,7 +95,7 @@ impl<N: Fn(usize) -> f32> Squares<N> {
 
     /// Follows the line that enters a square through this side, if any, and not followed before.
     fn start(&mut self, lines: &mut Vec<Line>, (mut x, mut y): (usize, usize), mut side: u8) {
-        let mut line = Line::new();
+        let (mut line, begun) = (Line::new(), ((x, y), side));
         while let Some(out) = self.way((x, y), side) {
             let passed = &mut self.passed[y * self.width + x];
             if *passed & 1 << side != 0 {
@@ -129,8 +129,15 @@ impl<N: Fn(usize) -> f32> Squares<N> {
             }
             side = (out + 2) % 4;
         }
-        if let (Some(&first), true) = (line.first(), line.len() > 2) {
-            line.push(first);
+        let Some(&first) = line.first() else { return };
+        if ((x, y), side) == begun {
+            if line.len() > 2 {
+                line.push(first);
+                lines.push(line);
+            }
+        } else {
+            // At a pixel without a number, or where the rest of a line that ends at one begins.
+            line.push(self.crossing((x, y), side));
             lines.push(line);
         }
     }
@@ -141,6 +148,10 @@ impl<N: Fn(usize) -> f32> Squares<N> {
         let corners = [at, at + 1, at + self.width + 1, at + self.width];
         let bits = |bits, (i, &corner): (usize, &usize)| bits | self.reaches[corner] << i;
         let corners_that_reach = corners.iter().enumerate().fold(0u8, bits);
+        let is_mixed = !matches!(corners_that_reach, 0 | 15);
+        if is_mixed && corners.iter().any(|&corner| (self.number)(corner).is_nan()) {
+            return None;
+        }
         let is_joined = || {
             let mean = corners.iter().map(|&corner| (self.number)(corner)).sum::<f32>() / 4.0;
             mean >= self.level
@@ -200,6 +211,21 @@ mod tests {
 
     fn area(line: &Line) -> f32 {
         line.windows(2).map(|pair| (pair[0][0] * pair[1][1] - pair[1][0] * pair[0][1]) / 2.0).sum()
+    }
+
+    #[test]
+    fn lines_end_at_pixels_without_numbers() {
+        let hill = |i| 40.0 - (at(i).0 - 41.3).hypot(at(i).1 - 30.8);
+        let is_hole = |i: usize| (at(i).0 - 61.0).abs() < 5.0 && (at(i).1 - 33.0).abs() < 4.0;
+        let found = of(20.0, |i| if is_hole(i) { f32::NAN } else { hill(i) });
+        let far = |[x, y]: &[f32; 2]| ((x - 41.3).hypot(y - 30.8) - 20.0).abs();
+        assert!(found.iter().flatten().all(|place| far(place) < 0.02), "{found:?}");
+        let length = |[a, b]: &[[f32; 2]; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let pairs = || found.iter().flat_map(|line| line.windows(2)).map(|pair| [pair[0], pair[1]]);
+        assert!(pairs().all(|pair| length(&pair) < 4.0), "{found:?}");
+        // All of the circle but what is near the hole, about 8 of 126.
+        let sum: f32 = pairs().map(|pair| length(&pair)).sum();
+        assert!((110.0..119.0).contains(&sum), "{sum}");
     }
 
     #[test]

@@ -116,7 +116,7 @@ pub fn on_cpu(aperture: &Aperture, drive: &Drive, samples: &Samples, double: boo
 }
 
 /// Adds what bodies scatter; within them nothing is a number.
-fn add_scattered(
+pub fn add_scattered(
     aperture: &Aperture,
     drive: &Drive,
     samples: &Samples,

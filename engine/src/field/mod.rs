@@ -48,7 +48,7 @@ pub mod volume;
 
 pub use colouring::{Colouring, Scale};
 #[doc(hidden)]
-pub use colouring::{FLOOR, phase_index};
+pub use colouring::{FLOOR, HATCH, hatch, phase_index};
 pub use evaluator::{Evaluator, peak};
 pub use gpu::Gpu;
 pub use gpu_report::{GpuError, Traffic};

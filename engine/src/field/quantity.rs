@@ -494,12 +494,12 @@ impl Quantity {
 
     /// The value of a mean of the formula.
     pub fn value(self, mean: f32) -> f32 {
-        if self.declaration().is_root { mean.max(0.0).sqrt() } else { mean }
+        if self.declaration().is_root { mean.clamp(0.0, f32::INFINITY).sqrt() } else { mean }
     }
 
     /// The same in f64.
     pub fn exact_value(self, mean: f64) -> f64 {
-        if self.declaration().is_root { mean.max(0.0).sqrt() } else { mean }
+        if self.declaration().is_root { mean.clamp(0.0, f64::INFINITY).sqrt() } else { mean }
     }
 
     /// The value of a single sound.

@@ -26,7 +26,6 @@
 use std::f64::consts::SQRT_2;
 
 use glam::{DVec2, DVec3};
-use num_complex::Complex64;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -92,7 +91,7 @@ pub fn side_lobe(
     let outskirts = Outskirts::new(aperture, plane, foci)?;
     let played: Vec<_> = drives.iter().flat_map(|drive| drive.excitation(&aperture.driven)).collect();
     let pressures_at = |points: &[DVec3]| -> Vec<f64> {
-        aperture.pressures(points, &played).into_iter().map(Complex64::norm).collect()
+        aperture.pressures(points, &played).into_iter().map(|p| audible(p.norm())).collect()
     };
     let positions: Vec<_> = foci.iter().map(|focus| focus.position).collect();
     let mean = pressures_at(&positions).iter().sum::<f64>() / positions.len() as f64;
@@ -191,8 +190,13 @@ fn sampled(
     if map.peak == 0.0 {
         return Err(NoSideLobe::Silent);
     }
-    let values = map.values.iter().map(|&rms| SQRT_2 * f64::from(rms)).collect();
+    let values = map.values.iter().map(|&rms| SQRT_2 * audible(rms.into())).collect();
     Ok(Lattice { values, columns, first: -plane.size / 2.0, step, half: plane.size / 2.0 })
+}
+
+/// Within bodies there is no maximum: silence there leaves those beside them.
+fn audible(pressure: f64) -> f64 {
+    if pressure.is_nan() { 0.0 } else { pressure }
 }
 
 /// The point of a plane's rectangle of a size nearest to another point.

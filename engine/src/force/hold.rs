@@ -135,6 +135,10 @@ impl Levitation {
         let (mut force, mut before): (f64, _) = (0.0, [0.0; 2]);
         for i in 1..=STEPS {
             let here = back(step * i as f64);
+            if here.is_nan() {
+                // A body stops it.
+                break;
+            }
             if here <= 0.0 {
                 force = force.max(crest(before[0], before[1], here));
                 let (mut near, mut far) = (step * (i - 1) as f64, step * i as f64);

@@ -22,6 +22,7 @@ mod flight;
 mod hold;
 mod modes;
 mod pair;
+mod rigid;
 
 use std::sync::Arc;
 
@@ -37,6 +38,11 @@ pub use bead::Sphere;
 pub use flight::{Carriage, Drag, Flight, Moment};
 pub use hold::{Escape, Hold, Outcome, WAYS};
 pub use modes::{Mode, modes};
+#[doc(hidden)]
+pub use rigid::Push;
+
+/// Order of the points on a bead's surface that touch bodies.
+const SURFACE: usize = 4;
 
 /// The radiation force on a bead at a point, with potential and stiffness.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,12 +98,27 @@ impl Levitation {
 
     /// The same bead in the sound of other drives.
     pub fn playing(&self, drives: &[Drive]) -> Self {
-        let drives = drives.iter().map(|drive| drive.excitation(&self.aperture.driven)).collect();
+        let drives: Vec<_> = drives.iter().map(|drive| drive.excitation(&self.aperture.driven)).collect();
+        // Bodies answer once, before many places ask at the same time: a thread that waits for the surface of a body
+        // could otherwise take up a place that waits for it, too.
+        drives.iter().for_each(|drive| drop(self.aperture.answer(drive)));
         Self { drives, ..self.clone() }
+    }
+
+    /// Whether the bead would touch or overlap a body at a point (m): no force is a number there.
+    pub(crate) fn touches(&self, point: DVec3) -> bool {
+        let bodies = &self.aperture.bodies;
+        !bodies.is_empty()
+            && PartialWaves::points(SURFACE, (point, self.sphere.radius))
+                .iter()
+                .any(|at| bodies.contains(*at))
     }
 
     /// Potential, force and stiffness at a point, m.
     pub fn forces(&self, point: DVec3) -> Forces {
+        if self.touches(point) {
+            return Forces { gorkov: f64::NAN, force: DVec3::NAN, stiffness: DMat3::NAN };
+        }
         let mut mean = Forces { gorkov: 0.0, force: DVec3::ZERO, stiffness: DMat3::ZERO };
         let shell = (point, self.sphere.shell());
         for drive in &self.drives {
@@ -112,12 +133,18 @@ impl Levitation {
 
     /// Radiation force (N) without weight, faster than `at`.
     pub fn force(&self, point: DVec3) -> DVec3 {
+        if self.touches(point) {
+            return DVec3::NAN;
+        }
         let waves = self.waves(self.sphere.order(), point);
         waves.map(|waves| self.sphere.force(&waves)).sum::<DVec3>() / self.drives.len() as f64
     }
 
     /// The potential (J) of the force that has one.
     pub fn potential(&self, point: DVec3) -> f64 {
+        if self.touches(point) {
+            return f64::NAN;
+        }
         let waves = self.waves(self.sphere.order(), point);
         waves.map(|waves| self.sphere.potential(&waves)).sum::<f64>() / self.drives.len() as f64
     }

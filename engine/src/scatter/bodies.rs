@@ -15,8 +15,9 @@ use crate::mesh::Mesh;
 use crate::scatter::boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
 use crate::scatter::emission::Emission;
 use crate::scatter::gmres::{self, Outcome};
+use crate::scatter::patch::{Patch, Sound};
 use crate::scatter::rows::{Columns, Rows};
-use crate::scatter::sphere::{Sound, Sphere};
+use crate::scatter::sphere::Sphere;
 use crate::scene::{Body, BodyKind, Reflector};
 
 /// Edges of triangles in wavelengths, and the number of triangles beyond which they grow, up to a longest.
@@ -102,11 +103,20 @@ impl Bodies {
 
     /// Triangles of all surfaces.
     pub fn triangles(&self) -> usize {
-        let of = |solid: &Solid| match &solid.surface {
+        self.triangles_of_each().sum()
+    }
+
+    /// Triangles of every body, of a sphere 0.
+    pub fn triangles_of_each(&self) -> impl Iterator<Item = usize> {
+        self.solids.iter().map(|solid| match &solid.surface {
             Surface::Series(_) => 0,
             Surface::Elements(boundary) => boundary.mesh().triangles.len(),
-        };
-        self.solids.iter().map(of).sum()
+        })
+    }
+
+    /// The places that the bodies turn about, m.
+    pub fn places(&self) -> impl Iterator<Item = DVec3> {
+        self.solids.iter().map(|solid| solid.at)
     }
 
     /// Whether a point (m) is inside a body.
@@ -344,6 +354,11 @@ impl Bodies {
         errors
     }
 
+    /// The surfaces in small parts, with the total sound on them.
+    pub fn patches(&self, answer: &Answer) -> Vec<Vec<Patch>> {
+        self.solids.iter().zip(answer).map(|(solid, own)| solid.patches(own)).collect()
+    }
+
     /// The surfaces with their pressures, of spheres with edges of about a length (m).
     pub fn skins(&self, answer: &Answer, edge: f64) -> Vec<Skin> {
         self.solids.iter().zip(answer).map(|(solid, own)| solid.skin(own, edge)).collect()
@@ -480,6 +495,18 @@ impl Solid {
             [p, x, y, z]
         };
         weights.into_iter().map(turned).collect()
+    }
+
+    fn patches(&self, own: &[Complex64]) -> Vec<Patch> {
+        let mut patches = match &self.surface {
+            Surface::Series(sphere) => sphere.patches(own),
+            Surface::Elements(boundary) => boundary.patches(own),
+        };
+        for Patch { at, normal, sound: (_, gradient), .. } in &mut patches {
+            (*at, *normal) = (self.at + self.axes * *at, self.axes * *normal);
+            *gradient = self.turned(*gradient);
+        }
+        patches
     }
 
     fn skin(&self, own: &[Complex64], edge: f64) -> Skin {

@@ -37,9 +37,9 @@ use crate::scatter::gmres::{self, Outcome};
 use crate::scatter::grid::Grid;
 use crate::scatter::hierarchy::{Hierarchy, Tree};
 use crate::scatter::near::Near;
+use crate::scatter::patch::{self, Patch, Sound};
 use crate::scatter::radiation::{CLEAR, Radiation};
 use crate::scatter::rows::{Columns, Rows, Run, lanes_of};
-use crate::scatter::sphere::Sound;
 use crate::scatter::waves::LANES;
 use crate::simd::Isa;
 
@@ -310,6 +310,12 @@ impl Boundary {
             false => nodal[node],
         };
         (0..nodal.len()).map(corrected).collect()
+    }
+
+    /// The surface in small parts, with the total sound of a solution's nodes on it.
+    pub fn patches(&self, nodal: &[Complex64]) -> Vec<Patch> {
+        let slope = Complex64::new(0.0, self.wall.wavenumber * self.wall.admittance);
+        patch::of_triangles(&self.mesh, &self.surface(nodal), slope)
     }
 
     /// Points (m) inside the body, two fifths of an edge below the surface, at which the sound of an exact solution

@@ -14,7 +14,7 @@ use glam::{DMat3, DVec3};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::scatter::sphere::Sound;
+use crate::scatter::patch::Sound;
 use crate::scatter::waves::{inverse_roots, phasor, wide};
 use crate::simd::{Instructions, Isa, Kernel, fused, larger};
 

@@ -43,6 +43,7 @@ mod grid;
 mod hierarchy;
 mod near;
 mod pairs;
+mod patch;
 mod radiation;
 mod rows;
 mod sphere;
@@ -54,6 +55,7 @@ pub use boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
 #[doc(hidden)]
 pub use emission::Emission;
 pub use gmres::Outcome;
+pub use patch::{Patch, Sound};
 pub use rows::Rows;
-pub use sphere::{Sound, Sphere};
+pub use sphere::Sphere;
 pub(crate) use waves::{COSINE, SINE};

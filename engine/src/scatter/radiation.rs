@@ -11,8 +11,8 @@ use rayon::prelude::*;
 use crate::scatter::emission::Emission;
 use crate::scatter::facets::{Facet, SIX, THREE, Wall};
 use crate::scatter::grid::Grid;
+use crate::scatter::patch::Sound;
 use crate::scatter::rows::Sources;
-use crate::scatter::sphere::Sound;
 
 /// Distances from the centroid, relative to a triangle's radius, from which the rule of three points serves.
 pub(super) const CLEAR: f64 = 4.0;

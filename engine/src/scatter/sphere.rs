@@ -13,11 +13,15 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI, SQRT_2, TAU};
 
 use glam::{DVec2, DVec3};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
+use crate::scatter::patch::{Patch, Sound};
 use crate::special::{bessel, gauss_legendre};
 
 /// Radii of the sampled spheres, relative to the body's.
 const SHELLS: [f64; 2] = [1.0, 0.82];
+/// The part of the largest order's square below which an order counts for nothing.
+const FAINT: f64 = 1e-14;
 
 /// A sphere that scatters sound of one wavenumber.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,14 +32,13 @@ pub struct Sphere {
     radius: f64,
     /// rad/m
     wavenumber: f64,
+    /// Ratio of the admittances of surface and air.
+    admittance: f64,
     /// s_n of every order.
     scattered: Vec<Complex64>,
     /// The total pressure on the surface per coefficient, of every order.
     surface: Vec<Complex64>,
 }
-
-/// Pressure (Pa) and its gradient (Pa/m).
-pub type Sound = (Complex64, [Complex64; 3]);
 
 impl Sphere {
     /// The sphere about a centre (m) with a radius (m) and the pressure reflection of its surface, above -1 and up to 1,
@@ -75,7 +78,7 @@ impl Sphere {
         let regular = |n: usize| condition(&|n| Complex64::from(j[n]), n);
         let scattered = (0..=order).map(|n| -regular(n) / outgoing[n]).collect();
         let surface = (0..=order).map(|n| Complex64::new(0.0, -1.0 / (x * x)) / outgoing[n]).collect();
-        Self { centre, radius, wavenumber, scattered, surface }
+        Self { centre, radius, wavenumber, admittance, scattered, surface }
     }
 
     /// m
@@ -203,8 +206,42 @@ impl Sphere {
 
     /// The total pressure (Pa) on the surface in a direction (a unit vector) from the centre.
     pub fn on_surface(&self, coefficients: &[Complex64], direction: DVec3) -> Complex64 {
+        self.along_surface(coefficients, direction).0
+    }
+
+    /// The same with its gradient along the surface (Pa/m).
+    fn along_surface(&self, coefficients: &[Complex64], direction: DVec3) -> Sound {
         let radial = self.surface.iter().map(|value| [*value, Complex64::ZERO]);
-        self.sum(coefficients, direction, self.radius, radial).0
+        self.sum(coefficients, direction, self.radius, radial)
+    }
+
+    /// The surface at the nodes of Gauss's rule, for squares of the sound.
+    pub(super) fn patches(&self, coefficients: &[Complex64]) -> Vec<Patch> {
+        let counts = |n: &usize| {
+            let own = &coefficients[n * n..(n + 1) * (n + 1)];
+            own.iter().map(|a| (a * self.surface[*n]).norm_sqr()).sum::<f64>()
+        };
+        let squares: Vec<_> = (0..=self.order()).map(|n| counts(&n)).collect();
+        let largest = squares.iter().fold(0.0, |most, own| f64::max(most, *own));
+        // Squares have twice the order, forces and torques one more.
+        let order = squares.iter().rposition(|own| *own > FAINT * largest).unwrap_or(0);
+        let (rings, around) = (order + 2, 2 * order + 4);
+        let slope = Complex64::new(0.0, self.wavenumber * self.admittance);
+        let ring = |(z, weight): (f64, f64)| {
+            (0..around).map(move |turn| (z, weight, TAU * turn as f64 / around as f64)).collect::<Vec<_>>()
+        };
+        let nodes: Vec<_> = gauss_legendre(rings).into_iter().flat_map(ring).collect();
+        let patch = |&(z, weight, angle): &(f64, f64, f64)| {
+            let normal = (DVec2::from_angle(angle) * (1.0 - z * z).sqrt()).extend(z);
+            let (p, gradient) = self.along_surface(coefficients, normal);
+            Patch {
+                at: self.centre + normal * self.radius,
+                normal,
+                area: self.radius * self.radius * weight * TAU / around as f64,
+                sound: (p, [0, 1, 2].map(|axis| gradient[axis] + slope * p * normal[axis])),
+            }
+        };
+        nodes.par_iter().map(patch).collect()
     }
 
     /// The sum of harmonics with a factor and its radial slope (1/m) for each order.

@@ -5,7 +5,10 @@ use num_complex::Complex64;
 use sonoglyph_engine::acoustics::{Air, Aperture};
 use sonoglyph_engine::drive::Drive;
 use sonoglyph_engine::field::{Evaluator, Quantity, Request, Samples, Stages, reference};
-use sonoglyph_engine::scene::{Array, Board, Body, BodyKind, ElementModel, Medium, Plane, Reflector, Scene};
+use sonoglyph_engine::force::Levitation;
+use sonoglyph_engine::scene::{
+    Array, Board, Body, BodyKind, ElementModel, Envelope, Medium, Modulation, Plane, Reflector, Scene, Skin,
+};
 
 const K: f64 = 732.274_780;
 
@@ -109,8 +112,8 @@ fn a_map_is_the_reference_outside_and_nothing_within() {
     assert!(field.iter().any(|p| p.re.is_nan()));
 }
 
-#[test]
-fn a_large_plate_is_a_reflector() {
+/// A plate above 16 elements, and a rigid reflector in its place.
+fn plate_and_image() -> [Scene; 2] {
     let plate = Body {
         kind: BodyKind::Palm,
         at: DVec3::Z * 0.06,
@@ -126,8 +129,91 @@ fn a_large_plate_is_a_reflector() {
         ..Scene::default()
     };
     let mirror = Reflector { point: DVec3::Z * 0.06, normal: DVec3::NEG_Z, coefficient: 1.0 };
-    let [body, image] =
-        [scene(vec![plate], vec![]), scene(vec![], vec![mirror])].map(|scene| Aperture::new(&scene));
+    [scene(vec![plate], vec![]), scene(vec![], vec![mirror])]
+}
+
+#[test]
+fn a_bead_below_a_plate_feels_its_image() {
+    let [body, image] = plate_and_image();
+    let drive = Drive { amplitudes: vec![1.0; 16], phases: vec![0.0; 16] };
+    let points: Vec<_> =
+        (0..24).map(|i| dvec3(0.0002 * f64::from(i), -0.001, 0.05 + 0.0003 * f64::from(i))).collect();
+    let forces = |scene: &Scene| {
+        let levitation = Levitation::new(scene, &Aperture::new(scene), std::slice::from_ref(&drive));
+        (levitation.forces_at(&points), levitation.force(DVec3::Z * 0.0598))
+    };
+    let [(got, touching), (expected, _)] = [&body, &image].map(forces);
+    let largest = expected.iter().map(|force| force.length()).fold(0.0, f64::max);
+    for (got, expected) in got.iter().zip(&expected) {
+        assert!(got.distance(*expected) < 0.06 * largest, "{got}, not {expected} of {largest}");
+    }
+    assert!(touching.is_nan(), "a bead of 0.5 mm has no force within 0.2 mm: {touching}");
+}
+
+#[test]
+fn sound_presses_on_a_palm_as_on_the_plane() {
+    let [mut palm, mut plane] = plate_and_image();
+    plane.reflectors.clear();
+    for scene in [&mut palm, &mut plane] {
+        scene.plane = Plane { centre: DVec3::Z * 0.06, size: DVec2::splat(0.03), ..Plane::default() };
+        scene.skin = Some(Skin::default());
+        scene.modulation = Modulation { shape: Envelope::Sine, frequency: 200.0, ..Modulation::default() };
+    }
+    let drive = Drive { amplitudes: vec![1.0; 16], phases: vec![0.0; 16] };
+    let map = |scene: &Scene| {
+        let request = Request::new(scene, vec![drive.clone()], Quantity::Skin, (24, 24));
+        Stages::new(Evaluator::Cpu).map(&request).unwrap().clone()
+    };
+    let [palm, plane] = [&palm, &plane].map(map);
+    assert!(plane.peak > 0.0 && palm.within == 0, "{plane:?}");
+    for (got, expected) in palm.values.iter().zip(&plane.values) {
+        assert!((got - expected).abs() < 0.08 * plane.peak, "{got}, not {expected} of {}", plane.peak);
+    }
+}
+
+#[test]
+fn a_map_of_forces_is_exact_between_bodies() {
+    let capsule = Body {
+        kind: BodyKind::Capsule,
+        at: dvec3(0.008, 0.0, 0.06),
+        radius: 0.004,
+        length: 0.016,
+        ..Body::default()
+    };
+    let scene = Scene {
+        array: Array { rows: 4, columns: 4, ..Array::default() },
+        plane: Plane {
+            centre: DVec3::Z * 0.06,
+            size: DVec2::splat(0.05),
+            y_axis: DVec3::Z,
+            ..Plane::default()
+        },
+        bodies: vec![capsule, sphere(dvec3(-0.012, 0.0, 0.065), 0.005)],
+        ..Scene::default()
+    };
+    let drive = Drive { amplitudes: vec![1.0; 16], phases: vec![0.0; 16] };
+    let size = (24, 24);
+    let request = Request::new(&scene, vec![drive.clone()], Quantity::Force, size);
+    let start = std::time::Instant::now();
+    let map = Stages::new(Evaluator::Cpu).map(&request).unwrap().clone();
+    println!("{} in {:?}, error {}", map.how, start.elapsed(), map.error);
+    let pixels = Samples::on_plane(&scene.plane, size.0, size.1).unwrap();
+    let aperture = Aperture::new(&scene);
+    let levitation = Levitation::new(&scene, &aperture, &[drive]);
+    for pixel in (0..576).step_by(3) {
+        let (at, got) = (pixels.point(pixel), f64::from(map.values[pixel]));
+        let expected = levitation.force(at).length();
+        assert_eq!(got.is_nan(), expected.is_nan(), "{at}");
+        let off = (got - expected).abs();
+        assert!(got.is_nan() || off < 5e-3 * f64::from(map.peak), "{at}: {got}, not {expected}");
+        assert!(!aperture.bodies.contains(at) || got.is_nan(), "{at}");
+    }
+    assert!(map.within > 5, "{}", map.within);
+}
+
+#[test]
+fn a_large_plate_is_a_reflector() {
+    let [body, image] = plate_and_image().map(|scene| Aperture::new(&scene));
     let points: Vec<_> = (0..40)
         .map(|i| {
             dvec3(0.0004 * f64::from(i) - 0.008, 0.005 - 0.0003 * f64::from(i), 0.045 + 0.0003 * f64::from(i))

@@ -119,9 +119,10 @@ impl Task {
         let shape = scene.plane.size.y / scene.plane.size.x;
         let (width, height) = (self.size, ((self.size as f64 * shape).round() as usize).clamp(1, MOST_ROWS));
         let request = Request::new(scene, drives, Quantity::Rms, (width, height));
-        let Map { values: rms, peak, loudest, error, .. } = stages.map(&request)?;
+        let Map { values: rms, peak, loudest, error, within, .. } = stages.map(&request)?;
         let at = rms.iter().position(|value| value == peak).unwrap_or(0);
-        let mean_square = rms.iter().map(|&p| f64::from(p).powi(2)).sum::<f64>() / rms.len() as f64;
+        let outside = rms.iter().filter(|p| !p.is_nan()).map(|&p| f64::from(p).powi(2));
+        let mean_square = outside.sum::<f64>() / (rms.len() - within).max(1) as f64;
         let place = Samples::on_plane(&scene.plane, width, height).context("no plane")?.point(at);
         let mut statistics = json!({
             "peak": peak, "at": place.to_array(), "loudest": loudest, "rms": mean_square.sqrt(),

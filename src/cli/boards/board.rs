@@ -465,7 +465,8 @@ impl Monitor {
             output::write(path, &export::png(&drawn.picture)?)?;
         }
         let numbers = &drawn.map.values;
-        let loudest = (0..numbers.len()).max_by(|&a, &b| numbers[a].total_cmp(&numbers[b])).unwrap_or(0);
+        let outside = (0..numbers.len()).filter(|&pixel| !numbers[pixel].is_nan());
+        let loudest = outside.max_by(|&a, &b| numbers[a].total_cmp(&numbers[b])).unwrap_or(0);
         let place = Samples::on_plane(&self.scene.plane, SIDE, SIDE)
             .filter(|samples| loudest < samples.len())
             .map(|samples| samples.point(loudest) * 1e3);

@@ -413,8 +413,11 @@ pub(in crate::picture) fn clipped(points: &[[f64; 2]], room: [f64; 4]) -> Vec<Ve
     pieces
 }
 
-/// The part of a straight line within a rectangle, after Liang and Barsky.
+/// The part of a straight line within a rectangle, after Liang and Barsky; none of a line from or to nowhere.
 fn inside(from: [f64; 2], to: [f64; 2], [left, top, right, bottom]: [f64; 4]) -> Option<[[f64; 2]; 2]> {
+    if from.iter().chain(&to).any(|place| place.is_nan()) {
+        return None;
+    }
     let (mut first, mut last) = (0.0f64, 1.0f64);
     for (axis, low, high) in [(0, left, right), (1, top, bottom)] {
         let (start, way) = (from[axis], to[axis] - from[axis]);
@@ -443,6 +446,8 @@ mod tests {
     #[test]
     fn lines_end_at_the_edge_of_the_map() {
         let room = [0.0, 0.0, 10.0, 10.0];
+        let gap = clipped(&[[1.0, 1.0], [2.0, 2.0], [3.0, f64::NAN], [4.0, 4.0], [5.0, 5.0]], room);
+        assert_eq!(gap, [[[1.0, 1.0], [2.0, 2.0]], [[4.0, 4.0], [5.0, 5.0]]]);
         let line = [[-5.0, 5.0], [5.0, 5.0], [5.0, 15.0], [8.0, 15.0], [8.0, 5.0]];
         let pieces = clipped(&line, room);
         assert_eq!(pieces, [vec![[0.0, 5.0], [5.0, 5.0], [5.0, 10.0]], vec![[8.0, 10.0], [8.0, 5.0]]]);

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 
 use crate::echo;
-use crate::field::{Colouring, Quantity, Range, Request, Stages};
+use crate::field::{Colouring, HATCH, Quantity, Range, Request, Stages, hatch};
 use crate::gauge::Gauge;
 use crate::picture::Picture;
 use crate::picture::animation::{Animation, Colours, Format, Pace};
@@ -382,7 +382,14 @@ impl<'a> Film<'a> {
     /// The colours of the frames.
     fn colours(&self, extent: &Extent) -> anyhow::Result<Colours> {
         Ok(match &self.look {
-            Look::Flat(colouring) => Colours::Map(Box::new(colouring.table)),
+            Look::Flat(colouring) => {
+                let mut table = colouring.table;
+                if !self.scene.bodies.is_empty() {
+                    // The two places of a palette that are missed least.
+                    [table[1], table[3]] = HATCH;
+                }
+                Colours::Map(Box::new(table))
+            }
             Look::Shaded { name, page } => Colours::Like(self.shaded(
                 0,
                 extent.farthest.as_deref().unwrap_or_default(),
@@ -400,9 +407,12 @@ impl<'a> Film<'a> {
                 let scale = 255.0 / (high - low).max(f32::MIN_POSITIVE);
                 let colour = |&h: &f32| colouring.table[usize::from(((h - low) * scale + 0.5) as u8)];
                 let map = or_by_cpu(&mut self.stages, self.gpu_is_asked_for, |stages| {
-                    Ok(stages.map(request)?.values.iter().flat_map(colour).collect::<Vec<_>>())
+                    let values = &stages.map(request)?.values;
+                    let mut colours: Vec<_> = values.iter().map(colour).collect();
+                    hatch(values, width, &mut colours);
+                    Ok(colours)
                 })?;
-                Ok(Picture::from_field_order(width, height, &map))
+                Ok(Picture::from_field_order(width, height, map.as_flattened()))
             }
             Look::Flat(colouring) => {
                 let colouring = Colouring { full: colouring.full.or(Some(high)), ..*colouring };

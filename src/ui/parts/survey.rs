@@ -98,7 +98,7 @@ fn peak(scene: &Scene, drives: &[Drive], stages: &mut Stages) -> Option<(DVec3, 
     };
     let clearance = Clearance::new(&request.aperture);
     let heard = map.values.iter().enumerate().map(|(index, value)| (at(index), *value));
-    let heard = heard.filter(|(at, _)| clearance.at(*at) > 0.0);
+    let heard = heard.filter(|(at, value)| clearance.at(*at) > 0.0 && !value.is_nan());
     let (at, value) = heard.max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some((at, f64::from(value) * std::f64::consts::SQRT_2))
 }

@@ -123,7 +123,7 @@ fn brightest(request: &Request, surfaces: &[Vec<f32>], stages: &mut Stages) -> R
     for surface in surfaces.iter().skip(1).step_by(surfaces.len().div_ceil(TRIED).max(1)) {
         let depth = surface.iter().map(|&depth| depth.into()).collect();
         let map = stages.map(&at(request, depth)).map_err(|error| error.to_string())?;
-        let mut values = map.values.clone();
+        let mut values: Vec<_> = map.values.iter().copied().filter(|value| !value.is_nan()).collect();
         let index = (values.len() as f64 * COVERED) as usize;
         if index < values.len() {
             brightest = brightest.max(*values.select_nth_unstable_by(index, f32::total_cmp).1);

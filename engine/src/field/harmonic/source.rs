@@ -27,6 +27,8 @@ pub enum NoHarmonic {
          not reflect (`reflectivity = 0.0`)"
     )]
     Reflector,
+    #[error("harmonics with bodies in the field are not modelled: leave out [[body]]")]
+    Bodies,
     #[error("no sound reaches the foci")]
     Silent,
     #[error(
@@ -43,8 +45,11 @@ pub fn source(aperture: &Aperture, air: &Air) -> f64 {
 }
 
 /// # Errors
-/// Reflectors other than a single rigid one.
+/// Reflectors other than a single rigid one, or bodies.
 pub fn check(aperture: &Aperture) -> Result<(), NoHarmonic> {
+    if !aperture.bodies.is_empty() {
+        return Err(NoHarmonic::Bodies);
+    }
     let heard = aperture.mirrors.iter().filter(|mirror| mirror.coefficient != 0.0).count();
     let is_rigid = aperture.faces.iter().all(|face| (face.gain - 1.0).abs() < NOT_RIGID);
     if heard > 1 || !is_rigid || aperture.remainder > 0.0 { Err(NoHarmonic::Reflector) } else { Ok(()) }

@@ -5,14 +5,12 @@
 //! the nodes of a finer lattice, and polynomials through six by six of them give the pixels between. A pixel with a
 //! node of its own within a body is evaluated for itself.
 
-use std::f64::consts::TAU;
 use std::ops::Range;
 
 use glam::DVec3;
 use num_complex::Complex32;
 use rayon::prelude::*;
 
-use crate::acoustics::Aperture;
 use crate::field::gpu::Gpu;
 use crate::field::interpolation::{Between, Resampling, interpolate};
 use crate::field::quantity::{PRESSURE, Part};
@@ -20,23 +18,9 @@ use crate::field::raster::Raster;
 use crate::field::sound::narrow;
 use crate::field::stages::job::Job;
 use crate::field::stages::lattice::Lattice;
+use crate::field::stages::nodes::{Nodes, clear_of, step};
 use crate::field::stages::site::Weights;
 use crate::scatter::{Answer, Bodies, Rows};
-
-/// Nodes along each side of a polynomial.
-const TAPS: usize = 6;
-/// The error of a polynomial through so many nodes for e^{jkx}, over (kh)^6: the product of the distances to the nodes
-/// by 6!, along both axes.
-const OF_POLYNOMIALS: f64 = 2.0 * 3.52 / 720.0;
-/// The scattered sound's part of the tolerance.
-const SHARE: f64 = 0.25;
-
-/// The pixels of a frame that are within bodies.
-pub(super) fn within(aperture: &Aperture, raster: &Raster) -> Vec<usize> {
-    let Some(bodies) = aperture.bodies.bodies() else { return Vec::new() };
-    let pixels = raster.pixels();
-    (0..pixels.len()).into_par_iter().filter(|&pixel| bodies.contains(pixels.point(pixel))).collect()
-}
 
 /// What gives a pixel its scattered sound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,13 +86,19 @@ impl Places {
         let from = job.within.partition_point(|pixel| *pixel < first);
         let until = job.within.partition_point(|pixel| *pixel < high * width);
         job.within[from..until].iter().for_each(|pixel| places.pixels[pixel - first] = By::Nothing);
-        let mut lattice = places.box_of_itself(width).and_then(|near| Nodes::new(job, raster, near, low));
-        if let Some(lattice) = &mut lattice {
-            let points: Vec<_> =
-                (0..lattice.counts[0] * lattice.counts[1]).map(|n| lattice.point(n)).collect();
+        let plane = &job.key.setting.plane;
+        let step = step(plane.tolerance, job.key.setting.aperture.element.wavenumber);
+        let size = (width, raster.height);
+        let near = places.box_of_itself(width).filter(|_| !job.key.is_direct());
+        let lattice = near.and_then(|[columns, rows]| {
+            let over = [columns, rows.start + low..rows.end + low];
+            Nodes::new((plane, job.site.axes), size, over, step)
+        });
+        if let Some(lattice) = &lattice {
+            let points: Vec<_> = (0..lattice.count()).map(|n| lattice.point(n)).collect();
             let is_outside = outside(&points);
             let clear = clear_of(&is_outside, lattice.counts[0], [&lattice.across, &lattice.up]);
-            for (pixel, is_clear) in lattice.pixels(width).zip(clear) {
+            for (pixel, is_clear) in lattice.pixels(width, low).zip(clear) {
                 let by = &mut places.pixels[pixel];
                 *by = if is_clear && *by == By::Itself { By::Nodes } else { *by };
             }
@@ -176,10 +166,10 @@ pub(super) fn add(
             sums.filter(|(_, by)| **by == By::Samples).for_each(|((sum, value), _)| *sum += value);
         }
         if let Some(lattice) = &places.lattice {
-            let nodes = spread_out(lattice.counts[0] * lattice.counts[1], &places.nodes, of_nodes);
+            let nodes = spread_out(lattice.count(), &places.nodes, of_nodes);
             let mut own = vec![Complex32::ZERO; lattice.across.first.len() * lattice.up.first.len()];
             interpolate(&nodes, lattice.counts[0], &lattice.across, &lattice.up, &mut between, &mut own);
-            let all = lattice.pixels(width).zip(own);
+            let all = lattice.pixels(width, band.rows.0).zip(own);
             all.filter(|(pixel, _)| places.pixels[*pixel] == By::Nodes)
                 .for_each(|(pixel, value)| values[pixel] += value);
         }
@@ -236,90 +226,4 @@ fn pressures(gpu: Option<&Gpu>, bodies: &Bodies, answer: &Answer, points: &[DVec
     let corrections = bodies.corrections(answer, points);
     all.iter_mut().zip(corrections).for_each(|(sum, own)| *sum += narrow(own));
     all
-}
-
-/// The pixels all of whose samples are outside bodies.
-fn clear_of(is_outside: &[bool], columns: usize, [across, up]: [&Resampling; 2]) -> Vec<bool> {
-    let rows = is_outside.len() / columns;
-    // Samples within bodies at all columns and rows before.
-    let mut sums = vec![0u32; (columns + 1) * (rows + 1)];
-    let at = |column: usize, row: usize| row * (columns + 1) + column;
-    for row in 0..rows {
-        for column in 0..columns {
-            let own = u32::from(!is_outside[row * columns + column]);
-            sums[at(column + 1, row + 1)] =
-                own + sums[at(column, row + 1)] + sums[at(column + 1, row)] - sums[at(column, row)];
-        }
-    }
-    let is_clear = |(column, row): (u32, u32)| {
-        let [left, low] = [column as usize, row as usize];
-        let [right, high] = [left + across.taps, low + up.taps];
-        sums[at(right, high)] + sums[at(left, low)] == sums[at(left, high)] + sums[at(right, low)]
-    };
-    let pixels = up.first.iter().flat_map(|row| across.first.iter().map(move |column| (*column, *row)));
-    pixels.map(is_clear).collect()
-}
-
-/// A lattice over some columns and rows of pixels.
-#[derive(Debug)]
-struct Nodes {
-    /// Pixels, the rows from the first of a band.
-    near: [Range<usize>; 2],
-    origin: DVec3,
-    /// From node to node.
-    steps: [DVec3; 2],
-    counts: [usize; 2],
-    across: Resampling,
-    up: Resampling,
-}
-
-impl Nodes {
-    /// `None` where every pixel is to be evaluated, or nodes would be hardly fewer.
-    fn new(job: &Job<'_>, raster: &Raster, near: [Range<usize>; 2], low: usize) -> Option<Self> {
-        let plane = &job.key.setting.plane;
-        if job.key.is_direct() {
-            return None;
-        }
-        let reach = (SHARE * plane.tolerance / OF_POLYNOMIALS).powf(1.0 / TAPS as f64);
-        let step = reach * job.key.setting.aperture.wavelength() / TAU;
-        let sizes = [plane.size.x / raster.width as f64, plane.size.y / raster.height as f64];
-        if 1.5 * sizes[0] * sizes[1] > step * step {
-            return None;
-        }
-        let along = |axis: usize, pixels: Range<usize>| {
-            let pixel = |index: usize| sizes[axis] * (index as f64 + 0.5) - plane.size[axis] / 2.0;
-            let margin = TAPS / 2 - 1;
-            let begin = pixel(pixels.start) - step * margin as f64;
-            let mut resampling = Resampling { taps: TAPS, ..Resampling::default() };
-            for index in pixels {
-                let place = (pixel(index) - begin) / step;
-                let first = (place.floor() as usize).saturating_sub(margin);
-                resampling.first.push(first as u32);
-                let own = place - first as f64;
-                let weight = |tap: usize| {
-                    let others = (0..TAPS).filter(|other| *other != tap).map(|other| other as f64);
-                    others.map(|other| (own - other) / (tap as f64 - other)).product::<f64>() as f32
-                };
-                resampling.weights.extend((0..TAPS).map(weight));
-            }
-            let count = resampling.first.last().map_or(0, |first| *first as usize + TAPS);
-            (begin, count, resampling)
-        };
-        let [x, y, _] = job.site.axes;
-        let (left, columns, across) = along(0, near[0].clone());
-        let (bottom, lines, up) = along(1, near[1].start + low..near[1].end + low);
-        let origin = plane.centre + x * left + y * bottom;
-        Some(Self { near, origin, steps: [x * step, y * step], counts: [columns, lines], across, up })
-    }
-
-    fn point(&self, node: usize) -> DVec3 {
-        let [column, row] = [node % self.counts[0], node / self.counts[0]];
-        self.origin + self.steps[0] * column as f64 + self.steps[1] * row as f64
-    }
-
-    /// The pixels that it covers, by their numbers in a band of this width.
-    fn pixels(&self, width: usize) -> impl Iterator<Item = usize> {
-        let [columns, rows] = self.near.clone();
-        rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
-    }
 }

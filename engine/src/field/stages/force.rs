@@ -27,6 +27,7 @@ use crate::field::samples::Samples;
 use crate::field::slope::shifted;
 use crate::field::sound::narrow;
 use crate::field::stages::kept::Kept;
+use crate::field::stages::nodes::{self, Nodes, clear_of};
 use crate::field::stages::probes::{MARGIN, corners, farthest, largest_sum, rounding_of_terms, spread};
 use crate::field::stages::request::{By, FieldError, Map, Request, Setting};
 use crate::field::stages::work::Work;
@@ -52,6 +53,8 @@ const STENCILS: [[f64; 7]; NORMALS] = [
     [-1.0 / 60.0, 3.0 / 20.0, -0.75, 0.0, 0.75, -3.0 / 20.0, 1.0 / 60.0],
     [1.0 / 90.0, -3.0 / 20.0, 1.5, -49.0 / 18.0, 1.5, -3.0 / 20.0, 1.0 / 90.0],
 ];
+/// Error of maps among bodies, whose scattered sound is not exact either.
+const OF_BODIES: f64 = 5e-3;
 /// Error of maps of far-field pistons, whose sound is a wave only near a point.
 const OF_PISTONS: f64 = 5e-3;
 /// The finest tolerance of samples in f32.
@@ -174,14 +177,17 @@ impl OfBead {
         let scenery = Scenery { request, levitation, axes: [x, y, x.cross(y)], sample: &sample, by };
         let tolerance = if exact { 0.0 } else { request.plane.tolerance };
         let setting = Setting::new(aperture, Plane { tolerance, ..request.plane.clone() });
+        let is_open = aperture.bodies.is_empty();
         let site = self.site.try_update(&(setting.clone(), order), |site| {
             self.work.plan += 1;
             Plan::new(aperture, &setting.plane, Costs::CPU).ok_or(FieldError::NoPlane)?;
-            *site = Site::new(&setting, order);
+            // Samples would reach across the surfaces of bodies.
+            *site = if is_open { Site::new(&setting, order) } else { None };
             Ok::<_, FieldError>(())
         })?;
         let floor = match aperture.element.radiator() {
-            Radiator::Monopole | Radiator::Disk(_) => 0.0,
+            Radiator::Monopole | Radiator::Disk(_) if is_open => 0.0,
+            Radiator::Monopole | Radiator::Disk(_) => OF_BODIES,
             Radiator::Piston(_) | Radiator::Rectangle(_) | Radiator::Cosine(_) | Radiator::Measured => {
                 OF_PISTONS
             }
@@ -202,7 +208,10 @@ impl OfBead {
                 }
                 None => {
                     self.work.forming += 1;
-                    scenery.on_spheres(double, progress)?
+                    match is_open {
+                        true => scenery.on_spheres(double, progress)?,
+                        false => scenery.among_bodies(double, (&mut self.between, progress))?,
+                    }
                 }
             };
             if map.error <= promised(tolerance).max(floor) {
@@ -342,6 +351,13 @@ impl Scenery<'_> {
                 done.add();
             }
         }
+        if !aperture.bodies.is_empty() {
+            let levitation = &self.levitation;
+            let touches = |place: &usize| levitation.touches(lattice.point(*place));
+            for place in (0..lattice.len()).into_par_iter().filter(touches).collect::<Vec<_>>() {
+                formed.iter_mut().for_each(|own| own[place] = f32::NAN);
+            }
+        }
         Ok(formed)
     }
 
@@ -427,6 +443,74 @@ impl Scenery<'_> {
         Ok(self.map(values, evaluated, how, if double { By::CpuInF64 } else { self.by }))
     }
 
+    /// From nodes clear of bodies and boards, where pixels are more, and from spheres of their own beside these. A bead that
+    /// touches a body has no force.
+    fn among_bodies(
+        &self,
+        double: bool,
+        (between, progress): (&mut Between, &Gauge),
+    ) -> Result<Map, FieldError> {
+        let Request { aperture, plane, size, .. } = self.request;
+        // Squares have twice the wavenumber.
+        let step = nodes::step(plane.tolerance.max(FINEST), 2.0 * aperture.element.wavenumber);
+        let Some(nodes) = Nodes::new((plane, self.axes), *size, [0..size.0, 0..size.1], step) else {
+            return self.on_spheres(double, progress);
+        };
+        let (walls, clearance) = (aperture.walls(), CLEARANCE * aperture.wavelength());
+        let is_beside = |node: usize| {
+            let at = nodes.point(node);
+            walls.iter().any(|(wall, normal)| (at - *wall).dot(*normal) <= clearance)
+                || aperture.bodies.contains(at)
+        };
+        let mut is_beside: Vec<_> = (0..nodes.count()).into_par_iter().map(is_beside).collect();
+        let clear: Vec<_> = (0..nodes.count()).filter(|node| !is_beside[*node]).collect();
+        let all = nodes.count();
+        let at_nodes = |node: &usize| nodes.point(*node);
+        let own = self.at_places(&clear, at_nodes, double, &progress.part(0..clear.len(), all))?;
+        let mut formed = vec![vec![0.0f32; all]; own.len()];
+        for (to, own) in formed.iter_mut().zip(own) {
+            for (node, value) in clear.iter().zip(own) {
+                is_beside[*node] |= value.is_nan();
+                to[*node] = if value.is_nan() { 0.0 } else { value };
+            }
+        }
+        let is_open: Vec<_> = is_beside.iter().map(|is| !is).collect();
+        let is_clear = clear_of(&is_open, nodes.counts[0], [&nodes.across, &nodes.up]);
+        let is_direct: Vec<_> = is_clear.iter().map(|is| !is).collect();
+        let direct: Vec<_> = (0..is_direct.len()).filter(|pixel| is_direct[*pixel]).collect();
+        let mut components = vec![vec![0.0f32; is_direct.len()]; formed.len()];
+        for (component, own) in components.iter_mut().zip(&formed) {
+            interpolate(own, nodes.counts[0], &nodes.across, &nodes.up, between, component);
+        }
+        let mut values = lengths(components);
+        let at_pixels = |pixel: &usize| self.pixel(*pixel);
+        let own = self.at_places(&direct, at_pixels, double, &progress.part(clear.len()..all, all))?;
+        direct.iter().zip(lengths(own)).for_each(|(pixel, value)| values[*pixel] = value);
+        let (nodes, step) = (clear.len(), step * 1e3);
+        let beside = direct.len();
+        let how = format!(
+            "partial waves at {nodes} nodes, {step:.2} mm apart, and at {beside} places beside bodies"
+        );
+        Ok(self.map(values, nodes + beside, how, if double { By::CpuInF64 } else { self.by }))
+    }
+
+    /// Potential or force at some places.
+    fn at_places(
+        &self,
+        places: &[usize],
+        at: impl Fn(&usize) -> DVec3,
+        double: bool,
+        progress: &Gauge,
+    ) -> Result<Vec<Vec<f32>>, FieldError> {
+        let mut formed = vec![Vec::with_capacity(places.len()); self.components()];
+        for (run, some) in places.chunks(PLACES).enumerate() {
+            let progress = progress.part(run * PLACES..run * PLACES + some.len(), places.len());
+            let own = self.around(&Samples::at(some.iter().map(&at).collect()), double, &progress)?;
+            formed.iter_mut().zip(own).for_each(|(to, own)| to.extend(own));
+        }
+        Ok(formed)
+    }
+
     /// Every pixel from the sound on a sphere about it.
     fn on_spheres(&self, double: bool, progress: &Gauge) -> Result<Map, FieldError> {
         let (width, height) = self.request.size;
@@ -470,17 +554,19 @@ impl Scenery<'_> {
         let left_out = pixels.map(|pixels| Vicinity::new(aperture).of(&pixels)).unwrap_or_default();
         let [peak, others] = left_out.largest(&map.values);
         let (loudest, near, rounding) = (peak.max(others), left_out.near, self.rounding(&left_out));
+        let within = map.values.iter().filter(|value| value.is_nan()).count();
         if f64::from(peak) <= rounding {
-            return Map { peak: 0.0, loudest, near, rounding, ..map };
+            return Map { peak: 0.0, loudest, near, within, rounding, ..map };
         }
-        Map { peak, loudest, near, ..map }
+        Map { peak, loudest, near, within, ..map }
     }
 
     /// A bound of the rounding of forces whose terms may cancel.
     fn rounding(&self, left_out: &LeftOut) -> f64 {
         let Request { aperture, plane, drives, size, part, .. } = self.request;
         let probed = spread(size.0 * size.1).chain(corners(*size)).filter(|&pixel| !left_out.contains(pixel));
-        let transfer = aperture.transfer(&probed.map(|pixel| self.pixel(pixel)).collect::<Vec<_>>());
+        let elements = aperture.without_bodies();
+        let transfer = elements.transfer(&probed.map(|pixel| self.pixel(pixel)).collect::<Vec<_>>());
         let excitations: Vec<_> = drives.iter().map(|drive| drive.excitation(&aperture.driven)).collect();
         let loudest = largest_sum(transfer.rows(), &excitations);
         let k = aperture.element.wavenumber;

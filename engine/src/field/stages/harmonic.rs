@@ -60,6 +60,6 @@ impl OfVolume {
         };
         let (width, height) = *size;
         let (loudest, near) = (peak.max(others), left_out.near);
-        Ok(Map { width, height, values, peak, loudest, near, rounding: 0.0, error, evaluated, by, how })
+        Ok(Map { width, height, values, peak, loudest, near, error, evaluated, by, how, ..Map::default() })
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::field::Quantity;
@@ -22,6 +23,8 @@ pub(super) struct Job<'a> {
     pub(super) probes: &'a Probes,
     /// The pixels within bodies, ascending.
     pub(super) within: &'a [usize],
+    /// Where the sound presses on the skin of bodies, at every cell; empty if it presses on the plane.
+    pub(super) skin: &'a [Option<DVec3>],
     /// Excitations u of every element, for each drive that counts.
     pub(super) excitations: &'a Arc<Vec<Vec<Complex64>>>,
 }

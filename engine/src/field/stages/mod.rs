@@ -34,6 +34,7 @@ mod harmonic;
 mod job;
 mod kept;
 mod lattice;
+mod nodes;
 mod on_cpu;
 #[cfg_attr(not(feature = "gpu"), path = "no_gpu.rs")]
 mod on_gpu;
@@ -44,19 +45,22 @@ mod scatter;
 mod site;
 mod skin;
 mod weakest;
+mod within;
 mod work;
 
 use job::Job;
 use std::sync::Arc;
 
+use glam::DVec3;
 use num_complex::Complex64;
 
 use crate::drive::Drive;
+use crate::field::colouring::{Colouring, hatch};
 use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
 use crate::field::plan::{Costs, promised};
 use crate::field::vicinity::LeftOut;
-use crate::field::{colouring::Colouring, evaluator::Evaluator, gpu::Gpu};
+use crate::field::{evaluator::Evaluator, gpu::Gpu};
 use crate::gauge::Gauge;
 use crate::scene::Spread;
 use crate::surface::{Dent, Tank};
@@ -111,11 +115,14 @@ struct Ground {
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
     /// The request of the last refinement, so that maps do not depend on history.
     refined: Option<Request>,
-    frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes, Vec<usize>)>>,
+    frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes, Vec<usize>, OnSkin)>>,
     /// Excitations of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
     work: Work,
 }
+
+/// The places of [`within::skin`].
+type OnSkin = Vec<Option<DVec3>>;
 
 /// Drives and driven elements.
 type Sounding = (Arc<[Drive]>, Vec<usize>);
@@ -157,15 +164,22 @@ impl Ground {
         let frame = frame.update(&wanted, |made| {
             *made = Frame::new(key, site, request.size).map(|frame| {
                 let left_out = frame.left_out(&key.setting.aperture);
-                let probes = Probes::new(key, site, (request.size, &left_out), is_pressed);
-                let within = frame.within(&key.setting.aperture);
-                (frame, left_out, probes, within)
+                let of_skin = site.cells.as_ref().filter(|_| request.quantity.declaration().of_skin);
+                let skin = of_skin.map_or_else(Vec::new, |filled| {
+                    let points = filled.cells.points(site.axes);
+                    within::skin(&key.setting.aperture, &points, site.axes[2])
+                });
+                // On the skin of bodies every cell is in f64 already.
+                let is_compared = skin.is_empty();
+                let probes = Probes::new(key, site, (request.size, &left_out), (is_pressed, is_compared));
+                let within = frame.within(request, site.axes);
+                (frame, left_out, probes, within, skin)
             });
         });
-        let (frame, left_out, probes, within) = frame.as_ref().ok_or(FieldError::NoPlane)?;
+        let (frame, left_out, probes, within, skin) = frame.as_ref().ok_or(FieldError::NoPlane)?;
         let sounding = (request.counted(), request.aperture.driven.clone());
         let excitations = excitations.update(&sounding, |made| *made = request.excitations());
-        Ok(Job { request, key, site, frame, left_out, probes, within, excitations })
+        Ok(Job { request, key, site, frame, left_out, probes, within, skin, excitations })
     }
 }
 
@@ -411,6 +425,9 @@ impl Stages {
         Ok(colours.update(&key, |colours| {
             work.picture += 1;
             colouring.colours(&map.value.values, map.value.peak, colours);
+            if map.value.within > 0 {
+                hatch(&map.value.values, map.value.width, colours);
+            }
         }))
     }
 
@@ -573,8 +590,8 @@ impl Job<'_> {
                 (sampled, format!("{}{cells}", plan.reason))
             }
         };
-        let (near, loudest) = (self.left_out.near, peak.max(left_out));
-        Map { width, height, values, peak, loudest, near, rounding: 0.0, error, evaluated, by, how }
+        let (near, within, loudest) = (self.left_out.near, self.within.len(), peak.max(left_out));
+        Map { width, height, values, peak, loudest, near, within, rounding: 0.0, error, evaluated, by, how }
     }
 }
 

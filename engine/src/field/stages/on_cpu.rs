@@ -394,17 +394,13 @@ impl OnCpu {
                 work.forming += 1;
                 let points = filled.cells.points(job.site.axes);
                 if let Some(each) = &mut each {
-                    let of_drive = |drive| {
-                        let pressures = job.means(drive, points.len(), |cell| points.point(cell));
-                        pressures.into_iter().map(|value| value as f32).collect()
-                    };
+                    let of_drive =
+                        |drive| job.pressing(drive, &points).into_iter().map(|value| value as f32).collect();
                     each.extend((0..job.excitations.len()).map(|drive| of_drive(drive..drive + 1)));
                     *cells = mean(each);
                     return;
                 }
-                *cells = job.means(0..job.excitations.len(), points.len(), |cell| points.point(cell));
-                // Nothing presses on a surface within a body.
-                cells.iter_mut().filter(|cell| cell.is_nan()).for_each(|cell| *cell = 0.0);
+                *cells = job.pressing(0..job.excitations.len(), &points);
                 return;
             };
             cells.clear();
@@ -572,6 +568,28 @@ impl Job<'_> {
             sound.means(&self.excitations[drives.clone()], (quantity, &constants))
         };
         (0..count.div_ceil(TOGETHER)).into_par_iter().flat_map_iter(of_run).collect()
+    }
+}
+
+impl Job<'_> {
+    /// The mean over some of the drives of what presses at cells. Nothing does within a body. On a body's skin it is |p|²/(4ρc²)
+    /// of the total pressure, which is twice what a plane's formula expects; beside it there is no skin.
+    fn pressing(&self, drives: Range<usize>, cells: &field::samples::Samples) -> Vec<f64> {
+        if self.skin.is_empty() {
+            let means = self.means(drives, cells.len(), |cell| cells.point(cell));
+            return means.into_iter().map(|mean| if mean.is_nan() { 0.0 } else { mean }).collect();
+        }
+        let touched: Vec<_> = (0..cells.len()).filter_map(|cell| Some((cell, self.skin[cell]?))).collect();
+        let points: Vec<_> = touched.iter().map(|(_, at)| *at).collect();
+        let mut all = vec![0.0; cells.len()];
+        let part = self.request.constants().of_pressure / 4.0 / drives.len().max(1) as f64;
+        for drive in drives {
+            let pressures = self.key.setting.aperture.pressures(&points, &self.excitations[drive]);
+            for ((cell, _), p) in touched.iter().zip(pressures).filter(|(_, p)| !p.is_nan()) {
+                all[*cell] += part * p.norm_sqr();
+            }
+        }
+        all
     }
 }
 

@@ -60,7 +60,7 @@ impl Probes {
         key: &SiteKey,
         site: &Site,
         ((width, height), left_out): ((usize, usize), &LeftOut),
-        is_pressed: bool,
+        (is_pressed, is_compared): (bool, bool),
     ) -> Self {
         let plane = &key.setting.plane;
         let aperture = &key.setting.aperture;
@@ -73,6 +73,7 @@ impl Probes {
             }
         };
         match &site.cells {
+            _ if !is_compared => {}
             Some(filled) if is_pressed => {
                 let along = [0, 1].map(|axis| filled.cells.places(axis).collect::<Vec<_>>());
                 let shown = [0, 1].map(|axis| -> Vec<usize> {

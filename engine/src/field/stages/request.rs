@@ -189,6 +189,9 @@ pub struct Map {
     pub loudest: f32,
     /// Number of pixels within a wavelength of an element, in front of it.
     pub near: usize,
+    /// Number of pixels within bodies, whose values are not numbers.
+    #[doc(hidden)]
+    pub within: usize,
     /// Bound of the rounding of the sums behind the values of a silent map, if these are not all 0; they stay below it.
     pub rounding: f64,
     /// An estimate of the largest deviation of any pixel from the f64 reference, relative to the peak or to a louder
@@ -205,9 +208,8 @@ pub struct Map {
 impl Map {
     /// The same without its values.
     pub fn without_values(&self) -> Self {
-        let Self { width, height, peak, loudest, near, rounding, error, evaluated, by, ref how, .. } = *self;
-        let (values, how) = (Vec::new(), how.clone());
-        Self { width, height, values, peak, loudest, near, rounding, error, evaluated, by, how }
+        let how = self.how.clone();
+        Self { values: Vec::new(), how, ..*self }
     }
 
     /// Whether values within a wavelength of an element exceed the peak.

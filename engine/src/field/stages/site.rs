@@ -15,8 +15,8 @@ use crate::field::interpolation::Resampling;
 use crate::field::plan::{Costs, Grid};
 use crate::field::quantity::{ALONG, NORMAL, Norm, PRESSURE, Part};
 use crate::field::slope::FINEST_IN_F32;
-use crate::field::stages::bodies;
 use crate::field::stages::request::{FieldError, Request, Setting};
+use crate::field::stages::within;
 use crate::field::vicinity::{LeftOut, Vicinity};
 use crate::field::{plan::Plan, raster::Raster};
 use crate::scene::Plane;
@@ -248,11 +248,14 @@ impl Frame {
         Some(Self::Pixels { raster, weights })
     }
 
-    /// The pixels within bodies.
-    pub(super) fn within(&self, aperture: &Aperture) -> Vec<usize> {
+    /// The pixels of a request that are within bodies, on a plane with these axes and normal.
+    pub(super) fn within(&self, request: &Request, axes: [DVec3; 3]) -> Vec<usize> {
+        let Request { aperture, plane, size, quantity, .. } = request;
         match self {
-            Self::Pixels { raster, .. } => bodies::within(aperture, raster),
-            Self::Cells { .. } => Vec::new(),
+            Self::Pixels { raster, .. } => within::within(aperture, raster),
+            Self::Cells { .. } => {
+                within::within_cells(aperture, (plane, axes), *size, quantity.declaration().of_skin)
+            }
         }
     }
 
