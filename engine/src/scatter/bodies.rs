@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::mesh::Mesh;
-use crate::scatter::boundary::{BodyError, Boundary, TOLERANCE, TooLarge};
+use crate::scatter::boundary::{BodyError, Boundary, SKIN, TOLERANCE, TooLarge};
 use crate::scatter::emission::Emission;
 use crate::scatter::gmres::{self, Outcome};
 use crate::scatter::patch::{Patch, Sound};
@@ -87,13 +87,28 @@ impl Bodies {
         wavenumber: f64,
         sources: &[DVec3],
     ) -> Result<Self, TooLarge> {
-        let alone = bodies.len() == 1 && mirrors.is_empty();
-        let nearest = |body: &Body| match alone {
-            true => sources.iter().map(|at| at.distance(body.at)).fold(f64::INFINITY, f64::min),
-            false => body.radius,
+        let reach = |body: &Body| -> Result<f64, TooLarge> {
+            Ok(match body.kind {
+                BodyKind::Sphere => body.radius,
+                BodyKind::Capsule | BodyKind::Palm | BodyKind::Hand | BodyKind::Mesh => {
+                    boundary(body, wavenumber)?.map_or(0.0, |boundary| reach_of(boundary.mesh()))
+                }
+            })
         };
-        let solid = |body: &Body| Solid::new(body, wavenumber, nearest(body)).transpose();
-        let solids = bodies.iter().filter_map(solid);
+        let reaches = bodies.iter().map(reach).collect::<Result<Vec<_>, _>>()?;
+        // The nearest source of what reaches a body: an element, another body, or the image of one.
+        let nearest = |index: usize| {
+            let at = bodies[index].at;
+            let of_bodies = bodies.iter().zip(&reaches).enumerate().flat_map(|(other, (body, reach))| {
+                let direct = (other != index).then_some(body.at);
+                let images = mirrors.iter().map(|mirror| seen(mirror, body.at));
+                direct.into_iter().chain(images).map(move |place| at.distance(place) - reach)
+            });
+            let of_elements = sources.iter().map(|source| at.distance(*source));
+            of_bodies.chain(of_elements).fold(f64::INFINITY, f64::min)
+        };
+        let solids = (0..bodies.len())
+            .filter_map(|index| Solid::new(&bodies[index], wavenumber, nearest(index)).transpose());
         Ok(Self { solids: solids.collect::<Result<_, _>>()?, mirrors: mirrors.to_vec() })
     }
 
@@ -122,6 +137,12 @@ impl Bodies {
     /// Whether a point (m) is inside a body.
     pub fn contains(&self, at: DVec3) -> bool {
         self.solids.iter().any(|solid| solid.contains(at))
+    }
+
+    /// Points (m), those in the skin of a body just outside it.
+    pub fn lifted(&self, points: &[DVec3]) -> Vec<DVec3> {
+        let lifted = |at: &DVec3| self.solids.iter().fold(*at, |at, solid| solid.lifted(at));
+        points.par_iter().map(lifted).collect()
     }
 
     /// The points (m) at which incident sound is needed, with the normals of the surfaces there.
@@ -186,7 +207,7 @@ impl Bodies {
         let mut incident = Incident::default();
         for (index, solid) in self.solids.iter().enumerate() {
             let (points, normals): (Vec<_>, Vec<_>) = solid.points().into_iter().unzip();
-            let heard = self.heard(answer, &points, Some(index));
+            let heard = self.heard_by(answer, &points, Some(index), false);
             let slopes = heard.iter().zip(&normals).map(|((_, slope), normal)| along(*slope, *normal));
             incident.slopes.extend(slopes);
             incident.pressures.extend(heard.iter().map(|(p, _)| p));
@@ -210,6 +231,7 @@ impl Bodies {
     }
 
     fn heard_by(&self, answer: &Answer, points: &[DVec3], but: Option<usize>, double: bool) -> Vec<Sound> {
+        let points = &self.lifted(points)[..];
         let mut sums = vec![(Complex64::ZERO, [Complex64::ZERO; 3]); points.len()];
         for (index, (solid, own)) in self.solids.iter().zip(answer).enumerate() {
             if but != Some(index) {
@@ -231,6 +253,7 @@ impl Bodies {
 
     /// Scattered pressures (Pa) at points (m) outside, in f32 far from surfaces.
     pub fn pressures(&self, answer: &Answer, points: &[DVec3]) -> Vec<Complex64> {
+        let points = &self.lifted(points)[..];
         let mut all = self.corrections(answer, points);
         for emission in self.emissions(answer) {
             let own = emission.pressures(points);
@@ -259,6 +282,7 @@ impl Bodies {
 
     /// The scattered sound of every element at points (m) outside, from the answers to each; `None` if it is too large.
     pub fn table(&self, columns: &[Answer], points: &[DVec3]) -> Option<Rows> {
+        let points = &self.lifted(points)[..];
         let mut table = Rows::zeros(columns.len(), points.len(), MOST_TABLE)?;
         for (index, solid) in self.solids.iter().enumerate() {
             let own: Vec<_> = columns.iter().map(|column| &column[index][..]).collect();
@@ -289,6 +313,7 @@ impl Bodies {
     /// The weights of an answer, all parts in sequence, in the pressure at a point (m) outside and in its slopes along the
     /// axes.
     pub fn weights(&self, at: DVec3) -> Vec<[Complex64; 4]> {
+        let at = self.lifted(&[at])[0];
         let mut all = Vec::new();
         for solid in &self.solids {
             let mut own = solid.weights(at);
@@ -392,9 +417,7 @@ impl Solid {
         };
         let reach = match &surface {
             Surface::Series(sphere) => sphere.radius(),
-            Surface::Elements(boundary) => {
-                boundary.mesh().vertices.iter().map(|at| at.length()).fold(0.0, f64::max)
-            }
+            Surface::Elements(boundary) => reach_of(boundary.mesh()),
         };
         Ok(Some(Self { surface, at, axes, reach }))
     }
@@ -403,13 +426,35 @@ impl Solid {
         self.axes.transpose() * (at - self.at)
     }
 
+    /// The place (m) just outside of a point in the skin.
+    fn lifted(&self, at: DVec3) -> DVec3 {
+        if at.distance_squared(self.at) >= self.reach * self.reach {
+            return at;
+        }
+        let own = self.own(at);
+        match &self.surface {
+            Surface::Series(sphere) => {
+                let is_in_skin = own.length() < sphere.radius() && own.length() >= sphere.radius() - SKIN;
+                if is_in_skin {
+                    self.at + (at - self.at).normalize_or(DVec3::Z) * sphere.radius()
+                } else {
+                    at
+                }
+            }
+            Surface::Elements(boundary) => {
+                let lifted = boundary.lifted(own);
+                if lifted == own { at } else { self.at + self.axes * lifted }
+            }
+        }
+    }
+
     fn contains(&self, at: DVec3) -> bool {
         if at.distance_squared(self.at) >= self.reach * self.reach {
             return false;
         }
         let own = self.own(at);
         match &self.surface {
-            Surface::Series(sphere) => own.length() < sphere.radius(),
+            Surface::Series(sphere) => own.length() < sphere.radius() - SKIN,
             Surface::Elements(boundary) => boundary.contains(own),
         }
     }
@@ -548,6 +593,11 @@ fn boundary(body: &Body, wavenumber: f64) -> Result<Option<Arc<Boundary>>, TooLa
     all.truncate(KEPT - 1);
     all.insert(0, (shape, wavenumber, Arc::clone(&made)));
     Ok(Some(made))
+}
+
+/// m, of the smallest ball about the origin around a mesh.
+fn reach_of(mesh: &Mesh) -> f64 {
+    mesh.vertices.iter().map(|at| at.length()).fold(0.0, f64::max)
 }
 
 /// The image of a point.

@@ -45,6 +45,9 @@ use crate::simd::Isa;
 
 /// Residual at which solving ends, relative to the right side.
 pub const TOLERANCE: f64 = 1e-5;
+/// Depth (m) up to which a point inside is on the surface, and its height then.
+pub(super) const SKIN: f64 = 3e-5;
+const HAIR: f64 = 1e-6;
 /// Most steps of an iteration.
 const MOST_STEPS: usize = 200;
 /// Most points inside at which a solution is tried.
@@ -138,9 +141,23 @@ impl Boundary {
         &self.mesh
     }
 
-    /// Whether a point (m) is inside.
+    /// Whether a point (m) is inside, deeper than the skin: up to there it counts as just outside, since a plane in a flat
+    /// face is on either side of it.
     pub fn contains(&self, at: DVec3) -> bool {
-        self.inside.contains(at)
+        self.inside.contains(at) && self.outside(at).is_none()
+    }
+
+    /// The place (m) just outside of a point in the skin.
+    pub fn lifted(&self, at: DVec3) -> DVec3 {
+        if self.inside.contains(at) { self.outside(at).unwrap_or(at) } else { at }
+    }
+
+    fn outside(&self, at: DVec3) -> Option<DVec3> {
+        let facets = self.grid.around(at).map(|number| &self.facets[number]);
+        let near = facets.map(|facet| (facet.nearest(at), facet.normal));
+        let nearest = near.min_by(|(one, _), (other, _)| one.distance(at).total_cmp(&other.distance(at)))?;
+        let (place, normal) = nearest;
+        (place.distance(at) < SKIN).then(|| place + normal * HAIR)
     }
 
     /// Bytes of the matrix.
@@ -325,7 +342,7 @@ impl Boundary {
         let point = |facet: &Facet| {
             // The radius of an equilateral triangle is its edge by √3.
             let at = facet.centroid - facet.normal * (0.4 * 3.0f64.sqrt() * facet.radius);
-            self.contains(at).then_some(at)
+            self.inside.contains(at).then_some(at)
         };
         let facets: Vec<_> = self.facets.iter().step_by(step).collect();
         facets.par_iter().filter_map(|facet| point(facet)).collect()

@@ -77,6 +77,31 @@ impl Facet {
         THREE.map(|weights| self.at(weights))
     }
 
+    /// Its nearest point to a point (C. Ericson, Real-Time Collision Detection, 2005, 5.1.5).
+    pub fn nearest(&self, at: DVec3) -> DVec3 {
+        let [a, b, c] = self.corners;
+        let (ab, ac) = (b - a, c - a);
+        let [d1, d2] = [ab, ac].map(|side| side.dot(at - a));
+        let [d3, d4] = [ab, ac].map(|side| side.dot(at - b));
+        let [d5, d6] = [ab, ac].map(|side| side.dot(at - c));
+        let (of_c, of_b, of_a) = (d1 * d4 - d3 * d2, d5 * d2 - d1 * d6, d3 * d6 - d5 * d4);
+        if d1 <= 0.0 && d2 <= 0.0 {
+            a
+        } else if d3 >= 0.0 && d4 <= d3 {
+            b
+        } else if d6 >= 0.0 && d5 <= d6 {
+            c
+        } else if of_c <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+            a + ab * (d1 / (d1 - d3))
+        } else if of_b <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+            a + ac * (d2 / (d2 - d6))
+        } else if of_a <= 0.0 && d4 >= d3 && d5 >= d6 {
+            b + (c - b) * ((d4 - d3) / (d4 - d3 + d5 - d6))
+        } else {
+            a + (ab * of_b + ac * of_c) / (of_a + of_b + of_c)
+        }
+    }
+
     pub fn is_near(&self, other: &Self) -> bool {
         let reach = NEAR * (self.radius + other.radius);
         self.centroid.distance_squared(other.centroid) < reach * reach

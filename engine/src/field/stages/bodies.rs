@@ -108,6 +108,7 @@ impl Places {
         places.lattice = lattice;
         let itself: Vec<_> = places.pixels_by(By::Itself).map(|pixel| pixels.point(pixel)).collect();
         places.points.extend(itself);
+        places.points = bodies.lifted(&places.points);
         places
     }
 
