@@ -151,7 +151,7 @@ mod tests {
             ..sphere.clone()
         };
         let coarse = Body { edge: None, ..capsule.clone() };
-        for (body, allowed) in [(sphere, 1e-6), (soft, 1e-6), (capsule, 0.05), (coarse, 0.08)] {
+        for (body, allowed) in [(sphere, 1e-6), (soft, 1e-6), (capsule, 0.01), (coarse, 0.02)] {
             let scene = scene(body.clone());
             let (aperture, air) = (Aperture::new(&scene), Air::new(&scene.medium, scene.array.frequency));
             let drive = drive(&aperture);
