@@ -130,9 +130,12 @@ impl Scattering {
     }
 
     /// The answers to all elements, found by `find` if nobody did.
-    pub(super) fn columns(&self, find: impl FnOnce(&Bodies) -> Vec<Answer>) -> Option<(&Bodies, &[Answer])> {
+    pub(super) fn columns(
+        &self,
+        find: impl FnOnce(&Bodies) -> Vec<Answer> + Send,
+    ) -> Option<(&Bodies, &[Answer])> {
         let (own, bodies) = (self.0.as_ref()?, self.bodies()?);
-        Some((bodies, own.columns.get_or_init(|| find(bodies))))
+        Some((bodies, own.columns.get_or_init(|| apart(|| find(bodies)))))
     }
 
     /// The answer to a drive, a value per element, from the sound that `hear` gives.
@@ -168,9 +171,22 @@ impl Surroundings {
             let own =
                 |face: &Face| face.layout.positions.iter().map(|at| face.pose.world(*at)).collect::<Vec<_>>();
             let sources: Vec<_> = self.faces.iter().flat_map(own).collect();
-            Bodies::new(&self.bodies, &self.mirrors, self.element.wavenumber, &sources)
+            apart(|| Bodies::new(&self.bodies, &self.mirrors, self.element.wavenumber, &sources))
         })
     }
+}
+
+/// The result of work in parallel that other threads wait for, from threads of its own: a thread of the usual ones that
+/// waits for a part of it would begin another task meanwhile, which may wait for the same result.
+fn apart<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    if cfg!(target_arch = "wasm32") {
+        return work();
+    }
+    let Ok(pool) = rayon::ThreadPoolBuilder::new().build() else { return work() };
+    std::thread::scope(|scope| match scope.spawn(|| pool.install(work)).join() {
+        Ok(result) => result,
+        Err(panic) => std::panic::resume_unwind(panic),
+    })
 }
 
 /// The sum of the answers to all elements, each times its drive.

@@ -200,12 +200,17 @@ impl SoundTransfer {
         let Scattered { aperture, points, directions, total } = self.scattered.as_ref()?;
         let is_known =
             aperture.bodies.has_columns() && !points.iter().any(|at| aperture.bodies.contains(*at));
-        is_known.then(|| {
-            total.get_or_init(|| match directions[..] {
+        if !is_known {
+            return None;
+        }
+        if total.get().is_none() {
+            // Others may do the same meanwhile: nobody waits in the middle of parallel work.
+            let _ = total.set(match directions[..] {
                 [] => aperture.transfer(points),
                 _ => aperture.transfer_with_slopes(points, directions),
-            })
-        })
+            });
+        }
+        total.get()
     }
 
     /// The sound of one drive at every point.
