@@ -16,7 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("table", &["csv", "flate2", "npyz", "roxmltree", "serde_json", "thiserror"]),
     ("rounding", &[]),
     ("simd", &[]),
-    ("special", &[]),
+    ("special", &["libm"]),
     ("scatter", &["glam", "num_complex", "rayon", "thiserror"]),
     ("acoustics", &["glam", "libm", "num_complex", "rayon", "sonoglyph_fourier"]),
     ("drive", &["glam", "num_complex"]),
