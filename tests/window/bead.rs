@@ -133,6 +133,8 @@ fn a_released_bead_flies_and_comes_to_rest() {
     screen.state_mut().editor_mut().parts.levitation.form.typed = Some(AT + DVec3::X * 3e-4);
     rest(&mut screen);
     let release = |screen: &Screen| screen.state().editor().parts.flight.form;
+    screen.get_by_role_and_label(Role::Button, "Release").scroll_to_me();
+    screen.run_steps(2);
     screen.get_by_role_and_label(Role::Button, "Release").click();
     screen.run_steps(2);
     rest(&mut screen);

@@ -47,7 +47,7 @@ use crate::simd::Isa;
 pub const TOLERANCE: f64 = 1e-5;
 /// Depth (m) up to which a point inside is on the surface, and its height then.
 pub(super) const SKIN: f64 = 3e-5;
-const HAIR: f64 = 1e-6;
+const HAIR: f64 = 2e-6;
 /// Most steps of an iteration.
 const MOST_STEPS: usize = 200;
 /// Most points inside at which a solution is tried.

@@ -19,7 +19,7 @@ pub(super) const CLEAR: f64 = 4.0;
 /// The same for pieces, with the rule of six points.
 const PIECE_CLEAR: f64 = 2.5;
 /// Divisions of a triangle that touches the point.
-const DEEPEST: usize = 7;
+const DEEPEST: usize = 11;
 
 /// A source of the rule of three points.
 #[derive(Clone, Copy, Debug)]

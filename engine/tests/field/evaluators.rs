@@ -35,7 +35,9 @@ fn uneven(elements: usize, off: &[usize]) -> Drive {
 
 fn assert_evaluators_agree(name: &str, scene: &Scene, drive: &Drive, samples: &Samples, gpu: Option<&Gpu>) {
     const AGREEMENT: f64 = 2e-5;
-    let aperture = Aperture::new(scene);
+    let mut aperture = Aperture::new(scene);
+    // The evaluators sum over elements.
+    aperture.bodies = Scattering::default();
     let sources = Sources::of_faces(&aperture, drive, samples).unwrap();
     let reference = reference::pressure(&aperture, drive, samples);
     for isa in Isa::available() {
