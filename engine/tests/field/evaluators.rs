@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, dvec3};
 use num_complex::{Complex32, Complex64};
-use sonoglyph::acoustics::Aperture;
+use sonoglyph::acoustics::{Aperture, Scattering};
 use sonoglyph::drive::Drive;
 use sonoglyph::field::gpu::{Kind, adapter};
 use sonoglyph::field::{Gpu, GpuError, Samples, Sources, cpu, reference};
