@@ -134,7 +134,7 @@ fn a_released_bead_flies_and_comes_to_rest() {
     rest(&mut screen);
     let release = |screen: &Screen| screen.state().editor().parts.flight.form;
     screen.get_by_role_and_label(Role::Button, "Release").scroll_to_me();
-    screen.run_steps(2);
+    rest(&mut screen);
     screen.get_by_role_and_label(Role::Button, "Release").click();
     screen.run_steps(2);
     rest(&mut screen);
