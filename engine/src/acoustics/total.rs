@@ -225,9 +225,11 @@ impl Aperture {
             parts.iter().map(row).collect()
         };
         let set = |transfer: &mut Transfer, row: usize, is_within: bool, values: Vec<Complex64>| {
-            for column in 0..transfer.elements {
-                let own = if is_within { Complex64::ZERO } else { transfer.at(row, column) + values[column] };
-                transfer.set(row, column, own);
+            for (column, value) in values.into_iter().enumerate() {
+                transfer.set(row, column, transfer.at(row, column) + value);
+            }
+            if is_within {
+                (0..transfer.elements).for_each(|column| transfer.set(row, column, Complex64::ZERO));
             }
         };
         if !self.bodies.has_columns() && points.len() * rows * FEW <= self.driven.len() {

@@ -93,7 +93,7 @@ impl Hand {
         let thumb = {
             // Away from the palm by 42°, raised by 14°, and bent towards the palm's middle line as much as upwards.
             let forwards = DQuat::from_rotation_z(-0.73) * DQuat::from_rotation_y(-0.25) * DVec3::X;
-            let inwards = (dvec3(0.2, 0.7, 0.7)).reject_from(forwards).normalize();
+            let inwards = (dvec3(0.2, 0.7, 0.7)).reject_from(forwards).normalize_or(DVec3::Z);
             let base = dvec3(-0.37 * size.x, -0.22 * size.y, -0.42 * size.z);
             let bones = THUMB.map(|bone| bone * ratio.x);
             let radii = THUMB_RADII.map(|radius| radius * scale);

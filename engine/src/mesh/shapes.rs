@@ -43,7 +43,7 @@ pub fn geodesic(radius: f64, parts: usize) -> Mesh {
             }
         }
     }
-    let mesh = mesh.mapped(|at| at.normalize() * radius);
+    let mesh = mesh.mapped(|at| at.normalize_or_zero() * radius);
     with_volume(body(mesh), 4.0 / 3.0 * PI * radius.powi(3), |at, out| at * (1.0 + out / radius))
 }
 
@@ -69,7 +69,7 @@ pub fn capsule(from: DVec3, to: DVec3, radius: f64, edge: f64) -> Mesh {
     let mesh = revolution(&meridian, edge);
     let volume = PI * radius * radius * (2.0 * half + 4.0 / 3.0 * radius);
     let core = |at: DVec3| dvec3(0.0, 0.0, at.z.clamp(-half, half));
-    let mesh = with_volume(mesh, volume, |at, out| at + (at - core(at)).normalize() * out);
+    let mesh = with_volume(mesh, volume, |at, out| at + (at - core(at)).normalize_or_zero() * out);
     let (x, y) = axis.any_orthonormal_pair();
     mesh.mapped(|at| middle + x * at.x + y * at.y + axis * at.z)
 }
@@ -122,13 +122,13 @@ pub fn slab(size: DVec3, margin: f64, edge: f64) -> Mesh {
         }
     }
     let inner = |at: DVec3| at.clamp(-core, core);
-    let mesh = mesh.mapped(|at| inner(at) + (at - inner(at)).normalize() * margin);
+    let mesh = mesh.mapped(|at| inner(at) + (at - inner(at)).normalize_or_zero() * margin);
     let [a, b, c] = (core * 2.0).to_array();
     let volume = a * b * c
         + 2.0 * margin * (a * b + b * c + c * a)
         + PI * margin * margin * (a + b + c)
         + 4.0 / 3.0 * PI * margin.powi(3);
-    with_volume(body(mesh), volume, |at, out| at + (at - inner(at)).normalize() * out)
+    with_volume(body(mesh), volume, |at, out| at + (at - inner(at)).normalize_or_zero() * out)
 }
 
 /// A right hand whose palm's skin has its middle in the origin and faces z, with fingers along x and the thumb at negative

@@ -380,7 +380,7 @@ impl<'a> Source<'a> {
         let (rows, columns) = (&self.tree.clusters[a].nodes, &self.tree.clusters[b].nodes);
         let (count, width) = (rows.len(), columns.len());
         let most = count * width / (2 * (count + width));
-        let (mut us, mut vs): (Vec<[Vec<f32>; 2]>, Vec<[Vec<f32>; 2]>) = (Vec::new(), Vec::new());
+        let (mut us, mut vs) = (Vec::<[Vec<f32>; 2]>::new(), Vec::<[Vec<f32>; 2]>::new());
         let mut is_used = vec![false; count];
         let (mut pivot, mut total, mut small) = (0, 0.0, 0);
         loop {
@@ -393,9 +393,10 @@ impl<'a> Source<'a> {
             let mut size = 0.0;
             if largest > 0.0 {
                 let scale = Complex32::ONE / Complex32::new(v[0][column], v[1][column]);
-                for i in 0..width {
-                    let scaled = Complex32::new(v[0][i], v[1][i]) * scale;
-                    (v[0][i], v[1][i]) = (scaled.re, scaled.im);
+                let [re, im] = &mut v;
+                for (re, im) in re.iter_mut().zip(im) {
+                    let scaled = Complex32::new(*re, *im) * scale;
+                    (*re, *im) = (scaled.re, scaled.im);
                 }
                 let mut u = self.line(columns.start + column, a, Many::Test);
                 for (earlier, v) in us.iter().zip(&vs) {

@@ -159,7 +159,7 @@ impl Sphere {
         let (j, y) = (bessel::spherical(order, x), bessel::spherical_second(order, x));
         let factor =
             |n: usize| Complex64::new(0.0, -4.0 * PI * self.wavenumber) * Complex64::new(j[n], -y[n]);
-        let harmonics = harmonics(order, way.normalize()).0;
+        let harmonics = harmonics(order, way.normalize_or(DVec3::Z)).0;
         harmonics.iter().enumerate().map(|(harmonic, y)| factor(harmonic.isqrt()) * y).collect()
     }
 

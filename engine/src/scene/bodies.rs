@@ -276,7 +276,9 @@ impl<'a> Solid<'a> {
                 let grid = (0..125)
                     .map(|i| DVec3::from([i % 5, i / 5 % 5, i / 25].map(|i| f64::from(i) / 2.0 - 1.0)));
                 let edge = grid.filter(|at| at.abs().max_element() == 1.0);
-                let out = |at: DVec3| self.palm_middle() + self.axes * (at * half + at.normalize() * margin);
+                let out = |at: DVec3| {
+                    self.palm_middle() + self.axes * (at * half + at.normalize_or_zero() * margin)
+                };
                 edge.map(out).collect()
             }
             (_, Some(hand)) => hand.vertices.iter().map(world).collect(),

@@ -115,11 +115,14 @@ struct Ground {
     site: Kept<SiteKey, Option<(SiteKey, Site)>>,
     /// The request of the last refinement, so that maps do not depend on history.
     refined: Option<Request>,
-    frame: Kept<FrameKey, Option<(Frame, LeftOut, Probes, Vec<usize>, OnSkin)>>,
+    frame: Kept<FrameKey, Option<Framed>>,
     /// Excitations of the drives with these elements driven.
     excitations: Kept<Sounding, Arc<Vec<Vec<Complex64>>>>,
     work: Work,
 }
+
+/// A frame, pixels that do not count for the peak, probes, pixels within bodies, and skin of bodies.
+type Framed = (Frame, LeftOut, Probes, Vec<usize>, OnSkin);
 
 /// The places of [`within::skin`].
 type OnSkin = Vec<Option<DVec3>>;

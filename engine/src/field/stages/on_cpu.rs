@@ -50,7 +50,7 @@ pub(super) struct OnCpu {
     /// Its sound at the pixels, if it fits one band.
     at_pixels: Kept<(SampledKey, (usize, usize)), Lattice>,
     /// Where bodies are heard in some rows of pixels.
-    places: Kept<(SiteKey, (usize, usize), (usize, usize)), Places>,
+    places: Kept<PlacesKey, Places>,
     shares: Vec<Share>,
     /// Means of the formula over the drives, per cell.
     cells: Kept<FormedKey, Vec<f64>>,
@@ -63,6 +63,9 @@ pub(super) struct OnCpu {
     /// Progress over the samples of all drives.
     pub(super) progress: Gauge,
 }
+
+/// A site, the size of its map, and the first and last row of a band of pixels.
+type PlacesKey = (SiteKey, (usize, usize), (usize, usize));
 
 /// The inputs of a drive's samples.
 #[derive(Clone, Debug, PartialEq)]
