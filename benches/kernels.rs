@@ -109,7 +109,7 @@ fn space(criterion: &mut Criterion) {
     };
     let scenery = |body: Body| {
         let look = Look { body, ..Look::default() };
-        scenery(&scene, (&aperture, &drives[0]), &[], (&block, &block), &look)
+        scenery(&scene, (&aperture, &drives[0]), &[], (&block, &block), &[], &look)
     };
     let camera = Camera::of(&block, [0.6, 0.36], 1.0, true);
     let shot =

@@ -574,7 +574,7 @@ fn warnings(editor: &Editor, shown: &Shown) -> Vec<String> {
     warnings.extend(shown.board.steadied.clone());
     warnings.extend(editor.parts.scattering.newest().and_then(|found| found.problem.clone()));
     let map = shown.map.as_ref();
-    let tolerance = editor.view.quantity.declaration().tolerance(editor.scene().plane.tolerance);
+    let tolerance = editor.view.quantity.declaration().tolerance(editor.scene());
     warnings.extend(map.and_then(|map| missed(map.error, tolerance)));
     warnings
 }

@@ -86,7 +86,7 @@ pub fn default_sheet(path: Option<&Path>) -> anyhow::Result<()> {
     rendered.write(&output, None)?;
     say!("{}", rendered.line(&output))?;
     say!(
-        "`sonoglyph render SCENE -o FILE.png` draws other scenes and quantities, and `sonoglyph --help` lists the rest."
+        "`sonoglyph render scene -o FILE.png` draws other scenes and quantities, and `sonoglyph --help` lists the rest."
     )
 }
 
@@ -274,7 +274,7 @@ pub fn render(solved: &Solved, stages: &mut Stages, look: &Look) -> anyhow::Resu
     let channel = look.channel;
     let request = Request { channel, ..Request::new(scene, drives, quantity, (width, height)) };
     let drawn = map::draw(&request, look.colours, stages, look.backend == Backend::Gpu)?;
-    if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
+    if let Some(missed) = missed(drawn.map.error, quantity.declaration().tolerance(scene)) {
         warn(&format!("{name}: {missed}"));
     }
     let mut what = match &drawn.pressed {

@@ -127,7 +127,7 @@ pub fn write(solved: &Solved, stages: &mut Stages, look: &Look, wish: &Wish<'_>)
     })
     .with_context(|| solved.name.clone())?;
     let Whole { peak, loudest, error } = Whole::of(&layers);
-    let missed = missed(error, quantity.declaration().tolerance(scene.plane.tolerance));
+    let missed = missed(error, quantity.declaration().tolerance(scene));
     let mm = |v: DVec3| v.to_array().map(|length| millimetres(length, 1)).join(", ");
     let line = format!(
         "{}: {} x {} x {} points from ({}) mm, ({}) mm apart, {}",

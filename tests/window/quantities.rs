@@ -42,7 +42,10 @@ fn shows(screen: &mut Screen, quantity: Quantity) {
     assert_eq!((shown.problem.as_ref(), shown.pending.as_ref()), (None, None), "{quantity:?}");
     let (map, sound) = (shown.map.as_ref().unwrap(), shown.sound.as_ref().unwrap());
     assert_eq!(map.quantity, quantity);
-    assert!(map.largest > 0.0 && map.error < quantity.declaration().tolerance(1e-3), "{quantity:?}: {map:?}");
+    assert!(
+        map.largest > 0.0 && map.error < quantity.declaration().tolerance(&Scene::default()),
+        "{quantity:?}: {map:?}"
+    );
     let axes = [map.axes.x, map.axes.y, map.axes.x.cross(map.axes.y)];
     let lens = lens(screen);
     let part = if quantity.declaration().is_slow { scene(screen).modulation.mean_square() } else { 1.0 };

@@ -18,7 +18,12 @@ use crate::field::harmonic::TOLERANCE;
 pub use crate::field::sound::{ALONG, Constants, NORMAL, PRESSURE, Part, Sound, Sounds, narrow};
 pub use crate::field::unit::Unit;
 use crate::rounding;
+use crate::scene::Scene;
 use crate::simd::{Instructions, Isa, Kernel};
+
+/// Error of maps with bodies that is left, relative to the peak: within an edge of a surface its triangles show, which
+/// samples do not resolve, and which the sound of the body does not have.
+pub(crate) const OF_BODIES: f64 = 1e-2;
 
 /// The kind of range of values, which determines their colours.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -431,10 +436,16 @@ impl Declaration {
         !self.of_bead && !self.of_volume
     }
 
-    /// The promised error of its maps, relative to their peak: an integral over the air has its own steps.
+    /// The promised error of its maps on the plane of a scene, relative to their peak: an integral over the air has its own
+    /// steps, and the triangles of bodies show.
     #[doc(hidden)]
-    pub fn tolerance(&self, of_plane: f64) -> f64 {
-        if self.of_volume { of_plane.max(TOLERANCE) } else { of_plane }
+    pub fn tolerance(&self, scene: &Scene) -> f64 {
+        let of_plane = scene.plane.tolerance;
+        match (self.of_volume, scene.bodies.is_empty()) {
+            (true, _) => of_plane.max(TOLERANCE),
+            (false, true) => of_plane,
+            (false, false) => of_plane.max(OF_BODIES),
+        }
     }
 
     /// Whether the scattered sound of elements that differ adds to it, point by point.

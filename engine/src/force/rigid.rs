@@ -155,7 +155,7 @@ mod tests {
             let scene = scene(body.clone());
             let (aperture, air) = (Aperture::new(&scene), Air::new(&scene.medium, scene.array.frequency));
             let drive = drive(&aperture);
-            let got = Push::on_bodies(&aperture, &air, &[drive.clone()])[0];
+            let got = Push::on_bodies(&aperture, &air, std::slice::from_ref(&drive))[0];
             let expected = through_sphere(&aperture, &air, &drive, (at, 0.012));
             let name = format!("{:?} {}: {got:?}, not {expected:?}", body.kind, body.coefficient);
             let lever = 0.006 * got.gross;
@@ -172,7 +172,7 @@ mod tests {
         let scene = scene(Body { at, radius: 0.0012, ..Body::default() });
         let (aperture, air) = (Aperture::new(&scene), Air::new(&scene.medium, scene.array.frequency));
         let drive = drive(&aperture);
-        let got = Push::on_bodies(&aperture, &air, &[drive.clone()])[0];
+        let got = Push::on_bodies(&aperture, &air, std::slice::from_ref(&drive))[0];
         let bead = Bead { density: Some(1e5), sound_speed: Some(1e5), radius: 0.0012, ..Bead::default() };
         let alone = aperture.without_bodies();
         let expected = Levitation::in_air(&alone, (&air, &bead), &[drive], 0.0).force(at);

@@ -204,7 +204,7 @@ mod tests {
         assert!(message(stl(bad.as_bytes())).starts_with("4: vertex up"), "{}", message(stl(bad.as_bytes())));
         assert!(message(stl(bad.as_bytes())).ends_with("expected three numbers"));
         let cut = &text[..text.len() / 2];
-        let error = message(stl(cut[..cut.rfind("facet normal").unwrap()].as_bytes()));
+        let error = message(stl(&cut.as_bytes()[..cut.rfind("facet normal").unwrap()]));
         assert!(error.starts_with("the surface is not closed"), "{error}");
         assert_eq!(message(stl(b"PNG")), "not an STL file: it has 3 bytes");
         let mut binary = as_binary(&body());

@@ -297,7 +297,7 @@ mod tests {
         let tip = |digit: usize, bends: [f64; 5]| {
             let hand = Hand::new(USUAL, bends);
             let [.., last, ball] = hand.digits[digit].joints;
-            let along = (ball - last).normalize();
+            let along = (ball - last).normalize_or_zero();
             (ball + along * hand.digits[digit].radii[3] - DVec3::Z * hand.skin, along)
         };
         let bends = [30.0, 10.0, 60.0, 90.0, 150.0];

@@ -485,11 +485,11 @@ mod tests {
             for second in &facets[..a] {
                 let [forth, back] = facets::rough(&wall, first, second);
                 for (entries, test, trial) in [(forth, first, second), (back, second, first)] {
-                    for i in 0..3 {
-                        for j in 0..3 {
-                            let (row, column) = (test.nodes[i] as usize, trial.nodes[j] as usize);
-                            expected[0][row] += entries[i][j] * x[column];
-                            expected[1][column] += entries[i][j] * x[row];
+                    for (row, entries) in test.nodes.iter().zip(entries) {
+                        for (column, entry) in trial.nodes.iter().zip(entries) {
+                            let (row, column) = (*row as usize, *column as usize);
+                            expected[0][row] += entry * x[column];
+                            expected[1][column] += entry * x[row];
                         }
                     }
                 }

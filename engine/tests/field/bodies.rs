@@ -263,8 +263,8 @@ fn bodies_absorb_no_energy() {
     let (count, radius, step) = (2000, 0.02, 1e-6);
     let (mut power, mut incident) = (0.0, 0.0);
     for n in 0..count {
-        let z = 1.0 - (2 * n + 1) as f64 / count as f64;
-        let turn = n as f64 * 2.399_963_229_728_653;
+        let z = 1.0 - f64::from(2 * n + 1) / f64::from(count);
+        let turn = f64::from(n) * 2.399_963_229_728_653;
         let normal = dvec3(turn.cos() * (1.0 - z * z).sqrt(), turn.sin() * (1.0 - z * z).sqrt(), z);
         let at = normal * radius;
         let p = aperture.pressures(&[at, at + normal * step, at - normal * step], &[Complex64::ONE]);

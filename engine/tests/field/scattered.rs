@@ -24,7 +24,7 @@ fn random(dice: &mut Dice, count: usize) -> Vec<Complex64> {
 fn around(dice: &mut Dice, mesh: &Mesh, count: usize, [nearest, farthest]: [f64; 2]) -> Vec<DVec3> {
     let point = |n: usize| {
         let [a, b, c] = mesh.corners(dice.index(mesh.triangles.len()));
-        let out = (b - a).cross(c - a).normalize();
+        let out = (b - a).cross(c - a).normalize_or_zero();
         let (u, v) = (dice.unit() / 2.0, dice.unit() / 2.0);
         let off = nearest * (farthest / nearest).powf(n as f64 / count as f64);
         a + (b - a) * u + (c - a) * v + out * off

@@ -192,7 +192,7 @@ fn ball(middle: DVec3, radius: f64, pressure: Option<f32>) -> Vec<Item> {
         let at = |corner: DVec3| move |pressure: f32| pressure * (0.5 - 0.5 * (corner.x / radius) as f32);
         Item::Facet {
             corners: corners.map(|corner| middle + corner),
-            normals: corners.map(|corner| corner.normalize().as_vec3()),
+            normals: corners.map(|corner| corner.normalize_or_zero().as_vec3()),
             pressures: pressure.map(|pressure| corners.map(|corner| at(corner)(pressure))),
         }
     };

@@ -91,7 +91,7 @@ pub fn run(args: &RenderArgs) -> anyhow::Result<()> {
         note("every frame shows the surface at equilibrium under its sound; --waves shows the transient");
     }
     let shot = film.shoot(&target, &stem(path), &|_| Ok(()))?;
-    if let Some(missed) = missed(film.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
+    if let Some(missed) = missed(film.error, quantity.declaration().tolerance(&scene)) {
         warn(&missed);
     }
     if let Some(beyond) = liquid::beyond_linear_theory(film.slope) {

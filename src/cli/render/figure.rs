@@ -99,7 +99,7 @@ pub fn write(
     let gpu_is_asked_for = look.backend == Backend::Gpu;
     let figure::Drawn { figure, maps } = figure::draw(&panels, wish, stages, gpu_is_asked_for)?;
     for (Solved { name, scene, .. }, MapOf { map, slope, quantity }) in scenes.iter().zip(&maps) {
-        if let Some(missed) = missed(map.error, quantity.declaration().tolerance(scene.plane.tolerance)) {
+        if let Some(missed) = missed(map.error, quantity.declaration().tolerance(scene)) {
             warn(&format!("{name}: {missed}"));
         }
         if let Some(beyond) = slope.and_then(liquid::beyond_linear_theory) {

@@ -59,6 +59,7 @@ use crate::field::colouring::{Colouring, hatch};
 use crate::field::contour::{self, Line};
 use crate::field::gpu::Texture;
 use crate::field::plan::{Costs, promised};
+use crate::field::quantity::OF_BODIES;
 use crate::field::vicinity::LeftOut;
 use crate::field::{evaluator::Evaluator, gpu::Gpu};
 use crate::gauge::Gauge;
@@ -574,7 +575,9 @@ impl Job<'_> {
 
     /// Rounding in f32 is relative to the single waves; if they cancel, the peak is smaller.
     fn is_too_far_off(&self, error: f64) -> bool {
-        error > promised(self.request.plane.tolerance)
+        let tolerance = promised(self.request.plane.tolerance);
+        let is_open = self.request.aperture.bodies.is_empty() || self.key.is_direct();
+        error > if is_open { tolerance } else { tolerance.max(OF_BODIES) }
     }
 
     /// The map with the largest magnitudes of the pixels that count for the peak, and of the others.
