@@ -266,7 +266,7 @@ fn a_wired_array_is_played_and_tested_by_element() {
     // The warnings of this board push the buttons down.
     screen.set_size(vec2(1280.0, 1000.0));
     screen.state_mut().editor_mut().board.element = 37;
-    screen.step();
+    screen.run_steps(4);
     screen.get_by_label("Single element").click();
     screen.run_steps(2);
     arrives(&mut screen, &shown, &Levels::one(Profile::SonicSurface, 255 - 3 * 37));
