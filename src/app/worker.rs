@@ -31,6 +31,9 @@ thread_local! {
     static WAITING: RefCell<VecDeque<Answered>> = const { RefCell::new(VecDeque::new()) };
 }
 
+/// Vertices and triangles of a file.
+type Triangles = (Vec<DVec3>, Vec<[u32; 3]>);
+
 /// A scene with its loaded files.
 #[derive(Serialize, Deserialize)]
 struct Parcel {
@@ -41,7 +44,7 @@ struct Parcel {
     wires: Option<(Vec<Option<Wire>>, bool)>,
     directivity: Option<Vec<Reading>>,
     /// Vertices and triangles of the bodies' files, in their order.
-    surfaces: Vec<Option<(Vec<DVec3>, Vec<[u32; 3]>)>>,
+    surfaces: Vec<Option<Triangles>>,
     drives: Option<DriveTable>,
 }
 
