@@ -6,7 +6,7 @@
 //!
 //! On the surface this and its normal slope are two equations, each without unique solution at the wavenumbers at which
 //! the inside resonates. Their sum with the factor α = -j/k has one at all (A. J. Burton, G. F. Miller, Proc. R. Soc.
-//! Lond. A 323, 201, 1971): with the layers K p = ∫ p ∂G/∂n_y, its twin K', V p = ∫ p G and the hypersingular -W,
+//! A 323, 201, 1971): with the layers K p = ∫ p ∂G/∂n_y, its twin K', V p = ∫ p G and the hypersingular -W,
 //!
 //! ((1 + β)/2 - K + jkβ V + β K' + α W) p = p_in + α ∂p_in/∂n.
 //!

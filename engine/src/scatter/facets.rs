@@ -114,7 +114,7 @@ pub(super) const THREE: [[f64; 3]; 3] = {
     [[own, other, other], [other, own, other], [other, other, own]]
 };
 
-/// The rule of six points, exact for degree 4: barycentric coordinates and weights (D. A. Dunavant, Int. J. Numer.
+/// The rule of six points, exact for degree 4: barycentric coordinates and weights (D. A. Dunavant, Int. J. for Numerical
 /// Methods Eng. 21, 1129, 1985).
 pub(super) const SIX: [([f64; 3], f64); 6] = {
     const A: f64 = 0.445_948_490_915_965;

@@ -2,7 +2,7 @@
 //!
 //! Nodes are sorted by halving boxes. Blocks between clusters that are apart have few independent rows: adaptive cross
 //! approximation finds them one after the other from single rows and columns, until a cross no longer counts (M. Bebendorf,
-//! Numer. Math. 86, 565, 2000). Other blocks are stored whole. For 10 000 nodes this takes a quarter of the memory of the
+//! Numerische Mathematik 86, 565, 2000). Other blocks are stored whole. For 10 000 nodes this takes a quarter of the memory of the
 //! whole matrix and half the time.
 
 use std::ops::Range;
