@@ -50,13 +50,13 @@ impl Table {
     /// Adds some numbers of A x.
     pub fn add_times(&self, rows: Range<usize>, x: &[Sixteen], to: &mut [Sums]) {
         assert_eq!((rows.len(), x.len()), (to.len(), self.columns));
-        Isa::best().run(AddRows { table: self, first: rows.start, x, to });
+        Isa::best().run(AddTiles::<false> { table: self, first: rows.start, x, to });
     }
 
     /// Adds some numbers of Aᵀ x.
     pub fn add_transposed_times(&self, columns: Range<usize>, x: &[Sixteen], to: &mut [Sums]) {
         assert_eq!((columns.len(), x.len()), (to.len(), self.rows));
-        Isa::best().run(AddColumns { table: self, first: columns.start, x, to });
+        Isa::best().run(AddTiles::<true> { table: self, first: columns.start, x, to });
     }
 }
 
@@ -135,20 +135,20 @@ impl Kernel for Add<'_> {
     }
 }
 
-/// to += A x, for rows from a first one.
-struct AddRows<'a> {
+/// to += A x for rows from a first one, or Aᵀ x for columns.
+struct AddTiles<'a, const IS_TRANSPOSED: bool> {
     table: &'a Table,
     first: usize,
     x: &'a [Sixteen],
     to: &'a mut [Sums],
 }
 
-impl Kernel for AddRows<'_> {
+impl<const IS_TRANSPOSED: bool> Kernel for AddTiles<'_, IS_TRANSPOSED> {
     type Output = ();
 
     #[inline(always)]
     fn run<I: Instructions>(self) {
-        // As many rows as registers for their sums.
+        // As many of them as registers for their sums.
         match I::WIDTH {
             LANES.. => self.by::<I, 6>(),
             _ => self.by::<I, 2>(),
@@ -156,18 +156,32 @@ impl Kernel for AddRows<'_> {
     }
 }
 
-impl AddRows<'_> {
+impl<const IS_TRANSPOSED: bool> AddTiles<'_, IS_TRANSPOSED> {
     #[inline(always)]
     fn by<I: Instructions, const AT_ONCE: usize>(self) {
         let Self { table, first, x, to } = self;
         let (tiles, rest) = to.as_chunks_mut::<AT_ONCE>();
         let after = first + AT_ONCE * tiles.len();
         for (tile, to) in tiles.iter_mut().enumerate() {
-            rows_tile::<I, AT_ONCE>(table, first + AT_ONCE * tile, x, to);
+            add_tile::<I, AT_ONCE, IS_TRANSPOSED>(table, first + AT_ONCE * tile, x, to);
         }
-        for (row, to) in rest.iter_mut().enumerate() {
-            rows_tile::<I, 1>(table, after + row, x, std::array::from_mut(to));
+        for (last, to) in rest.iter_mut().enumerate() {
+            add_tile::<I, 1, IS_TRANSPOSED>(table, after + last, x, std::array::from_mut(to));
         }
+    }
+}
+
+#[inline(always)]
+fn add_tile<I: Instructions, const COUNT: usize, const IS_TRANSPOSED: bool>(
+    table: &Table,
+    first: usize,
+    x: &[Sixteen],
+    to: &mut [Sums; COUNT],
+) {
+    if IS_TRANSPOSED {
+        columns_tile::<I, COUNT>(table, first, x, to);
+    } else {
+        rows_tile::<I, COUNT>(table, first, x, to);
     }
 }
 
@@ -188,41 +202,6 @@ fn rows_tile<I: Instructions, const ROWS: usize>(
         }
     }
     add_sums(to, &sums);
-}
-
-/// to += Aᵀ x, for columns from a first one.
-struct AddColumns<'a> {
-    table: &'a Table,
-    first: usize,
-    x: &'a [Sixteen],
-    to: &'a mut [Sums],
-}
-
-impl Kernel for AddColumns<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<I: Instructions>(self) {
-        match I::WIDTH {
-            LANES.. => self.by::<I, 6>(),
-            _ => self.by::<I, 2>(),
-        }
-    }
-}
-
-impl AddColumns<'_> {
-    #[inline(always)]
-    fn by<I: Instructions, const AT_ONCE: usize>(self) {
-        let Self { table, first, x, to } = self;
-        let (tiles, rest) = to.as_chunks_mut::<AT_ONCE>();
-        let after = first + AT_ONCE * tiles.len();
-        for (tile, to) in tiles.iter_mut().enumerate() {
-            columns_tile::<I, AT_ONCE>(table, first + AT_ONCE * tile, x, to);
-        }
-        for (column, to) in rest.iter_mut().enumerate() {
-            columns_tile::<I, 1>(table, after + column, x, std::array::from_mut(to));
-        }
-    }
 }
 
 #[inline(always)]
